@@ -77,10 +77,10 @@ class Track(Protocol):
     """What gravity does on a track."""
 
     def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
+        """Component of gravity normal to the track [m/s^2]."""
 
     def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
+        """Component of gravity along the track, forwards [m/s^2]."""
 
 
 class Machine(Protocol):

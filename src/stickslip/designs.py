@@ -45,7 +45,7 @@ class Design:
 
 @explains_arguments
 def zipped(dim: str = "case", /, **columns: Any) -> Design:
-    """Columns that go together: point i has the i-th value of each.
+    """Columns combined value by value: point i has the i-th value of each.
 
     Parameters
     ----------

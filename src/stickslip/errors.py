@@ -18,11 +18,11 @@ __all__ = [
 
 
 class StickslipError(Exception):
-    """Any error that this package raises on purpose."""
+    """Base class of the errors of this package."""
 
 
 class InputError(StickslipError, ValueError):
-    """An input that cannot be used; `problems` holds one sentence for each thing wrong with it.
+    """An invalid input; `problems` holds one sentence for each mistake.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class OneContactNeeded(InputError, AttributeError):
 
 
 class SolveError(StickslipError, RuntimeError):
-    """A single run that could not be finished; in a batch the same thing is a status."""
+    """A single run that could not be finished; in a batch it becomes a status."""
 
 
 class Problems:

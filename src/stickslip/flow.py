@@ -26,7 +26,7 @@ Mode = Hashable
 
 @dataclass(frozen=True)
 class Switch:
-    """What ends a mode.
+    """A switch that ends a mode.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ _MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0
 
 @explains_arguments
 def mirrored(robot: Model) -> Any:
-    """The mirror image of a robot or machine: it moves as the other does, in the other direction.
+    """The mirror image of a robot or machine: it performs the same motion in the opposite direction.
 
     Drives and applied forces are turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill. The
     last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.

@@ -17,7 +17,7 @@ REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest
 
 @dataclass(frozen=True, eq=False)
 class Observable:
-    """A function of the state, and what is made of it over the last motion period; made by `observable`.
+    """A function of the state and its reduction over the last motion period; made by `observable`.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ class Robot(Frozen):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the batch that this robot is; () for one robot."""
+        """Shape of the batch; () for a single robot."""
         return shape_of(self)
 
     @property
@@ -123,7 +123,7 @@ class Robot(Frozen):
 
     @property
     def whole_drive(self) -> Any:
-        """How the common centre of mass of the inner masses moves relative to the body: the drive itself, where there is one mass."""
+        """Motion of the common centre of mass of the inner masses relative to the body; with one mass, the drive itself."""
         masses: Any = self.inner_mass
         return Together(self.drive, masses, self.cycles or ()) if isinstance(self.drive, tuple) else self.drive
 
@@ -144,7 +144,7 @@ class Robot(Frozen):
 
     @property
     def free_velocity(self) -> float:
-        """What the drive would do to the body without friction, A mu omega: how close is close for strobe points [m/s]."""
+        """Velocity amplitude of the body without friction, A mu omega: the scale for comparing strobe points [m/s]."""
         return self.velocity_scale * self.mass_ratio
 
     @property

@@ -29,11 +29,11 @@ class AroundTrack(Frozen):
             problems.add(f"track = {self.track!r}; allowed is a track, an object with across, along; {_LEVEL}")
 
     def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
+        """Component of gravity normal to the track [m/s^2]."""
         return self.track.across(gravity)
 
     def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
+        """Component of gravity along the track, forwards [m/s^2]."""
         return self.track.along(gravity)
 
 
@@ -221,7 +221,7 @@ class FrictionWave(_Placed):
 
 @dataclass(frozen=True, eq=False)
 class FrictionProfile(_Placed):
-    """A track whose friction was measured at some places: linear between them, and constant before the first and behind the last.
+    """A track whose friction was measured at some positions: linear between them, and constant before the first and after the last.
 
     Parameters
     ----------

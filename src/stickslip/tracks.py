@@ -36,11 +36,11 @@ class Level(Frozen):
         return track
 
     def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
+        """Component of gravity normal to the track [m/s^2]."""
         return gravity
 
     def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
+        """Component of gravity along the track, forwards [m/s^2]."""
         return 0.0
 
 
@@ -64,11 +64,11 @@ class Incline(Frozen):
     tilt: float = field(metadata=TILT)
 
     def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
+        """Component of gravity normal to the track [m/s^2]."""
         return gravity * cos(self.tilt)
 
     def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
+        """Component of gravity along the track, forwards [m/s^2]."""
         return gravity * sin(self.tilt)
 
 

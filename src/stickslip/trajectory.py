@@ -138,7 +138,7 @@ class Trajectory(Drawn, RunFiles):
     # ---- time ----
     @property
     def period_time(self) -> float:
-        """Period T of the drive [s]; an error where the model has none."""
+        """Period T of the drive [s]; an error if the model has none."""
         if self.model.period is None:
             why = f"{type(self.model).__name__} has no period, so this run has neither period_time nor strobe points"
             raise InputError("Trajectory", [f"{why}; type run.at(t) for its state at times of your own"])
@@ -305,12 +305,12 @@ class Trajectory(Drawn, RunFiles):
 
     @property
     def x(self) -> NDArray[np.float64]:
-        """Position of the body [m]; (time, body) of a machine of several."""
+        """Position of the body [m]; (time, body) for several bodies."""
         return self._own("x", self._states[0])
 
     @property
     def v(self) -> NDArray[np.float64]:
-        """Velocity of the body [m/s]; (time, body) of a machine of several."""
+        """Velocity of the body [m/s]; (time, body) for several bodies."""
         return self._own("v", self._states[1])
 
     @property
@@ -459,7 +459,7 @@ class Trajectory(Drawn, RunFiles):
 
     @property
     def strobe_memory(self) -> NDArray[np.float64] | None:
-        """Whole numbers that laws remember, at the strobe times: (time,), or (time, memory) if there are several; None if none."""
+        """Discrete memories of laws at the strobe times: (time,), or (time, memory) if there are several; None if none."""
         return _as_column(self._strobe[3])
 
     # ---- doors ----

@@ -101,7 +101,7 @@ _ABOUT_AN_AXIS = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m", "N
 
 
 def unit_of(name: str, model: Any) -> str:
-    """Unit of a column of a machine: of one that turns about an axis angles and torques.
+    """Unit of a column of a machine: angles and torques for a rotary machine.
 
     Examples
     --------
@@ -113,5 +113,5 @@ def unit_of(name: str, model: Any) -> str:
 
 
 def in_units_of(model: Any, unit: str) -> str:
-    """A unit of ways and forces as a machine has it."""
+    """A unit of displacement or force for a machine, translational or rotary."""
     return _ABOUT_AN_AXIS.get(unit, unit) if getattr(model, "rotary", False) else unit

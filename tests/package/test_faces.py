@@ -84,3 +84,17 @@ def test_motions_print_as_sentences():
     assert str(ss.motion(ss.solve(ss.Chain.example(), periods=60))).splitlines()[1].startswith("  contact module 1, pattern +−, forward ")
     record = ss.virtual_rig(robot, noise=1e-4)
     assert str(record.motion()) == record.motion().verdict
+
+
+def test_a_curve_in_two_parameters_draws_itself():
+    rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
+    curve = ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)
+    axes = curve.plot()
+    x, y = axes.lines[0].get_data()
+    assert np.allclose(x, 1e6 * curve.values[:, 0]) and np.allclose(y, curve.values[:, 1])  # µm, and the coefficient
+    assert "data:image/png" in curve._repr_html_()
+    for wrong in ([], [curve, 3], None):
+        with pytest.raises(ss.InputError, match="curves in the same two parameters"):
+            ss.plot.special_curve(wrong)
+    plt.close("all")

@@ -218,6 +218,7 @@ def examples():
         "plot.optimum": (ss.plot.optimum, {"found": None, "of": None, "ax": None}),
         "plot.basins": (ss.plot.basins, {"found": None, "ax": None}), "plot.attractors": (ss.plot.attractors, {"found": None,
              "quantity": "mean_velocity"}),
+        "plot.special_curve": (ss.plot.special_curve, {"curves": None, "ax": None}),
         "plot.chaos_map": (ss.plot.chaos_map, {"found": None, "quantity": "motion", "curves": ()}),
              "plot.comparison": (ss.plot.comparison, {"found": None}),
     }  # fmt: skip

@@ -31,7 +31,7 @@ _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near
 
 @dataclass(frozen=True)
 class Motion(Drawn):
-    """The motion that a run ends in, judged on its last motion period.
+    """The motion at the end of a run, judged on its last motion period.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ class Motions(Drawn):
 
 @explains_arguments
 def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
-    """The motion that a run ends in.
+    """The motion at the end of a run.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
     elastic part of the friction is below `slip_ratio` of its steady sliding value for at least `dwell` of a drive period.

@@ -24,7 +24,7 @@ _GOLDEN = (5**0.5 - 1) / 2
 
 @explains_arguments
 def step_per_cycle(run: Run) -> float:
-    """How far a machine goes in a period of its drive: its mean velocity times the period.
+    """Displacement per drive period: the mean velocity times the period.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def step_per_cycle(run: Run) -> float:
 
 @explains_arguments
 def throw_index(machine: Model) -> Any:
-    r"""How strongly a contact is thrown: :math:`\Gamma = 1 - N_{\min}/\bar N`, by the least and the mean load in a period.
+    r"""Throw index of a contact: :math:`\Gamma = 1 - N_{\min}/\bar N`, by the least and the mean load in a period.
 
     Where it is above 1 the load falls to zero in each period. For a trough that swings harmonically with the amplitude A at an angle
     :math:`\beta` to a level track it is :math:`A\omega^2\sin\beta/g`.

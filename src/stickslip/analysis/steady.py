@@ -188,7 +188,7 @@ def period_number(run: Any) -> int | None:
 
 @explains_arguments
 def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-12) -> float | NDArray[np.float64]:
-    """Mean velocity of the periodic motion itself, free of what a transient leaves in a window.
+    """Mean velocity of the periodic motion itself, free of transients.
 
     Where the motion is made of closed arcs (Coulomb friction and a harmonic drive) it comes from the closed formulas, to rounding.
     Any other robot is run until its strobe point is estimated to be within 3 rtol of the periodic one, in units of A mu omega

@@ -49,7 +49,7 @@ def bench(
     experiments: Iterable[str] | None = None,
     progress: Callable[[str, int, int], None] | bool | None = None,
 ) -> Any:
-    r"""What a law does, alone: the standard experiments of the friction literature, with their numbers and curves.
+    r"""The behaviour of a friction law by itself: the standard experiments of the friction literature, with numbers and curves.
 
     Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss per
     cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, ways and

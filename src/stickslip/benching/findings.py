@@ -111,7 +111,7 @@ class Experiment:
 @sealed
 @dataclass(frozen=True, eq=False)
 class Bench(Drawn):
-    """What one law does, alone; `print` shows the table, `stickslip.plot.bench` the figure.
+    """The behaviour of one law by itself; `print` shows the table, `stickslip.plot.bench` the figure.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ class Bench(Drawn):
 
     @property
     def table(self) -> str:
-        """The numbers as a table of text, with what to know about them below it."""
+        """The numbers as a table of text, with remarks below it."""
         return "\n".join([self._title(), aligned(self.rows()), *self._remarks()])
 
     def _remarks(self) -> list[str]:

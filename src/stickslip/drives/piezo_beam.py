@@ -130,7 +130,7 @@ class PiezoBeam(Frozen):
 
     @property
     def angular_unit(self) -> float:
-        """What (beta_i L)^2 is multiplied with for the angular frequency of mode i, sqrt(EI/(rho A L^4)) [rad/s]."""
+        """Factor of (beta_i L)^2 in the angular frequency of mode i, sqrt(EI/(rho A L^4)) [rad/s]."""
         return sqrt(self.bending_stiffness / (self.mass * self.length**3))
 
     @property

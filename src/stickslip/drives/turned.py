@@ -14,7 +14,7 @@ __all__ = ["Reversed"]
 
 @dataclass(frozen=True, eq=False)
 class Reversed(Around):
-    r"""A drive whose relative motion is turned round: :math:`-\xi(t)`. Fast and slow phases change their direction.
+    r"""A drive whose relative motion is reversed: :math:`-\xi(t)`. Fast and slow phases change their direction.
 
     Motion across the track stays as it is.
 
@@ -38,7 +38,7 @@ class Reversed(Around):
 
     @property
     def vertical_acceleration(self) -> Any:
-        """That of the drive, or None if it has none."""
+        """Vertical acceleration of the drive, or None if it has none."""
         return drive_of(self.drive).vertical_acceleration
 
     def position(self, t: Any) -> Any:

@@ -53,7 +53,7 @@ class ExportedLaw:
 
     @property
     def file(self) -> str:
-        """What a file with the text should be called: MATLAB asks for the name of its function."""
+        """Suggested file name of the text: MATLAB requires the name of the function."""
         return f"{self.name}.{_ENDINGS[self.language]}"
 
     @explains_arguments

@@ -102,7 +102,7 @@ class Bristle(Law):
         return alone_or_all((0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0,) * self.bristles)
 
     def notes(self, load: Any) -> list[str]:
-        """What a user should know about this law."""
+        """Remarks on this law for the user."""
         return [
             f"Bristle friction is random (another seed than {self.seed} gives another run), and is solved in plain Python, case by case"
         ]

@@ -72,5 +72,5 @@ class Dahl(Law):
         return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
 
     def notes(self, load: Any) -> list[str]:
-        """What a user should know about this law."""
+        """Remarks on this law for the user."""
         return ["Dahl friction has no Stribeck effect and no static friction above the kinetic one: it makes no stick-slip by itself"]

@@ -133,7 +133,7 @@ class RateState(Law):
         return self.v0
 
     def notes(self, load: Any) -> list[str]:
-        """What a user should know about this law."""
+        """Remarks on this law for the user."""
         if everywhere(self.a >= self.b):
             return ["a >= b: friction grows with the speed, and this law makes no stick-slip by itself"]
         return []

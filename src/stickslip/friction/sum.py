@@ -59,7 +59,7 @@ class Sum(Law):
 
     @property
     def approximation(self) -> str:
-        """What is wrong with the parts; empty where nothing is."""
+        """The defects of the parts; empty if there are none."""
         return "; ".join(filter(None, (getattr(part, "approximation", "") for part in (self.first, self.second))))
 
     @property
@@ -148,7 +148,7 @@ class ModalSum(DynamicSum):
         return dynamic.force(v, z, zdot, load, mode) + _moving(other, v, load)
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
-        """What ends a mode."""
+        """A switch that ends a mode."""
         return self._parts()[0].switches(v, z, load, mode)
 
 

@@ -14,7 +14,7 @@ __all__ = ["Viscous"]
 
 @dataclass(frozen=True, eq=False)
 class Viscous(Law):
-    r"""Anisotropic viscous and quadratic friction, which does not depend on the load and holds nothing at rest.
+    r"""Anisotropic viscous and quadratic friction, which does not depend on the load and carries no force at rest.
 
     .. math:: R = c_\pm v + d_\pm v\,|v|
 
@@ -56,5 +56,5 @@ class Viscous(Law):
         return linear * v + quadratic * v * abs(v)
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Rest bears no force [N]."""
+        """No static friction [N]."""
         return 0.0 * load, 0.0 * load

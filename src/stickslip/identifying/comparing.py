@@ -155,7 +155,7 @@ def compare(
     settle: int | str = "auto",
     rtol: float = 1e-8,
 ) -> Comparison:
-    """A record beside what friction laws give for the same robot: curves on one phase, mean velocities, rms, events and motion types.
+    """Compare a record with several friction laws for the same robot: curves on one phase, mean velocities, rms, events and motion types.
 
     Each law's curve is shifted in the drive's phase until it fits the record best; nothing else is fitted.
 

@@ -133,7 +133,7 @@ def design(
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
-    """Which experiment would tell the parameters best, or separate rival laws best; and what none of them can tell.
+    """Which experiment determines the parameters best, or discriminates best between rival laws; and what none of them can determine.
 
     Parameters
     ----------

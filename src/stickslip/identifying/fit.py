@@ -153,23 +153,23 @@ class Fit(Face):
 
     @property
     def fitted(self) -> int:
-        """How many numbers were fitted, phases and those of sensors included; of what is known beforehand, nothing more is asked."""
+        """Number of fitted quantities, including phases and sensor effects."""
         known = len(self.jacobian) - self.count
         return max(len(self.names) + self.problem.nuisances - known, 0)
 
     @property
     def dof(self) -> int:
-        """Degrees of freedom that are left."""
+        """Degrees of freedom."""
         return max(self.count - self.fitted, 0)
 
     @property
     def cost(self) -> float:
-        """Sum of squared residuals in standard deviations, with that of what is known beforehand."""
+        """Sum of squared residuals in standard deviations, including those of prior knowledge."""
         return float(self.residuals @ self.residuals) + self.penalty
 
     @cached_property
     def information(self) -> Information:
-        """What the data say about the parameters (on the scale of the search), phases and numbers of sensors included."""
+        """Information of the data on the parameters (on the scale of the search), including phases and sensor effects."""
         return information_of(self.problem, self.jacobian)
 
     @cached_property
@@ -186,7 +186,7 @@ class Fit(Face):
 
     @property
     def sensor(self) -> dict[str, tuple[float, float]]:
-        """What the sensors add: name -> (value, standard error); zero for what was held, infinite for what the data do not determine.
+        """Effects of the sensors: name -> (value, standard error); zero for fixed effects, infinite for undetermined ones.
 
         The delay of a record of steady motion is never determined: the drive's phase in the record is not known.
         """
@@ -199,7 +199,7 @@ class Fit(Face):
 
     @property
     def combinations(self) -> list[tuple[str, float, float]]:
-        """What the data do determine of numbers that they do not determine one by one: (formula, value, standard error)."""
+        """Combinations of undetermined parameters that the data do determine: (formula, value, standard error)."""
         return [(found.formula, found.value, found.error) for found in self.determined]
 
     @cached_property
@@ -211,7 +211,7 @@ class Fit(Face):
 
     @property
     def undetermined(self) -> tuple[str, ...]:
-        """Parameters that the data do not determine: any value between their bounds fits as well, others following perhaps."""
+        """Parameters that the data do not determine: any value between their bounds fits as well, possibly with changes of others."""
         return tuple(name for name, error in self.errors.items() if not np.isfinite(error) or name in self.open)
 
     @cached_property
@@ -393,7 +393,7 @@ class Fit(Face):
 
     @cached_property
     def predicted(self) -> tuple[Any, ...]:
-        """What the fitted model gives at the samples of each record [SI]."""
+        """Values of the fitted model at the samples of each record [SI]."""
         return self._split(self.problem.predicted(self.place))
 
     def _split(self, whole: Any) -> tuple[Any, ...]:
@@ -402,21 +402,21 @@ class Fit(Face):
 
     @cached_property
     def quality(self) -> tuple[Quality, ...]:
-        """How well each record is met."""
+        """Goodness of fit of each record."""
         from stickslip.identifying.uncertainty import quality
 
         return quality(self)
 
     @cached_property
     def bent(self) -> tuple[str, ...]:
-        """Parameters along whose interval the sum of squares is not a parabola, so that covariance and bootstrap are not to be believed."""
+        """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable."""
         from stickslip.identifying.uncertainty import bent_parameters
 
         return tuple(bent_parameters(self))
 
     @property
     def correlated(self) -> list[str]:
-        """Sentences on pairs of parameters that these data hardly tell apart."""
+        """Sentences on pairs of parameters that these data can hardly distinguish."""
         found, table = [], self.correlations
         for i in range(len(self.names)):
             for j in range(i):
@@ -426,7 +426,7 @@ class Fit(Face):
 
     @property
     def remedy(self) -> str:
-        """What would tell apart the parameters that these data do not."""
+        """A remedy for parameters that these data cannot distinguish."""
         count = len(self.problem.targets)
         if self.problem.targets[0].kind in OVER_MOTION:
             return "add a record with another stroke or speed"
@@ -441,13 +441,13 @@ class Fit(Face):
 
     @property
     def warnings(self) -> list[str]:
-        """Everything a user should know before trusting the values."""
+        """Warnings about the fitted values."""
         from stickslip.identifying.uncertainty import remarks
 
         return [*remarks(self), *self.correlated, *self.notes]
 
     def distribution(self, machine: Any, problems: Problems) -> Any:
-        """How the parameters spread the numbers of a machine, as `propagate` and `optimise` ask."""
+        """The distribution of a machine's numbers under the fit, for `propagate` and `optimise`."""
         from stickslip.identifying.distribution import distribution_of
 
         return distribution_of(self, machine, problems)

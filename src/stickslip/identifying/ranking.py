@@ -178,7 +178,7 @@ def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequenc
 def prediction_errors(
     fit: Fitted, records: Measured | Sequence[Measured], *, load: float | None = None, frequency: float | None = None, **arguments: Any
 ) -> list[float]:
-    """How well a fit predicts records that it has not seen: rms for each record [SI]. The drive's phase and the sensor are fitted there.
+    """How well a fit predicts held-out records: rms for each record [SI]. The drive's phase and the sensor are fitted there.
 
     Parameters
     ----------

@@ -125,7 +125,7 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
 
 
 def quality(fit: Fit) -> tuple[Quality, ...]:
-    """How well each record is met."""
+    """Goodness of fit of each record."""
     from stickslip.identifying.fit import Quality
 
     found = []

@@ -16,7 +16,7 @@ __all__ = ["Bodies"]
 
 @dataclass(frozen=True, eq=False)
 class Bodies(Frozen):
-    """Plain masses in a row, each with a contact: what a worm is made of.
+    """Plain masses in a row, each with a contact, such as the segments of a worm.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ __all__ = ["Chain"]
 
 @dataclass(frozen=True, eq=False)
 class Chain(Machine):
-    r"""Bodies in a row, neighbours joined by a link: vibration-driven modules, or plain masses that a gait moves against each other.
+    r"""Bodies in a row, neighbours joined by a link: vibration-driven modules, or plain masses whose distances a gait prescribes.
 
     .. math:: P_i\ddot x_i = -m_i\ddot\xi_i(t + \varphi_i T/2\pi) + P_i\,g\sin\theta - R_i - \sum_j F_{ij}
 

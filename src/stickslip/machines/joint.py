@@ -201,7 +201,7 @@ class Joint(Machine):
 
     @property
     def time_scale(self) -> Any:
-        """A time in which something happens [s]: the period, or that of a swing about the target or about hanging."""
+        """A characteristic time [s]: the period, or that of oscillations about the target or the hanging position."""
         if self.period is not None:
             return self.period
         gain = 0.0 if self.control is None else self.gear_ratio * self.control.kp
@@ -220,7 +220,7 @@ class Joint(Machine):
     # ---- parts ----
     @property
     def whole_inertia(self) -> Any:
-        """All that turns with the joint, seen there [kg m^2]."""
+        """Total inertia that turns with the joint, referred to the joint [kg m^2]."""
         return self.inertia + self._of_motor
 
     @property
@@ -263,7 +263,7 @@ class Joint(Machine):
         return {("motor", "joint"): (Stop(**flank), Stop(**flank, side=-1))}
 
     def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The applied torque, seen at the joint [N m]."""
+        """The applied torque, referred to the joint [N m]."""
         if self.torque is None:
             return {}
         return {self._driven: self.gear_ratio * torque_at(self.torque, in_period(t, self.torque, self._count(self.torque)))}

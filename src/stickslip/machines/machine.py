@@ -84,11 +84,11 @@ class Machine(Frozen):
         return {}
 
     def links(self) -> Mapping[tuple[str, str | None], Any]:
-        """What joins two bodies, or one and the ground (None): ``{("head", "tail"): ss.Spring(...)}``."""
+        """Links between two bodies, or a body and the ground (None): ``{("head", "tail"): ss.Spring(...)}``."""
         return {}
 
     def stops(self) -> Mapping[tuple[str, str | None], Any]:
-        """What ends the way of one body towards another or the ground: ``{("head", None): ss.Stop(...)}``."""
+        """Stops between two bodies, or a body and the ground: ``{("head", None): ss.Stop(...)}``."""
         return {}
 
     def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -96,7 +96,7 @@ class Machine(Frozen):
         return {}
 
     def controllers(self) -> Mapping[str, Any]:
-        """What controls it, by name: parts that hold states of their own and act on bodies, such as those of a `stickslip.Joint`."""
+        """Controllers by name: parts with states of their own that act on bodies, such as those of a `stickslip.Joint`."""
         return {}
 
     def _check(self, problems: Problems) -> None:
@@ -117,7 +117,7 @@ class Machine(Frozen):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the batch that this machine is; () for one."""
+        """Shape of the batch; () for a single machine."""
         return shape_of(self)
 
     def to_toml(self) -> str:

@@ -25,7 +25,7 @@ _LOOKS = 64  # instants of a period at which the load is looked at
 
 @dataclass(frozen=True, eq=False)
 class MovingTrack(Machine):
-    r"""A mass on a track that moves along and across as it is told: the slider of a piezo stage, a part on a vibratory conveyor.
+    r"""A mass on a track with a prescribed motion along and across it: the slider of a piezo stage, a part on a vibratory conveyor.
 
     .. math:: m\ddot x = m g\sin\theta + F - R(\dot x - \dot\xi), \qquad N = P + m\ddot\eta
 

@@ -55,7 +55,7 @@ class Body(Frozen):
         return _told(self.force, t, x, v)
 
     def weight_at(self, t: Any, x: Any, v: Any) -> Any:
-        """What of it is gravity's [N]."""
+        """The part of it that is due to gravity [N]."""
         return _told(self.gravity, t, x, v)
 
 
@@ -66,7 +66,7 @@ def _told(force: Any, t: Any, x: Any, v: Any) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Contact(Frozen):
-    """Where a body rubs: on the track, on another body, or on something that moves as it is told.
+    """A contact of a body with the track, with another body, or with a surface whose motion is prescribed.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Contact(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Spring(Frozen):
-    """A spring with a damper beside it, between two bodies or a body and the ground.
+    """A spring with a parallel damper, between two bodies or a body and the ground.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ class Spring(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Rigid(Frozen):
-    """A link that keeps the distance: the two bodies move as one, and have a contact each.
+    """A rigid link: the two bodies move as one, and have a contact each.
 
     Examples
     --------
@@ -222,7 +222,7 @@ class Gait(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Stop(Frozen):
-    """What ends the way of one body towards another, or towards the ground: a hit that is over at once, or a stiff spring.
+    """A stop between two bodies, or a body and the ground: an instantaneous impact, or a stiff spring.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ class Stop(Frozen):
             problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
 
     def gap_left(self, distance: Any) -> Any:
-        """What is left of the gap [m]; negative while an elastic stop is pressed."""
+        """The remaining gap [m]; negative while an elastic stop is pressed."""
         return self.gap - self.side * distance
 
     def force(self, distance: Any, rate: Any) -> Any:

@@ -23,7 +23,7 @@ _TARGET = "an angle [rad], a motion such as ss.Harmonic(amplitude=0.3, frequency
 
 @dataclass(frozen=True, eq=False)
 class PID(Frozen):
-    r"""A PID controller: what its motor does about the error e = target - angle.
+    r"""A PID controller: the torque of a motor from the error e = target - angle.
 
     Continuously,
 

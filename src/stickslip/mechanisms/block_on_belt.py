@@ -12,7 +12,7 @@ __all__ = ["BlockOnBelt"]
 
 @dataclass(frozen=True, eq=False)
 class BlockOnBelt(SpringMass):
-    r"""A block held by a spring on a moving belt: the textbook's self-excited oscillator.
+    r"""A block held by a spring on a moving belt: the textbook example of a self-excited oscillator.
 
     .. math:: m\ddot x = -k x - c\,\dot x - R(\dot x - u)
 
@@ -66,5 +66,5 @@ class BlockOnBelt(SpringMass):
         return -R * self.speed
 
     def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power that the damping takes [W]."""
+        """Power dissipated by the damping [W]."""
         return self.damping * v**2

@@ -14,7 +14,7 @@ __all__ = ["ForcedOscillator"]
 
 @dataclass(frozen=True, eq=False)
 class ForcedOscillator(Mechanism):
-    r"""A harmonically forced oscillator with dry friction: Den Hartog's and Shaw's problem.
+    r"""A harmonically forced oscillator with dry friction: the problem of Den Hartog and Shaw.
 
     .. math:: m\ddot x + c\,\dot x + k x + R = F \sin\omega t + F_0
 
@@ -71,11 +71,11 @@ class ForcedOscillator(Mechanism):
 
     @property
     def velocity_scale(self) -> float:
-        """What the force, and a friction force of the size of the load, do in 1/omega [m/s]."""
+        """Change of velocity in a time 1/omega under the force and a friction force equal to the load [m/s]."""
         return (abs(self.force) + self.load) / (self.mass * self.omega)
 
     def given_force(self, t: Any) -> Any:
-        """The force from outside [N]."""
+        """The external force [N]."""
         return self.force * sin(self.omega * t) + self.bias
 
     def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
@@ -87,9 +87,9 @@ class ForcedOscillator(Mechanism):
         return 0.5 * self.stiffness * x**2
 
     def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
-        """Power of the force from outside [W]."""
+        """Power of the external force [W]."""
         return self.given_force(t) * v
 
     def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power that the damping takes [W]."""
+        """Power dissipated by the damping [W]."""
         return self.damping * v**2

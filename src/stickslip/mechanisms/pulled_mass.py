@@ -12,7 +12,7 @@ __all__ = ["PulledMass"]
 
 @dataclass(frozen=True, eq=False)
 class PulledMass(SpringMass):
-    r"""A mass pulled by a spring: the bench on which stick-slip was first measured.
+    r"""A mass pulled by a spring: the experiment in which stick-slip was first measured.
 
     .. math:: m\ddot x = k\,(u t - x) + c\,(u - \dot x) - R
 
@@ -66,9 +66,9 @@ class PulledMass(SpringMass):
         return 0.5 * self.stiffness * (self.speed * t - x) ** 2
 
     def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
-        """Power that the far end of the spring takes in [W]."""
+        """Power supplied at the far end of the spring [W]."""
         return self.spring_force(t, x, v) * self.speed
 
     def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power that the damping takes [W]."""
+        """Power dissipated by the damping [W]."""
         return self.damping * (self.speed - v) ** 2

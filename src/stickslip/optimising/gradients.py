@@ -34,7 +34,7 @@ MULTIPLIER = "multiplier"  # the name of the largest of a motion
 
 
 class Gradient(dict[str, float]):
-    """Derivatives by name, with the value they are of and what else is to be said.
+    """Derivatives by name, with the value of the differentiated quantity and remarks.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ class Search:
 @sealed
 @dataclass(frozen=True, eq=False)
 class Optimum(Drawn):
-    """The best machine that a search found. It is not proved that there is none better. `stickslip.plot.optimum` draws it.
+    """The best machine that a search found. Global optimality is not proved. `stickslip.plot.optimum` draws it.
 
     Parameters
     ----------

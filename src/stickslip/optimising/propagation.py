@@ -57,7 +57,7 @@ class Indices(Face):
 @sealed
 @dataclass(frozen=True, eq=False)
 class Propagated(Drawn):
-    """What uncertain numbers make of a result; `stickslip.plot.tornado` draws which of them matter.
+    """The distribution of a result under uncertain numbers; `stickslip.plot.tornado` draws their influence.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def propagate(
     workers: int = 1,
     indices: bool = False,
 ) -> Propagated:
-    """What uncertain numbers make of a result of the steady motion from rest, and which of them matter.
+    """Propagate uncertain numbers to a result of the steady motion from rest, and rank their influence.
 
     Parameters
     ----------

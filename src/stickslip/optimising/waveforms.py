@@ -28,7 +28,7 @@ _HARMONICS = 2  # of a spline for each of its points: what is left out is a thou
 @sealed
 @dataclass(frozen=True)
 class Waveform:
-    """A drive whose shape is to be found.
+    """A drive whose waveform is to be found.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ FORMAT = "stickslip-paper-3"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reproduction:
-    """Everything that came out of `reproduce`.
+    """The results of `reproduce`.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Reproduction:
 
 
 def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress: Tell | bool | None = None) -> Reproduction:
-    """Compute the paper again: section 4's table, Figures 6 to 30, every claim with a verdict, and the errata.
+    """Reproduce the paper: the table of section 4, Figures 6 to 30, every claim with a verdict, and the errata.
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from stickslip.plot.attractors_along import attractors
 from stickslip.plot.bench_figures import bench
+from stickslip.plot.border_curves import special_curve
 from stickslip.plot.chaos import chaos_map
 from stickslip.plot.contacts import contacts, pattern
 from stickslip.plot.continued_motions import continuation
@@ -18,5 +19,5 @@ from stickslip.plot.tornado_chart import tornado
 __all__ = [
     "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence",
     "fitted", "forces", "front", "line_cut", "motion_map", "optimum", "pattern", "phase", "publication", "record_spectrum", "residuals",
-    "spectrum", "states", "tornado", "velocity", "velocity_map",
+    "special_curve", "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

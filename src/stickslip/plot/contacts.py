@@ -24,7 +24,7 @@ _ROW, _AROUND = 0.27, 0.75  # inches
 
 @explains_arguments
 def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
-    """What each contact does over the last drive periods: it sticks, slides forwards or backwards, or flies; and hits on stops.
+    """The state of each contact over the last drive periods: sticking, sliding forwards or backwards, or flight; and hits on stops.
 
     Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`.
 

@@ -64,7 +64,7 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
 
 @explains_arguments
 def basins(found: Basin, ax: Ax = None) -> Any:
-    """Which start goes to which attractor, over the first two axes of the grid of starts that have several values.
+    """Which initial state leads to which attractor, over the first two axes of the grid of initial states with several values.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _edges(values: Any) -> tuple[float, float]:
 
 @explains_arguments
 def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
-    """How Lyapunov exponents converge, with three standard errors of the end as a band.
+    """Convergence of Lyapunov exponents, with a band of three final standard errors.
 
     Parameters
     ----------

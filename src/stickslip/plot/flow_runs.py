@@ -17,7 +17,7 @@ _POINTS = 1200
 
 @explains_arguments
 def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) -> Any:
-    """The states of a run of a switching flow over time; where it switches there is a fine line.
+    """The states of a run of a switching flow over time; thin lines mark its switches.
 
     Parameters
     ----------

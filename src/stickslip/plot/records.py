@@ -79,7 +79,7 @@ def comparison(found: Compared, ax: Ax = None) -> Any:
 
 @explains_arguments
 def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
-    """One record and what the fitted model gives: over the drive's phase, or force against position.
+    """One record and the fitted model: over the drive's phase, or force against position.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _phase_mean(phase: Any, rest: Any) -> tuple[Any, Any, Any]:
 
 @explains_arguments
 def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
-    """Correlation of what a fit leaves over of one record with itself some samples later; the band is what white noise stays in.
+    """Autocorrelation of the residuals of one record; the band is that of white noise.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 
 @explains_arguments
 def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
-    """What a fit leaves over of one record: noise if the law is right, a shape if it is not.
+    """Residuals of one record: noise if the law is right, structured if it is not.
 
     The line is the mean at each phase of the drive, with two standard errors on either side: of the noise of a right law it is zero.
 

@@ -149,7 +149,7 @@ def velocity(
     labels: Sequence[str] | None = None,
     duration: float | None = None,
 ) -> Any:
-    """Velocity of the body over the last drive periods; where its contact sticks the background is shaded.
+    """Velocity of the body over the last drive periods; intervals of sticking are shaded.
 
     Of a machine of several bodies there is one curve for each, and no shade.
 

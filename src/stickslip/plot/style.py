@@ -55,7 +55,7 @@ _RC: Any = {
 
 @contextlib.contextmanager
 def publication() -> Iterator[None]:
-    """Our style, for what is drawn within; the caller's settings are as before afterwards.
+    """Context manager for figures in the style of this package; the previous settings are restored afterwards.
 
     Examples
     --------

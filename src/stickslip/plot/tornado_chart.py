@@ -16,7 +16,7 @@ Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate r
 
 @explains_arguments
 def tornado(found: Bands, ax: Ax = None) -> Any:
-    """A bar for each uncertain number: from the result where it is at 5 % of its distribution to that where it is at 95 %, alone.
+    """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
     The grey band is what all of them make together: nine cases in ten of the sample. At the right stand first and total Sobol index, if
     they were asked for.

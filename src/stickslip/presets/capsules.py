@@ -75,7 +75,7 @@ def capsule(
     mass_ratio: Annotated[Any, quantity("mass of the capsule over the inner mass", "1", r"\gamma", example=5.0, rule=positive)] = 5.0,
     reaction: bool = False,
 ) -> Robot:
-    r"""A vibro-impact capsule without dimensions: a force swings the inner mass, which strikes an elastic stop in front of it.
+    r"""A dimensionless vibro-impact capsule: a force drives the inner mass, which hits an elastic stop in front of it.
 
     .. math::
 

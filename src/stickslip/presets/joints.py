@@ -25,7 +25,7 @@ def servo(
     compensation: Annotated[Any, quantity("part of the friction that is compensated", "1", "q", example=1.0)] = 0.0,
     backlash: Annotated[Any, quantity("backlash", "rad", "b", example=0.01)] = 0.0,
 ) -> Joint:
-    """A small servo: a geared motor that turns an arm under a PID controller. Its numbers are ours, of the size of a hobby servo.
+    """A small servo: a geared motor that turns an arm under a PID controller. Its parameters are our choice, typical of a hobby servo.
 
     The kinetic friction torque of the joint is 0.05 N m. With more static friction and integral action it hunts about its target.
 

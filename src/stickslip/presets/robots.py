@@ -226,7 +226,7 @@ def coulomb_robot(
     alpha_plus: Annotated[Any, quantity("sliding friction forwards over drive force", "1", r"\alpha_{+}", example=0.5)],
     alpha_minus: Annotated[Any, quantity("sliding friction backwards over drive force", "1", r"\alpha_{-}", example=1.2)],
 ) -> Robot:
-    r"""The Coulomb robot without dimensions: :math:`w' = \sin\tau - r` with r = alpha_plus forwards and -alpha_minus backwards.
+    r"""The dimensionless Coulomb robot: :math:`w' = \sin\tau - r` with r = alpha_plus forwards and -alpha_minus backwards.
 
     All its units are 1 (A mu omega = omega = g = 1, mass 1), so velocities are w = v/(A mu omega) and times are omega t.
 

@@ -35,7 +35,7 @@ def stick_slip_stage(
     sigma1: Annotated[Any, SIGMA1] = 100.0,
     v_s: Annotated[Any, V_S] = 2e-3,
 ) -> MovingTrack:
-    r"""A piezo stick-slip stage: a slider that a sawtooth carries forwards slowly, and that slips as the tip goes back fast.
+    r"""A piezo stick-slip stage: a sawtooth motion carries a slider forwards slowly; it slips during the fast return.
 
     The numbers are ours: those of an ordinary stage that walks 5 micrometres a thousand times a second, of no particular make. Under
     Coulomb friction, where the slider still moves with :math:`t_f a_-/a_+ \le t_s`, a cycle is
@@ -93,7 +93,7 @@ def conveyor(
     sigma1: Annotated[Any, SIGMA1] = 10.0,
     v_s: Annotated[Any, V_S] = 2e-3,
 ) -> MovingTrack:
-    r"""A vibratory conveyor: a trough that swings along a line which rises at an angle, and carries a part with it.
+    r"""A vibratory conveyor: a trough vibrates along an inclined line and conveys a part.
 
     The numbers are ours: those of an ordinary feeder at mains frequency. The throw index says how strongly it lifts,
 

@@ -28,7 +28,7 @@ _WINDOW = 0.07, 0.12  # drive periods on either side of a place: in a clean reco
 @sealed
 @dataclass(frozen=True)
 class MeasuredMotion:
-    """The motion that a record shows, in the words of `stickslip.motion`, with the threshold that was needed.
+    """The motion in a record, in the terms of `stickslip.motion`, with the threshold used.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ __all__ = ["Record"]
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:
-    """What was measured (or, by `virtual_rig`, made to look so). It is never changed; methods return new ones.
+    """A measured record (or a synthetic one, made by `virtual_rig`). It is never changed; methods return new records.
 
     Parameters
     ----------

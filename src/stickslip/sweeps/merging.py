@@ -22,7 +22,7 @@ __all__ = ["merge"]
 
 @explains_arguments
 def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> xr.Dataset:
-    """Put the folders of the shards of one study together in one folder, as if it had been one run.
+    """Merge the folders of the shards of one study into one, as if it had been one run.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ _OLD = "kept by an earlier stickslip, without checksums: damage to the file may 
 
 @explains_arguments
 def open_study(folder: str | Path) -> xr.Dataset:
-    """The results in a study folder as a dataset; of a study that is not finished, what is there.
+    """The results in a study folder as a dataset; for an unfinished study, the results so far.
 
     Nothing is read but the axes: numbers come from the tiles when they are looked at, so the study may be larger than the memory.
     Motion types are text here, and small whole numbers with flag_values and flag_meanings in the files.

@@ -21,7 +21,7 @@ PAUSE = 0.1  # between two reports [s]
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a sweep is.
+    """Progress of a computation.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ BURSTS = (10.0, 1000.0)
 
 @explains_arguments
 def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
-    """Run on a law the claims that the built-in laws are tested for.
+    """Check a law against the claims for which the built-in laws are tested.
 
     That its numbers are finite; that a contact at rest stays at rest; that sliding friction opposes motion; that a closed cycle
     costs energy; that plus and minus are exchanged when one looks from the other side; that the formula survives a change of units

@@ -47,7 +47,7 @@ def attractors(
     progress: Report | None = None,
     **fixed: Any,
 ) -> xr.Dataset:
-    """Attractors along a parameter: at each value those that a grid of starts finds, and what becomes of those of the value before.
+    """Attractors along a parameter: those reached from a grid of initial states, and continuations of those at the previous value.
 
     An attractor goes on as the motion that attracts its last strobe state. Where that is the continuation of another one too, or
     nothing, it has ended; what no other one continues to is new. Shares count the grid only.

@@ -73,7 +73,7 @@ class Attractor:
 @sealed
 @dataclass(frozen=True, eq=False)
 class Basins(Drawn):
-    """Which start goes to which attractor.
+    """Basins of attraction: which initial state leads to which attractor.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def basins(
     progress: Report | None = None,
     **starts: Any,
 ) -> Basins:
-    """Which of several coexisting motions a robot settles on, over a grid of starts.
+    """Which of several coexisting motions a robot settles on, over a grid of initial states.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, SolveError
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
@@ -37,8 +37,8 @@ _SLOPE = 1e-5  # half the distance of the differences that give multipliers alon
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Curve(Face):
-    """A curve of special points in two parameters.
+class Curve(Drawn):
+    """A curve of special points in two parameters; `plot` draws it.
 
     Parameters
     ----------
@@ -75,6 +75,8 @@ class Curve(Face):
     orbits: tuple[PeriodicOrbit, ...]
     special: list[Meeting]
     ended: str
+
+    _drawn_by, _inches = "special_curve", (4.0, 2.6)
 
     @property
     def points(self) -> xr.Dataset:
@@ -125,7 +127,7 @@ class _Problem:
 
 @explains_arguments
 def special_curve(branch: Branch, special: Special, parameter: str, stop: float, *, step: float = 0.02, points: int = 200) -> Curve:
-    """The curve on which a special point of a branch lies when a second parameter varies too.
+    """The curve of a special point of a branch in two parameters.
 
     Parameters
     ----------

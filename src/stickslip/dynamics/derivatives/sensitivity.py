@@ -78,7 +78,7 @@ class Sensitivity(Face):
 
     @property
     def relative(self) -> Array:
-        """By how many per cent V changes when a number grows by one: (p/V) dV/dp."""
+        """Per cent of change of V for one per cent of change of a number: (p/V) dV/dp."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.values / self.velocity * self.mean_velocity
 

@@ -29,7 +29,7 @@ STRETCHES = 20  # of which the scatter of the means gives the error
 @sealed
 @dataclass(frozen=True, eq=False)
 class Lyapunov(Drawn):
-    """Lyapunov exponents with what one must know to believe them.
+    """Lyapunov exponents with their errors and convergence.
 
     Parameters
     ----------

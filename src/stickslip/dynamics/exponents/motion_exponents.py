@@ -47,7 +47,7 @@ def lyapunov(
     rtol: float = 1e-7,
     progress: Report | None = None,
 ) -> Lyapunov:
-    """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
+    """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm).
 
     Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
     a body that comes to rest forgets its velocity, and a controller at a sample what it held: the exponent is -inf, and `note` says so. The
@@ -309,7 +309,7 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
 @sealed
 @dataclass(frozen=True, eq=False)
 class Verdict(Face):
-    """What kind of motion a robot settles on, and on what evidence.
+    """The kind of motion that a robot settles on, with the evidence.
 
     Parameters
     ----------
@@ -339,7 +339,7 @@ class Verdict(Face):
     why: str
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw the orbit, or, where there is none, how the exponents converge; returns the axes."""
+        """Draw the orbit or, if there is none, the convergence of the exponents; returns the axes."""
         return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
 
     def _figures(self) -> list[Any]:
@@ -363,7 +363,7 @@ def verdict(
     rtol: float = 1e-8,
     progress: Report | None = None,
 ) -> Verdict:
-    """Periodic, quasi-periodic or chaotic: from the exponents and the strobe point together, never from looks.
+    """Periodic, quasi-periodic or chaotic: decided by the exponents and the strobe point together.
 
     Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
     multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:

@@ -75,7 +75,7 @@ class FlowOrbit(Repeating):
 
     @property
     def period(self) -> int:
-        """Periods of the forcing until it repeats; 1 where nothing forces it."""
+        """Periods of the forcing until it repeats; 1 without a forcing."""
         return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
 
     @property
@@ -100,7 +100,7 @@ class FlowOrbit(Repeating):
 
     @cached_property
     def run(self) -> Any:
-        """Once around, with its dense output."""
+        """One period of the orbit, with its dense output."""
         from stickslip.solvers import solve
 
         length: dict[str, Any] = {"duration": self.duration} if self.model.period is None else {"periods": self.period, "settle": 0}

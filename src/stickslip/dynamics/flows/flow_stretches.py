@@ -73,7 +73,7 @@ def passage(
     flow: SwitchingFlow, state: Any, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None,
     method: str = "auto",
 ) -> Passage:  # fmt: skip
-    """Follow a switching flow, and how small changes of the start grow.
+    """Integrate a switching flow together with the growth of small changes of its initial state.
 
     Parameters
     ----------

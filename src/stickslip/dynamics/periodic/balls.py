@@ -30,7 +30,7 @@ def flint_for(what: str) -> Any:
 @sealed
 @dataclass(frozen=True)
 class Enclosure:
-    """A number that is proved to lie between two others.
+    """A number with proved lower and upper bounds.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ __all__ = ["Certificate", "certify"]
 @sealed
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """What is proved of a periodic motion.
+    """Proved properties of a periodic motion.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Certificate:
 
 
 def certify(orbit: Any, digits: int = 20) -> Certificate:
-    r"""Prove that a periodic motion exists, and enclose what it does.
+    r"""Prove that a periodic motion exists, with rigorous bounds of its properties.
 
     For one body under a set-valued law with closed arcs, such as Coulomb friction under a harmonic drive. The numbers of the model are
     taken as the decimals that are printed for them: 9.81 is 981/100, not the double next to it. That the break-away force is not below the

@@ -27,7 +27,7 @@ class Repeating(Drawn, ABC):
     @property
     @abstractmethod
     def run(self) -> Any:
-        """Once around, with its dense output."""
+        """One period of the orbit, with its dense output."""
 
     def _drawn(self) -> Any:
         return self.run

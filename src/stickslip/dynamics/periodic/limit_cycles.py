@@ -78,7 +78,7 @@ class LimitCycle(ClosedMotion):
 
     @cached_property
     def run(self) -> Any:
-        """Once around, with its dense output."""
+        """One period of the orbit, with its dense output."""
         from stickslip.solvers import solve
 
         options: dict[str, Any] = {"rtol": max(self.rtol, _RUNS)} if law_of(self.model).dynamic else {}

@@ -59,7 +59,7 @@ _SAME = 1e-7  # strobe states closer than this are one
 @sealed
 @dataclass(frozen=True, eq=False)
 class PeriodicOrbit(ClosedMotion):
-    """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.
+    """A periodic motion: its strobe state, its multipliers and its properties. The velocity is periodic, the position drifts.
 
     On a track that repeats the position is periodic modulo its wavelength: the motion advances by a whole number of wavelengths.
 
@@ -141,7 +141,7 @@ class PeriodicOrbit(ClosedMotion):
 
     @cached_property
     def motion(self) -> Motion | Motions:
-        """What `ss.motion` says of it."""
+        """The result of `ss.motion`."""
         return motion(self.run)
 
     @property
@@ -173,7 +173,7 @@ class PeriodicOrbit(ClosedMotion):
 
     @property
     def memory(self) -> float:
-        """Drive periods in which a small disturbance falls to 1/e (negative: grows); 0 where sticking wipes it out at once."""
+        """Drive periods in which a small disturbance decays to 1/e (negative: it grows); 0 if sticking removes it immediately."""
         largest = float(abs(self.multipliers).max())
         return 0.0 if largest == 0.0 else float("inf") if largest == 1.0 else -self.period / float(np.log(largest))
 

@@ -1,0 +1,67 @@
+"""Curves of special points in the plane of two parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.arguments import Ax, explains_arguments
+from stickslip.errors import InputError
+from stickslip.plot.chaos import NAMES
+from stickslip.plot.spacing import logarithmic
+from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, publication, scaled
+
+__all__ = ["special_curve"]
+
+
+@explains_arguments
+def special_curve(curves: Any, ax: Ax = None) -> Any:
+    """Curves of special points in two parameters, with the points where they meet another border.
+
+    Parameters
+    ----------
+    curves : Curve or list of Curve
+        From `stickslip.special_curve`, all in the same two parameters.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
+    >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
+    >>> ax = ss.plot.special_curve(ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2))
+    >>> ax.get_xlabel()
+    'amplitude of the inner mass $A$ (µm)'
+    """
+    several = list(curves) if isinstance(curves, (list, tuple)) else [curves]
+    if not several or any(not hasattr(curve, "parameters") or curve.parameters != several[0].parameters for curve in several):
+        raise InputError("plot", [f"{curves!r}: allowed are curves in the same two parameters; type for example ss.special_curve(...)"])
+    points = [curve.points for curve in several]
+    across, up = several[0].parameters
+    sides = {name: scaled([v for each in points for v in each[name].values], points[0][name].attrs["units"]) for name in (across, up)}
+    with publication():
+        ax = axes(ax, 2.4)
+        kinds = list(dict.fromkeys(curve.kind for curve in several))
+        told: set[str] = set()  # each kind has one colour and one line in the legend
+        for curve, each in zip(several, points, strict=True):
+            x, y = (each[name].values * sides[name][0] for name in (across, up))
+            ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=_once(curve.kind, told))
+            for met in curve.special:
+                at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
+                ax.plot(*at, "o", color=INK, markersize=3, label=_once(met.kind, told))
+        for name, side in ((across, "x"), (up, "y")):
+            getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
+            logarithmic(ax, side, points[0][name].values)
+        legend_above(ax)
+    return ax
+
+
+def _once(kind: str, told: set[str]) -> str | None:
+    """The name of a kind for the legend, when it comes for the first time."""
+    new = kind not in told
+    told.add(kind)
+    return NAMES.get(kind, kind) if new else None
