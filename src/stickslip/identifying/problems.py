@@ -38,6 +38,7 @@ class SteadyProblem:
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    remembers: ClassVar[bool] = False
     batched: ClassVar[bool] = False
 
     parameters: Parameters

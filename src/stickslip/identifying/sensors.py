@@ -1,4 +1,7 @@
-"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts."""
+"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts.
+
+Beside them stands the start of a contact whose law has inner states: nobody knows how far these are bent where a record begins.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import numpy as np
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import Problems, did_you_mean
 
-__all__ = ["EFFECTS", "SensorNumber", "sensors_of"]
+__all__ = ["EFFECTS", "SensorNumber", "sensors_of", "with_starts"]
 
 
 @dataclass(frozen=True)
@@ -52,9 +55,10 @@ EFFECTS = {
     "delay": Effect(("force",), 0.0, None, True, None, "s"),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
+    "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
 }
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
-_ENOUGH = 10  # values of a record for each number of its sensor
+_ENOUGH = 60  # values of a record that bear all numbers of its sensor
 
 
 @dataclass(frozen=True)
@@ -117,9 +121,16 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
     return tuple(fitted), tuple(held)
 
 
+def with_starts(numbers: tuple[SensorNumber, ...], held: tuple[SensorNumber, ...], records: Any) -> tuple[SensorNumber, ...]:
+    """The numbers of the sensors, and the start of each of these records of which nothing is typed."""
+    typed = {i for n in (*numbers, *held) if n.what == "start" for i in n.records}
+    about = EFFECTS["start"]
+    return (*numbers, *(SensorNumber(f"start[{i}]", (i,), about.neutral, about.prior) for i in records if i not in typed))
+
+
 def _usual(targets: Any) -> dict[str, None]:
     """The effects that are fitted where nothing is said: one gain and one delay of a sensor, an offset and a drift of each record."""
-    able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH * len(EFFECTS)]
+    able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH]
     curves, kinds = sum(t.kind != "mean" for t in targets), {targets[i].kind for i in able}
     names = {}
     for effect, about in EFFECTS.items():
