@@ -28,6 +28,7 @@ from stickslip.identifying.search import Found, polished, searched, starting_pla
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of, with_starts
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
+from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
 from stickslip.machine_adapter import is_machine, machine_of
@@ -178,6 +179,9 @@ def problem_of(
         model = _driven(records, of, load, noise, first, transient)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        if transient:
+            alike = [t.kind == "mean" or moves_alike_anywhere(model) for t, model in zip(targets, first, strict=True)]
+            targets = tuple(dataclasses.replace(t, placed=not same) for t, same in zip(targets, alike, strict=True))
         only_means = all(t.kind == "mean" for t in targets)
         model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
     numbers, held = sensors_of(sensor, model.targets)
