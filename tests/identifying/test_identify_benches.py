@@ -263,13 +263,13 @@ def bristle_log(begin=0.0, seed=1, end=8.0, step=0.004, noise=2e-3, parts=20):
         limit = np.sign(way) * bent[k]
         z[k] = limit + (z[k - 1] - limit) * np.exp(-abs(way) / bent[k])
     measured = BRISTLES["inertia"] * a + BRISTLES["gravity_torque"] * np.sin(q) + sigma0 * z + sigma2 * v
-    kept = np.arange(int(round(begin / step)) * parts, len(t), parts)
+    kept = np.arange(round(begin / step) * parts, len(t), parts)
     measured = measured[kept] + np.random.default_rng(seed).normal(0, noise, len(kept))
     return ss.Record.of(t[kept] - t[kept[0]], {"angle [rad]": q[kept], "torque [N m]": measured})
 
 
 def test_bristles_of_a_joint_are_found_from_a_log_that_begins_while_it_slides():
-    """Stepped by velocities at the samples sigma0 was 4 % off, 7 standard errors; from unbent bristles, friction 3 and the rms 1.6 times."""
+    """Stepped by velocities at the samples sigma0 was 4 % off, 7 standard errors; from unbent ones, friction 3, the rms 1.6 times."""
     fit = ss.identify(bristle_log(begin=1.3), BENT, free=SEEN, sensor={"offset": None}, starts=4)
     assert within(fit, BRISTLES) == {} and fit.quality[0].rms == pytest.approx(2e-3, rel=0.1) and not fit.quality[0].suspicious
     assert -0.9 < fit.sensor["start[0]"][0] < -0.5

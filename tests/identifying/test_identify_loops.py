@@ -101,7 +101,7 @@ def test_a_law_without_bristles_tells_the_sum_of_the_cylinders_frictions_and_no_
     read = ss.read(path(name), columns=CYLINDER_COLUMNS)
     record = ss.Record({"laser": read["laser"], "force": read.channels["force"]})
     fit = ss.identify(record, ss.Coulomb, free={"mu_plus": (0.1, 60.0), "mu_minus": (0.1, 60.0)}, load=1.0, starts=16)
-    ((formula, value, error),) = fit.combinations
+    ((formula, value, _),) = fit.combinations
     assert formula == "mu_plus + mu_minus" and fit.determined[0].holds
     assert 0.85 * half < value / 2 < 1.02 * half
     assert fit.sensor["gain"][0] == 1.0 and any("cannot be told from what the law lacks" in note for note in fit.notes)

@@ -276,7 +276,16 @@ def test_a_motion_that_does_not_repeat_is_not_led_in_and_its_start_is_fitted():
     assert motion_of(record, 10.0, "record 0").before == 0
     free = {**BOTH, "sigma0": (1e4, 1e6, "log")}
     fit = ss.identify(
-        record, ss.LuGre, free=free, load=10.0, starts=8, transient=True, sensor={"gain": 1.0, "offset": 0.0}, sigma1=0.0, sigma2=0.0, **rest
+        record,
+        ss.LuGre,
+        free=free,
+        load=10.0,
+        starts=8,
+        transient=True,
+        sensor={"gain": 1.0, "offset": 0.0},
+        sigma1=0.0,
+        sigma2=0.0,
+        **rest,
     )
     assert all(abs(fit.values[name] - getattr(law, name)) < 4.5 * fit.errors[name] for name in fit.names)
     assert fit.quality[0].rms == pytest.approx(0.02, rel=0.1) and 0.5 < fit.sensor["start[0]"][0] < 1.2

@@ -217,7 +217,9 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
     problems.check()
 
 
-def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool) -> DrivenProblem:
+def _driven(
+    records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
+) -> DrivenProblem:
     motions = tuple(
         dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
     )

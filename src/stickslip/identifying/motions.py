@@ -157,8 +157,8 @@ class Motion:
 def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
     """The motion of a record with a position (or velocity) and a force.
 
-    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent, or
-    with `any_start` in a state that is fitted.
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins
+    unbent, or with `any_start` in a state that is fitted.
     """
     rec, notes = _fewer(rec)
     thinned = bool(notes)

@@ -58,6 +58,7 @@ EFFECTS = {
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
 }
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
+_PRESSED = 0.999  # of the least load, that a preload may take away
 _ENOUGH = 60  # values of a record that bear all numbers of its sensor
 
 
@@ -73,12 +74,15 @@ class SensorNumber:
     value : float
         Where it is held, or where the search begins.
     prior : Distribution, optional
+    least : float
+        What it cannot be below, whatever is known of it.
     """
 
     name: str
     records: tuple[int, ...]
     value: float
     prior: Distribution | None = None
+    least: float = -np.inf
 
     @property
     def what(self) -> str:
@@ -89,7 +93,7 @@ class SensorNumber:
     def bounds(self) -> tuple[float, float]:
         """Where the search looks."""
         low, high = (-np.inf, np.inf) if self.prior is None else (self.prior.low, self.prior.high)
-        return (max(low, 1e-3), high) if EFFECTS[self.what].neutral == 1.0 else (low, high)
+        return max(low, self.least, 1e-3 if EFFECTS[self.what].neutral == 1.0 else -np.inf), high
 
     def unit(self, of_record: str) -> str:
         """Its unit, where that of the record is known."""
@@ -176,7 +180,7 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
         if effect == "delay":
             most = _DELAY * max(targets[i].step for i in records)
             prior = distribution_of(("uniform", -most, most))
-        return SensorNumber(name, records, about.neutral, prior)
+        return SensorNumber(name, records, about.neutral, prior, _least(effect, records, targets))
     if _is_value(said):
         return SensorNumber(name, records, float(said))
     prior = distribution_of(said)
@@ -184,7 +188,12 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
         typed = f"{about.neutral:g}" if about.neutral else "0.0"
         problems.add(f"sensor: {name} = {said!r}; allowed is a number that holds it, {ALLOWED}, or None; type for example {name}={typed}")
         return None
-    return SensorNumber(name, records, min(max(prior.mean, prior.low), prior.high), prior)
+    return SensorNumber(name, records, min(max(prior.mean, prior.low), prior.high), prior, _least(effect, records, targets))
+
+
+def _least(effect: str, records: tuple[int, ...], targets: Any) -> float:
+    """What an effect cannot be below: a preload leaves a normal force, and there is room to see its derivative."""
+    return -_PRESSED * min(float(np.min(targets[i].load)) for i in records) if effect == "preload" else -np.inf
 
 
 def _is_value(said: Any) -> bool:
