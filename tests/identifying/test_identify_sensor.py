@@ -260,6 +260,16 @@ def test_samples_at_once_are_the_same_as_step_by_step():
         assert not linear or abs(at_once - steps).max() < 1e-6 * abs(steps).max()
 
 
+def test_a_preload_leaves_a_normal_force():
+    """A force that no friction can give, beside a position that only rises: a fit, and no overflow where the load would be gone."""
+    t = np.arange(0, 6, 0.005)
+    record = ss.Record.of(t, {"x [mm]": t, "F [mN]": 0.25 * np.sin(np.pi * t) + 0.02 * np.sin(3.4 * np.pi * t)})
+    law = dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=2e-4)
+    sensor = {"offset": None, "preload": ("normal", 1.5, 0.1)}
+    fit = ss.identify(record, ss.LuGre, free={**BOTH, "sigma0": (1e4, 1e6, "log")}, load=5.0, starts=4, sensor=sensor, **law)
+    assert fit.sensor["preload"][0] > -5.0 and np.isfinite(fit.cost)
+
+
 def begun_sliding(law, seed=1):
     """Forces over a motion that does not repeat, of a contact that slides where the record begins."""
     t, rng = np.linspace(0, 4, 1600), np.random.default_rng(seed)
@@ -271,22 +281,12 @@ def begun_sliding(law, seed=1):
 
 def test_a_motion_that_does_not_repeat_is_not_led_in_and_its_start_is_fitted():
     """With the first period as a lead, or unbent, what is left was fifteen times the noise."""
-    law, rest = ss.LuGre(0.3, 0.25, 0.35, 0.3, sigma0=6e4, sigma1=0.0, sigma2=0.0, v_s=1e-3), {"f_plus": 0.35, "f_minus": 0.3, "v_s": 1e-3}
+    rest = {"f_plus": 0.35, "f_minus": 0.3, "sigma1": 0.0, "sigma2": 0.0, "v_s": 1e-3}
+    law = ss.LuGre(0.3, 0.25, sigma0=6e4, **rest)
     record = begun_sliding(law)
     assert motion_of(record, 10.0, "record 0").before == 0
-    free = {**BOTH, "sigma0": (1e4, 1e6, "log")}
-    fit = ss.identify(
-        record,
-        ss.LuGre,
-        free=free,
-        load=10.0,
-        starts=8,
-        transient=True,
-        sensor={"gain": 1.0, "offset": 0.0},
-        sigma1=0.0,
-        sigma2=0.0,
-        **rest,
-    )
+    known = {"sensor": {"gain": 1.0, "offset": 0.0}, "free": {**BOTH, "sigma0": (1e4, 1e6, "log")}, **rest}
+    fit = ss.identify(record, ss.LuGre, load=10.0, starts=8, transient=True, **known)
     assert all(abs(fit.values[name] - getattr(law, name)) < 4.5 * fit.errors[name] for name in fit.names)
     assert fit.quality[0].rms == pytest.approx(0.02, rel=0.1) and 0.5 < fit.sensor["start[0]"][0] < 1.2
 

@@ -72,7 +72,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
 
 
 def _table(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
-    """The lines, timestamps as numbers, with their dialect and the first row of numbers. Columns of words are left out where they must be."""
+    """The lines, timestamps as numbers, with their dialect and the first row of numbers; columns of words only if they can be read."""
     try:
         return _numbered(lines, separator, decimal, notes)
     except InputError as error:
