@@ -151,9 +151,10 @@ def moves_alike_anywhere(model: Any) -> bool:
     if m.controllers.counts or machine_of(model).wavelength is not None:
         return False
     held, rng = (0.0,) * len(m.contacts), np.random.default_rng(0)
-    for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)) * (model.period, 1.0, 1.0, 1.0):
-        here, there = ((tuple(x + q for x in m.start), abs(float(t))), (tuple(x + q + away for x in m.start), abs(float(t))))
-        told = [[*m.accelerations(at, x, (u,) * m.coordinates, held), *m.loads(at, x)] for x, at in (here, there)]
-        if not np.allclose(*told, rtol=1e-12, atol=0.0):
+    for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)):
+        at, moving = abs(float(t)) * model.period, (u,) * m.coordinates
+        places = (tuple(x + q for x in m.start), tuple(x + q + away for x in m.start))
+        here, there = ([*m.accelerations(at, place, moving, held), *m.loads(at, place)] for place in places)
+        if not np.allclose(here, there, rtol=1e-12, atol=0.0):
             return False
     return True
