@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.columns_of_words import without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.tables_of_values import parse_json
-from stickslip.records.words import without_words
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 
