@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.friction.law_adapter import adapted
 from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
-from stickslip.identifying.law_forces import _at_once, _step_by_step, driven_force
+from stickslip.identifying.law_forces import Stepped, _at_once, _step_by_step, driven_force
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import polished
@@ -247,16 +247,48 @@ def test_the_motion_counts_where_a_force_is_missing():
 def test_samples_at_once_are_the_same_as_step_by_step():
     """Where rates are linear in the inner states; where they are not, the law says so by its numbers."""
     m = motion(400)
-    load, given = m.load[:, None], m.force[:, None]
+    load, given, m = m.load[:, None], m.force[:, None], Stepped(m.t, m.v, m.v)
     for law, linear in (
         (ss.LuGre.example(), True),
         (ss.Dahl.example(), True),
         (ss.Dahl(0.3, 0.4, 1e5, 0.5), False),
         (ss.ElastoPlastic.example(), False),
     ):
-        at_once, steps = _at_once(adapted(law), m, load, given, 1), _step_by_step(adapted(law), m, load, given, 1)
+        start = np.zeros((adapted(law).states, 1))
+        at_once, steps = (way(adapted(law), m, load, given, start) for way in (_at_once, _step_by_step))
         assert (at_once is not None) == linear
         assert not linear or abs(at_once - steps).max() < 1e-6 * abs(steps).max()
+
+
+def test_a_preload_leaves_a_normal_force():
+    """A force that no friction can give, beside a position that only rises: a fit, and no overflow where the load would be gone."""
+    t = np.arange(0, 6, 0.005)
+    record = ss.Record.of(t, {"x [mm]": t, "F [mN]": 0.25 * np.sin(np.pi * t) + 0.02 * np.sin(3.4 * np.pi * t)})
+    law = dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=2e-4)
+    sensor = {"offset": None, "preload": ("normal", 1.5, 0.1)}
+    fit = ss.identify(record, ss.LuGre, free={**BOTH, "sigma0": (1e4, 1e6, "log")}, load=5.0, starts=4, sensor=sensor, **law)
+    assert fit.sensor["preload"][0] > -5.0 and np.isfinite(fit.cost)
+
+
+def begun_sliding(law, seed=1):
+    """Forces over a motion that does not repeat, of a contact that slides where the record begins."""
+    t, rng = np.linspace(0, 4, 1600), np.random.default_rng(seed)
+    x = 2e-4 * (np.sin(2 * np.pi * t) + 0.2 * np.sin(2 * np.pi * 2.7 * t))
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    F = driven_force(law, Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0] + rng.normal(0, 0.02, len(t))
+    return ss.Record.of(t[410:] - t[410], {"x [m]": x[410:], "F [N]": F[410:]})
+
+
+def test_a_motion_that_does_not_repeat_is_not_led_in_and_its_start_is_fitted():
+    """With the first period as a lead, or unbent, what is left was fifteen times the noise."""
+    rest = {"f_plus": 0.35, "f_minus": 0.3, "sigma1": 0.0, "sigma2": 0.0, "v_s": 1e-3}
+    law = ss.LuGre(0.3, 0.25, sigma0=6e4, **rest)
+    record = begun_sliding(law)
+    assert motion_of(record, 10.0, "record 0").before == 0
+    known = {"sensor": {"gain": 1.0, "offset": 0.0}, "free": {**BOTH, "sigma0": (1e4, 1e6, "log")}, **rest}
+    fit = ss.identify(record, ss.LuGre, load=10.0, starts=8, transient=True, **known)
+    assert all(abs(fit.values[name] - getattr(law, name)) < 4.5 * fit.errors[name] for name in fit.names)
+    assert fit.quality[0].rms == pytest.approx(0.02, rel=0.1) and 0.5 < fit.sensor["start[0]"][0] < 1.2
 
 
 def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
@@ -358,6 +390,8 @@ FORMULAS = {
     "a - b": (lambda a, b: a - b, {"a": 0.6, "b": 0.25}),
     "(a + b)*c": (lambda a, b, c: (a + b) * c, {"a": 0.3, "b": 0.5, "c": 0.4}),
     "a*b + c": (lambda a, b, c: a * b + c, {"a": 0.3, "b": 0.5, "c": 0.1}),
+    "a + 0.37*b": (lambda a, b: a + 0.37 * b, {"a": 0.2, "b": 0.3}),
+    "a**(-1) + b**(-1)": (lambda a, b: 1 / (1 / a + 1 / b), {"a": 0.6, "b": 0.9}),
 }
 
 
@@ -373,8 +407,18 @@ def test_the_combination_that_data_determine_is_named(formula):
     scale = [(eval(text, {}, truth), value, error) for text, (value, error) in found.items()]
     assert scale and all(abs(true - value) < 4 * error for true, value, error in scale), found
     assert any(text in warning for text in found for warning in fit.warnings)
-    if formula not in ("a/b", "a/(a + b)"):  # either is a function of the other
+    assert all(each.holds for each in fit.determined)
+    if formula not in ("a/b", "a/(a + b)", "a + 0.37*b", "a**(-1) + b**(-1)"):  # a function of another, or with rounded weights
         assert list(found) == [formula]
+
+
+def test_a_formula_that_holds_near_the_fitted_values_only_is_told_so():
+    """No sum, product or ratio of a and b is constant where a exp(4 b) is."""
+    law = lambda a, b: ss.Coulomb(a * np.exp(4 * b), 1.3 * a * np.exp(4 * b))  # noqa: E731
+    fit = ss.identify(forces(law(0.1, 0.3), n=300, noise=1e-3), law, free={"a": (0.02, 0.5), "b": (0.05, 0.9)}, starts=8, using="force")
+    ((formula, value, error),) = fit.combinations
+    assert not fit.determined[0].holds and any("near the fitted values" in w and formula in w for w in fit.warnings)
+    assert eval(formula, {}, fit.values) == pytest.approx(value, rel=1e-3) and error < 0.05 * value  # weights have four digits
 
 
 def _named(law, truth):

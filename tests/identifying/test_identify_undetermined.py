@@ -151,6 +151,15 @@ def test_a_peak_of_few_lines_determines_no_mode(lines, known):
     assert not known or abs(mode.frequency - 10.0) < 4 * mode.frequency_error < 0.04
 
 
+def test_the_flank_of_a_mode_is_not_another_one():
+    f, rng, truth = np.arange(0, 500, 0.3125), np.random.default_rng(0), ((1e6, 212.1, 9e-4), (2e4, 60.0, 5e-3))
+    response = sum(a / (fn**2 - f**2 + 2j * z * fn * f) for a, fn, z in truth)
+    response = response + rng.normal(0, 0.02, (2, len(f))).T @ (1, 1j)
+    found = ss.Record({"H": Channel("H", response, None, f, "frequency", "Hz", None)}, (), {}).modes(count=2)
+    for mode, (_, frequency, damping) in zip(found, truth, strict=True):
+        assert mode.frequency == pytest.approx(frequency, rel=1e-5) and mode.damping == pytest.approx(damping, rel=1e-3)
+
+
 def test_what_is_flat_from_bound_to_bound_is_not_determined_where_its_best_place_lies_on_an_edge():
     """A body that never rests says nothing of static friction; where there is so much that it would rest, the curvature is large."""
     rig, fixed = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}

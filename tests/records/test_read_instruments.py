@@ -100,6 +100,36 @@ def test_labview_files_have_times_and_units(tmp_path, columns):
     assert rec["force"].rate == pytest.approx(100.0) and rec["force"].rate_unit == "Hz" and not rec.notes
 
 
+def test_labview_names_its_comments_and_most_rows_have_none(tmp_path):
+    """The names were taken from another line of the header, and the time for the position."""
+    path = tmp_path / "run.lvm"
+    rows = "\n".join(f"{0.01 * i:.6f}\t{i}.000000\t{v:.6f}" for i, v in enumerate(V))
+    path.write_text(LABVIEW.format(columns="One", n=N) + rows + "\n")
+    rec = ss.read(path)
+    assert list(rec) == ["Force", "Velocity"] and rec["velocity"].si.tolist() == (V * 1e-3).tolist()
+    assert rec["force"].rate == pytest.approx(100.0)
+
+
+def test_names_of_more_columns_than_there_are_name_none(tmp_path):
+    path = tmp_path / "run.txt"
+    path.write_text("set\tlow\nt\tv\tnote\n" + "\n".join(f"{0.01 * i:.2f}\t{v:.6f}" for i, v in enumerate(V)) + "\n")
+    rec = ss.read(path)
+    assert not {"set", "low"} & set(rec) and any("its names are not used" in note for note in rec.notes)
+
+
+@pytest.mark.parametrize("stamped", [False, True])
+def test_columns_of_words_are_left_out_and_said(tmp_path, stamped):
+    """A log with remarks before it, the state of the logger in each row, and a value that is missing."""
+    path = tmp_path / "run.csv"
+    times = [f"2024-05-06T12:00:{0.01 * i:06.3f}" if stamped else f"{0.01 * i:.2f}" for i in range(N)]
+    rows = "\n".join(f"{t},{'NaN' if i == 7 else f'{v:.3f}'},OK" for i, (t, v) in enumerate(zip(times, V, strict=True)))
+    path.write_text(f"# log v1.2\n# fw 0x33\n{'time' if stamped else 'time (s)'},speed (mm/s),state\n{rows}\n")
+    rec = ss.read(path)
+    seen, true = (np.delete(values, 7) for values in (rec["speed"].values, np.round(V, 3)))
+    assert list(rec) == ["speed"] and rec["speed"].rate == pytest.approx(100.0) and np.allclose(seen, true)
+    assert np.isnan(rec["speed"].values[7]) and any("column state left out" in note for note in rec.notes)
+
+
 FRAME = pd.DataFrame({"t [s]": 0.25 * np.arange(N), "v [mm/s]": V})
 
 

@@ -101,6 +101,11 @@ class Bench:
         """Whether the motion leaves anything open: no window reaches over a gap."""
         return False
 
+    @property
+    def any_start(self) -> bool:
+        """Whether inner states may be bent in any way at the first sample: a log begins when it begins."""
+        return True
+
     def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
         """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""
         bare, per = _input(model)
@@ -111,7 +116,7 @@ class Bench:
         if not m.contacts:
             return inertial / factor
         push = side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
-        return (inertial + self._friction(m, np.broadcast_to(push, inertial.shape), cases)) / factor
+        return (inertial + self._friction(m, np.broadcast_to(push, inertial.shape), cases, reading.get("start"))) / factor
 
     @property
     def _inside(self) -> Any:
@@ -123,24 +128,25 @@ class Bench:
         whole = np.broadcast_to(values, (*self._inside.shape, cases))
         return np.einsum("mwc,w->mc", whole, _triangle(self.half))
 
-    def _friction(self, m: Any, borne: Any, cases: int) -> Any:
+    def _friction(self, m: Any, borne: Any, cases: int, start: Any) -> Any:
         """Friction forces over the windows where the contact bears so much at rest: array (m, cases)."""
         law: LawAdapter = m.laws[0]
         if law.dynamic:
-            return self._remembered(m, law, borne, cases)
+            return self._remembered(m, law, borne, cases, start)
         t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
         load, slip = m.loads(t, (x,))[0], m.slips(t, (v,))[0]
         backward, forward = (self._mean(limit, cases) for limit in law.breakaway(load))
         sliding = self._mean(law.sliding(np.where(slip != 0, slip, 1.0), load), cases)
         return np.where(self.still[:, None], np.clip(borne, backward, forward), sliding)
 
-    def _remembered(self, m: Any, law: LawAdapter, borne: Any, cases: int) -> Any:
+    def _remembered(self, m: Any, law: LawAdapter, borne: Any, cases: int, start: Any) -> Any:
         """The same of a law with inner states, which follow all samples."""
         t, x, v = (values[:, None] for values in (self.t, self.x, self.v))
         load = m.loads(t, (x,))[0] + np.zeros((len(self.t), 1))
         every = np.stack([np.interp(self.t, self.t[self.at], column) for column in borne.T], axis=1)
         slip = (m.slips(t, (v,))[0] + np.zeros((len(self.t), 1)))[:, 0]
-        found = law_force(law, Stepped(self.t, slip), load, every, cases)
+        mean = np.concatenate([slip[:1], 0.5 * (slip[1:] + slip[:-1])])
+        found = law_force(law, Stepped(self.t, mean, slip), load, every, cases, start)
         return self._mean(found[self._inside], cases)
 
 

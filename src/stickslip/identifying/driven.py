@@ -45,6 +45,7 @@ class DrivenProblem:
     thin: int = 1
     holds: bool = False
     solves: int = 0
+    remembers: bool = False  # whether the contact has inner states
     values: Any = None  # measured values that replace those of the targets (bootstrap)
 
     @property

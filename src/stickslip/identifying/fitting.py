@@ -26,8 +26,9 @@ from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, polished, searched, starting_places
 from stickslip.identifying.sensed import Sensed
-from stickslip.identifying.sensors import EFFECTS, sensors_of
+from stickslip.identifying.sensors import EFFECTS, sensors_of, with_starts
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
+from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
 from stickslip.machine_adapter import is_machine, machine_of
@@ -104,7 +105,8 @@ def identify(
         later ones by more than the noise, and a note says so.
     transient : bool
         Fit the start too: each record is simulated from its first sample on, its velocity at the strobe time before that fitted along, its
-        bristles unbent there.
+        bristles unbent there. Of forces over a motion that does not repeat, how far the bristles are bent at the first sample is fitted
+        (``fit.sensor["start[0]"]``, from -1, as after a slow slide backwards, by 0, unbent, to 1); of logs of machines it always is.
     sensor : dict, optional
         What the sensors add. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Else the effects that are to be considered:
@@ -174,13 +176,17 @@ def problem_of(
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, noise, first)
     elif using == "force" or (using == "auto" and not machines):
-        model = _driven(records, of, load, noise, first)
+        model = _driven(records, of, load, noise, first, transient)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        if transient:
+            alike = [t.kind == "mean" or moves_alike_anywhere(model) for t, model in zip(targets, first, strict=True)]
+            targets = tuple(dataclasses.replace(t, placed=not same) for t, same in zip(targets, alike, strict=True))
         only_means = all(t.kind == "mean" for t in targets)
         model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
     numbers, held = sensors_of(sensor, model.targets)
-    return Sensed(model, numbers, held, given=sensor)
+    starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
+    return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
@@ -211,9 +217,11 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
     problems.check()
 
 
-def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any]) -> DrivenProblem:
+def _driven(
+    records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
+) -> DrivenProblem:
     motions = tuple(
-        dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records)
+        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
     )
     return _over_motions(of, motions, noise, [adapted(law) for law in first])
 
@@ -228,7 +236,7 @@ def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None,
     spread = float(np.std(np.concatenate([m.y for m in targets])))
     thin = max(sum(m.count for m in targets) // _SAMPLES, 1)
     holds = any(not law.dynamic or law.needs_applied for law in laws)
-    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds)
+    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds, remembers=any(law.dynamic for law in laws))
 
 
 def _notes(records: list[Any], problem: Any) -> list[str]:

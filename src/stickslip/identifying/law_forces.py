@@ -12,17 +12,28 @@ from stickslip.friction.law_adapter import LawAdapter, adapted
 if TYPE_CHECKING:
     from stickslip.identifying.motions import Motion
 
-__all__ = ["Stepped", "driven_force", "law_force"]
+__all__ = ["Stepped", "driven_force", "law_force", "slide"]
 
 _NUDGE = 1e-6
+_SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the motion's
 
 
 @dataclass(frozen=True, eq=False)
 class Stepped:
-    """Instants [s], and the mean slip velocity over the interval that ends at each [m/s]."""
+    """Instants [s], the mean slip velocity over the interval that ends at each [m/s], and that at the instants."""
 
     t: Any
     v: Any
+    at: Any
+
+
+def slide(t: Any, v: Any) -> tuple[Any, float]:
+    """Durations [s] and speed [m/s] of a slow slide, longer than any stroke of a motion, that brings inner states to its end."""
+    moved = v * np.diff(t, prepend=t[0])
+    if not moved.any():
+        return np.zeros(0), 0.0
+    speed = _SLOW * float(np.sqrt(np.mean(v**2)))
+    return np.geomspace(np.mean(abs(moved)), _FAR * np.ptp(np.cumsum(moved)), _SLIDES) / speed, speed
 
 
 def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
@@ -30,42 +41,63 @@ def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, An
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
     them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
-    band) gives there `applied`, within its break-away, or whatever was measured where that is None; `reading` may have a preload.
+    band) gives there `applied`, within its break-away, or whatever was measured where that is None. `reading` may have a preload, and a
+    start: from -1, as after a slow slide backwards, by 0, unbent, to 1, as after one forwards.
     """
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
-    return law_force(known, motion, load, (motion.force if applied is None else np.full(len(motion.t), applied))[:, None], cases)
+    measured = (motion.force if applied is None else np.full(len(motion.t), applied))[:, None]
+    return law_force(known, Stepped(motion.t, motion.v, motion.v), load, measured, cases, reading.get("start"))
 
 
-def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+def law_force(known: LawAdapter, motion: Stepped, load: Any, measured: Any, cases: int, start: Any = None) -> Any:
     """The same from loads and from what would be borne at rest: columns [N]."""
     if not known.dynamic:
-        return _set_valued(known, motion.v[:, None], load, measured, cases)
-    found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
-    return _step_by_step(known, motion, load, measured, cases) if found is None else found
+        return _set_valued(known, motion.at[:, None], load, measured, cases)
+    z = _begun(known, motion, load[0], cases, start)
+    found = None if known.modes or known.random else _at_once(known, motion, load, measured, z)
+    return _step_by_step(known, motion, load, measured, z) if found is None else found
 
 
-def _step_by_step(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any) -> Any:
+    """Inner states at the first sample: array (states, cases)."""
+    unbent = _wide(known.start(load), cases)
+    if start is None or not np.any(start):
+        return unbent
+    ends = {side: _slid(known, motion, load, unbent, side) for side in (-1.0, 1.0)}
+    return unbent + abs(start) * (np.where(start > 0, ends[1.0], ends[-1.0]) - unbent)
+
+
+def _slid(known: LawAdapter, motion: Stepped, load: Any, z: Any, side: float) -> Any:
+    """Inner states after a slow slide to a side."""
+    durations, speed = slide(motion.t, motion.v)
+    mode, nudge = tuple(np.zeros(z.shape[1]) for _ in range(known.modes)), _nudges(known, load, z.shape[1])
+    for h in durations:
+        z, mode = _stepped(known, side * speed, load, h, z, mode, nudge)
+    return z
+
+
+def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any) -> Any:
+    cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
-    z = _wide(known.start(load[0]), cases)
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
     nudge = _nudges(known, load.mean(axis=0), cases)
     steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
     one = load.shape[1] == 1
-    columns = motion.v.tolist(), load[:, 0].tolist() if one else load, steps.tolist(), measured
-    for k, (v, N, h, given) in enumerate(zip(*columns, strict=True)):
+    columns = motion.v.tolist(), motion.at.tolist(), load[:, 0].tolist() if one else load, steps.tolist(), measured
+    for k, (v, v_here, N, h, given) in enumerate(zip(*columns, strict=True)):
         if mode and v * side < 0:
             z, mode = _switched(known, 0.0, N, z, mode, came=side)
         side = v or side
         z, mode = _stepped(known, v, N, h, z, mode, nudge)
-        out[k] = known.response(v, tuple(z), N, mode, given)[0]
+        out[k] = known.response(v_here, tuple(z), N, mode, given)[0]
     return out
 
 
-def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+def _at_once(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any) -> Any:
     """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
     v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
-    states, count = known.states, len(motion.t)
+    states, count, cases = known.states, len(motion.t), z.shape[1]
     try:
         typical = _nudges(known, load.mean(axis=0), cases) / _NUDGE
         rates = [_rates(known, v, part[:, None] * typical, load, (count, cases)) for part in _PARTS[:, :1] * np.ones(states)]
@@ -77,7 +109,7 @@ def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: A
     told = rates[0] + slope * uneven[:, None]
     if not (abs(there - told) <= 1e-9 * (abs(rates[0]) + abs(slope * uneven[:, None]))).all():
         return None
-    return _recurrent(known, v, h, rates[0], slope, load, measured)
+    return _recurrent(known, v, motion.at[:, None], h, rates[0], slope, load, measured, z)
 
 
 #: Inner states at which rates are looked at, in typical sizes: none, all alike, each its own.
@@ -90,18 +122,18 @@ def _rates(known: LawAdapter, v: Any, z: Any, load: Any, shape: tuple[int, ...])
     return np.array([np.broadcast_to(part, shape) for part in parts], float).reshape(known.states, *shape)
 
 
-def _recurrent(known: LawAdapter, v: Any, h: Any, rate: Any, slope: Any, load: Any, measured: Any) -> Any:
+def _recurrent(known: LawAdapter, v: Any, v_here: Any, h: Any, rate: Any, slope: Any, load: Any, measured: Any, z: Any) -> Any:
     """Forces where z after a step is A z + B."""
     moves = (v != 0) & (h > 0)
     a = np.minimum(slope * h, 30.0)
     part = h * np.where(abs(a) < 1e-8, 1.0, np.expm1(a) / np.where(abs(a) < 1e-8, 1.0, a))
     A, B = np.where(moves, 1.0 + part * slope, 1.0), np.where(moves, part * rate, 0.0)
     states, count, cases = rate.shape
-    z, path = _wide(known.start(load[0]), cases), np.empty_like(rate)
+    path = np.empty_like(rate)
     for k in range(count if states else 0):
         z = A[:, k] * z + B[:, k]
         path[:, k] = z
-    return np.broadcast_to(known.response(v, tuple(path), load, (), measured)[0], (count, cases)) + 0.0
+    return np.broadcast_to(known.response(v_here, tuple(path), load, (), measured)[0], (count, cases)) + 0.0
 
 
 def _nudges(law: LawAdapter, load: Any, cases: int) -> Any:

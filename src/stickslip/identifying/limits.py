@@ -45,6 +45,11 @@ class Limits:
         involved = np.flatnonzero((self.slopes != 0).any(axis=0))
         return [int(k) for k in sorted(involved, key=lambda k: (self.slopes[:, k].max() > 0, k))]
 
+    @property
+    def roomy(self) -> Any:
+        """The place at which numbers leave the others most room: at the upper bound those that others must stay below, else the middle."""
+        return np.where((self.slopes > 0).any(axis=0), 1.0, 0.5)
+
     def only(self, fixed: dict[str, float]) -> Limits:
         """The same with some of the numbers held."""
         held = np.array([f.name in fixed for f in self.free], bool)

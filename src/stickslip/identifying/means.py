@@ -34,6 +34,7 @@ class MeansProblem:
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    remembers: ClassVar[bool] = False
     batched: ClassVar[bool] = True
     nuisances: ClassVar[int] = 0
     timing: ClassVar[int] = 0

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.clocks import together
-from stickslip.identifying.law_forces import driven_force
+from stickslip.identifying.law_forces import driven_force, slide
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
@@ -21,7 +21,6 @@ _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
-_SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the record's
 
 
 @sealed
@@ -56,6 +55,7 @@ class Motion:
     cut: str | None = None  # which samples were left out, and why
     weights: Any = None  # of all samples, where the user gave them
     given_sigma: bool = False  # whether the user gave the noise
+    any_start: bool = False  # whether inner states may be bent in any way at the first sample
 
     @property
     def kind(self) -> str:
@@ -125,15 +125,14 @@ class Motion:
 
         That brings inner states to where they give the least, or the greatest, force, whatever the contact did in the gap.
         """
-        at, moved = np.flatnonzero(self.gaps), self.v * np.diff(self.t, prepend=self.t[0])
-        if side == 0.0 or not len(at) or not moved.any():
+        at, (durations, speed) = np.flatnonzero(self.gaps), slide(self.t, self.v)
+        if side == 0.0 or not len(at) or not len(durations):
             return self, self.compared
-        ways = np.geomspace(np.mean(abs(moved)), _FAR * np.ptp(np.cumsum(moved)), _SLIDES)
-        speed, places = _SLOW * float(np.sqrt(np.mean(self.v**2))), np.repeat(at, _SLIDES)
+        places = np.repeat(at, len(durations))
         v, steps = np.array(self.v), np.diff(self.t, prepend=self.t[0])
         v[at], steps[at] = self.v[np.minimum(at + 1, len(v) - 1)], 0.0  # the mean velocity over a gap is not that after it
         made = {
-            "t": self.t[0] + np.cumsum(np.insert(steps, places, np.tile(ways / speed, len(at)))),
+            "t": self.t[0] + np.cumsum(np.insert(steps, places, np.tile(durations, len(at)))),
             "v": np.insert(v, places, side * speed),
             "load": np.insert(self.load, places, self.load[places]),
             "force": np.insert(self.force, places, np.nan),
@@ -155,10 +154,11 @@ class Motion:
         return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
 
 
-def motion_of(rec: Any, load: float | None, label: str) -> Motion:
+def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
     """The motion of a record with a position (or velocity) and a force.
 
-    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins
+    unbent, or with `any_start` in a state that is fitted.
     """
     rec, notes = _fewer(rec)
     thinned = bool(notes)
@@ -194,7 +194,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * (1.0 if own is None else own)
-    return Motion(t, v, N, F, lead, flipped, label, cut, own)
+    return Motion(t, v, N, F, lead, flipped, label, cut, own, any_start=any_start and not lead)
 
 
 def _loads(c: Any, t: Any) -> Any:

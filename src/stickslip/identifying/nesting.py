@@ -98,10 +98,8 @@ def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any],
     kept = [k for k in range(len(problem.parameters.free)) if k not in idle]
     if not idle or not kept:
         return None
-    middle = problem.parameters.values(np.full(len(problem.parameters.free), 0.5))
-    reduced = problem.leaving_out(effects).only(
-        {problem.parameters.free[k].name: float(middle[problem.parameters.free[k].name]) for k in idle}
-    )
+    held = problem.parameters.values(problem.parameters.limits.roomy)
+    reduced = problem.leaving_out(effects).only({name: float(held[name]) for name in (problem.parameters.names[k] for k in idle)})
     try:
         if inside:
             end = min((polished(reduced, np.delete(place, idle), rough=True) for place in inside), key=lambda e: e.cost)

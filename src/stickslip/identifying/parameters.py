@@ -134,7 +134,7 @@ class Parameters:
 
     def leaving_out(self, effects: Any) -> Parameters:
         """The same, of a law without some effects."""
-        return replace(self, left_out=tuple(effects), known_limits=None)
+        return replace(self, left_out=tuple(effects), known_limits=self.limits)
 
     def first_models(self, places: Any) -> list[Any]:
         """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""

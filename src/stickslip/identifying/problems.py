@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -17,6 +18,7 @@ from stickslip.solvers import solve
 __all__ = ["SteadyProblem", "best_phase", "modelled_values"]
 
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
+_PLACES = (0.0, 0.25, -0.25, 0.5, -0.5)  # of its reach, where a transient is tried to begin
 _GRID = 256  # phases tried for the alignment of a curve
 
 
@@ -26,8 +28,8 @@ class SteadyProblem:
 
     A search moves the places of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
     the record and, where the frequency was found in the data, by how much the phase slips from its first to its last sample. A record
-    that begins with a transient has the velocity at the strobe time before its first sample besides; a position has an offset, which is
-    linear and is taken out.
+    that begins with a transient has the velocity at the strobe time before its first sample besides, and the position there if the motion
+    depends on it; a position has an offset, which is linear and is taken out.
 
     Parameters
     ----------
@@ -38,6 +40,7 @@ class SteadyProblem:
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    remembers: ClassVar[bool] = False
     batched: ClassVar[bool] = False
 
     parameters: Parameters
@@ -66,8 +69,8 @@ class SteadyProblem:
 
     @property
     def _timing(self) -> tuple[tuple[int, str], ...]:
-        """What is fitted for each curve besides the free parameters: (record, "phase", "slip" or "start")."""
-        wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient}
+        """What is fitted for each curve besides the free parameters: (record, "phase", "slip", "start" or "place")."""
+        wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient, "place": lambda t: t.placed}
         return tuple((i, what) for i in self.curves for what, of in wanted.items() if of(self.targets[i]))
 
     def _phase(self, place: Any, i: int) -> Any:
@@ -118,24 +121,27 @@ class SteadyProblem:
             parts.append(modelled_values(target, motion, self._phase(place, i)))
         return np.concatenate(parts)
 
-    def _starts(self, place: Any) -> dict[int, float]:
-        """Velocities at the strobe time before the first sample; at rest where the place does not say."""
-        n = len(self.parameters.free)
-        starts = [(k, i) for k, (i, what) in enumerate(self._timing) if what == "start"]
-        return {i: float(place[n + k]) * _speed(self.targets[i]) if len(place) > n else 0.0 for k, i in starts}
+    def _starts(self, place: Any) -> dict[int, dict[str, float]]:
+        """Velocities, and positions, at the strobe time before the first sample; at rest at zero where the place does not say."""
+        n, found = len(self.parameters.free), dict[int, dict[str, float]]()
+        for k, (i, what) in enumerate(self._timing, n):
+            if what in _BEGINS:
+                name, size = _BEGINS[what]
+                found.setdefault(i, {})[name] = float(place[k]) * size(self.targets[i]) if len(place) > n else 0.0
+        return found
 
     def _motions(self, place: Any) -> list[Any] | None:
         """The curve of each record; the last few places are remembered."""
         starts = self._starts(place)
         place = place[: len(self.parameters.free)]
-        key = (*np.asarray(place, float).tolist(), *starts.values())
+        key = (*np.asarray(place, float).tolist(), *(value for start in starts.values() for value in start.values()))
         if key not in self._curves:
             if len(self._curves) > 8:
                 self._curves.pop(next(iter(self._curves)))
             self._curves[key] = self._solved(place, starts)
         return self._curves[key]
 
-    def _solved(self, place: Any, starts: dict[int, float]) -> list[Any] | None:
+    def _solved(self, place: Any, starts: dict[int, dict[str, float]]) -> list[Any] | None:
         values = self.parameters.values(place)
         found: list[Any] = []
         try:
@@ -169,7 +175,7 @@ class SteadyProblem:
             columns.append(self._slope(place, k, here))
         slopes = {i: self._phase_slope(place, i) for i in self.curves}
         for k, (i, what) in enumerate(self._timing):
-            columns.append(self._slope(place, n + k, here) if what == "start" else slopes[i] * (self._course(i) if what == "slip" else 1.0))
+            columns.append(self._slope(place, n + k, here) if what in _BEGINS else slopes[i] * (self._course(i) if what == "slip" else 1.0))
         found = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
         return found, found
 
@@ -212,7 +218,18 @@ class SteadyProblem:
         """The place of the free parameters with the best phase of each curve behind it."""
         motions = self._motions(place)
         phases = {i: 0.0 if motions is None else self._aligned(place, i, motions[i]) for i in self.curves}
-        return np.concatenate([place, [phases[i] if what == "phase" else 0.0 for i, what in self._timing]])
+        whole = np.concatenate([place, [phases[i] if what == "phase" else 0.0 for i, what in self._timing]])
+        for k, (_, what) in enumerate(self._timing, len(self.parameters.free)):
+            if what == "place" and motions is not None:
+                whole = self._placed(whole, k)
+        return whole
+
+    def _placed(self, whole: Any, k: int) -> Any:
+        """The place where a transient begins best, of a few."""
+        tried = [np.where(np.arange(len(whole)) == k, part, whole) for part in _PLACES]
+        values = [self.predicted(each) for each in tried]
+        rests = [np.inf if v is None else float(np.sum(((v - self.y) / self.sigma) ** 2)) for v in values]
+        return tried[int(np.argmin(rests))]
 
     def _aligned(self, place: Any, i: int, motion: Any) -> float:
         """The best phase of one curve; that of a transient from its second half, which is taken as steady."""
@@ -284,6 +301,15 @@ def _smoothed(target: Target) -> Any:
 def _speed(target: Target) -> float:
     """What a start's velocity is counted in."""
     return float(np.ptp(target.y)) * (1.0 if target.kind == "velocity" else target.frequency) or 1.0
+
+
+def _reach(target: Target) -> float:
+    """What the position where a transient begins is counted in."""
+    return float(np.ptp(target.y)) / (1.0 if target.kind == "position" else target.frequency) or 1.0
+
+
+#: What is fitted of the start of a transient: its name in a run's start, and what it is counted in.
+_BEGINS: dict[str, tuple[str, Callable[[Target], float]]] = {"start": ("v", _speed), "place": ("x", _reach)}
 
 
 def modelled_values(target: Target, motion: Any, phase: Any) -> Any:

@@ -18,7 +18,8 @@ __all__ = ["Sensed", "of_records"]
 IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
 _FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
-_NUDGE = 1e-5  # of the mean load: differences for the derivative by a preload
+_OF_THE_CONTACT = ("preload", "start")
+_NUDGE = 1e-5  # of the mean load, or of 1: differences for the derivatives by a preload, and by a start
 
 
 @dataclass(eq=False)
@@ -259,10 +260,10 @@ class Sensed:
 
     def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
-        found = self._in_proportion(h, readings, [n for n in self.numbers if n.what != "preload"])
+        found = self._in_proportion(h, readings, [n for n in self.numbers if n.what not in _OF_THE_CONTACT])
         for k, number in enumerate(self.numbers):
-            if number.what == "preload":
-                found = np.insert(found, k, self._preload_slope(place, self.first + k, number), axis=1)
+            if number.what in _OF_THE_CONTACT:
+                found = np.insert(found, k, self._contact_slope(place, self.first + k, number), axis=1)
         return found
 
     def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
@@ -273,8 +274,9 @@ class Sensed:
         columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
         return self._at_the_nearer(columns, self._shown(h, readings))
 
-    def _preload_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
-        step = _NUDGE * float(np.mean([self.targets[i].load.mean() for i in number.records]))
+    def _contact_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
+        """Derivative of the values by a preload or a start, which act on the model itself."""
+        step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
         both = np.stack([place, place])
         both[:, k] += (step, -step)
         up, down = (self._met((least, most)) for least, most in zip(*(each.T for each in self.ends(both)), strict=True))

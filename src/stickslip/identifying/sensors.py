@@ -1,4 +1,7 @@
-"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts."""
+"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts.
+
+Beside them stands the start of a contact whose law has inner states: nobody knows how far these are bent where a record begins.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import numpy as np
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import Problems, did_you_mean
 
-__all__ = ["EFFECTS", "SensorNumber", "sensors_of"]
+__all__ = ["EFFECTS", "SensorNumber", "sensors_of", "with_starts"]
 
 
 @dataclass(frozen=True)
@@ -52,9 +55,11 @@ EFFECTS = {
     "delay": Effect(("force",), 0.0, None, True, None, "s"),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
+    "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
 }
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
-_ENOUGH = 10  # values of a record for each number of its sensor
+_PRESSED = 0.999  # of the least load, that a preload may take away
+_ENOUGH = 60  # values of a record that bear all numbers of its sensor
 
 
 @dataclass(frozen=True)
@@ -69,12 +74,15 @@ class SensorNumber:
     value : float
         Where it is held, or where the search begins.
     prior : Distribution, optional
+    least : float
+        What it cannot be below, whatever is known of it.
     """
 
     name: str
     records: tuple[int, ...]
     value: float
     prior: Distribution | None = None
+    least: float = -np.inf
 
     @property
     def what(self) -> str:
@@ -85,7 +93,7 @@ class SensorNumber:
     def bounds(self) -> tuple[float, float]:
         """Where the search looks."""
         low, high = (-np.inf, np.inf) if self.prior is None else (self.prior.low, self.prior.high)
-        return (max(low, 1e-3), high) if EFFECTS[self.what].neutral == 1.0 else (low, high)
+        return max(low, self.least, 1e-3 if EFFECTS[self.what].neutral == 1.0 else -np.inf), high
 
     def unit(self, of_record: str) -> str:
         """Its unit, where that of the record is known."""
@@ -117,9 +125,16 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
     return tuple(fitted), tuple(held)
 
 
+def with_starts(numbers: tuple[SensorNumber, ...], held: tuple[SensorNumber, ...], records: Any) -> tuple[SensorNumber, ...]:
+    """The numbers of the sensors, and the start of each of these records of which nothing is typed."""
+    typed = {i for n in (*numbers, *held) if n.what == "start" for i in n.records}
+    about = EFFECTS["start"]
+    return (*numbers, *(SensorNumber(f"start[{i}]", (i,), about.neutral, about.prior) for i in records if i not in typed))
+
+
 def _usual(targets: Any) -> dict[str, None]:
     """The effects that are fitted where nothing is said: one gain and one delay of a sensor, an offset and a drift of each record."""
-    able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH * len(EFFECTS)]
+    able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH]
     curves, kinds = sum(t.kind != "mean" for t in targets), {targets[i].kind for i in able}
     names = {}
     for effect, about in EFFECTS.items():
@@ -165,7 +180,7 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
         if effect == "delay":
             most = _DELAY * max(targets[i].step for i in records)
             prior = distribution_of(("uniform", -most, most))
-        return SensorNumber(name, records, about.neutral, prior)
+        return SensorNumber(name, records, about.neutral, prior, _least(effect, records, targets))
     if _is_value(said):
         return SensorNumber(name, records, float(said))
     prior = distribution_of(said)
@@ -173,7 +188,12 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
         typed = f"{about.neutral:g}" if about.neutral else "0.0"
         problems.add(f"sensor: {name} = {said!r}; allowed is a number that holds it, {ALLOWED}, or None; type for example {name}={typed}")
         return None
-    return SensorNumber(name, records, min(max(prior.mean, prior.low), prior.high), prior)
+    return SensorNumber(name, records, min(max(prior.mean, prior.low), prior.high), prior, _least(effect, records, targets))
+
+
+def _least(effect: str, records: tuple[int, ...], targets: Any) -> float:
+    """What an effect cannot be below: a preload leaves a normal force, and there is room to see its derivative."""
+    return -_PRESSED * min(float(np.min(targets[i].load)) for i in records) if effect == "preload" else -np.inf
 
 
 def _is_value(said: Any) -> bool:

@@ -13,9 +13,10 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import solve
 
-__all__ = ["SteadyCurve", "TransientCurve", "steady_curve", "transient_curve"]
+__all__ = ["SteadyCurve", "TransientCurve", "moves_alike_anywhere", "steady_curve", "transient_curve"]
 
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
+_LOOKED = 8  # states at which equations are looked at
 _LONGEST = 4  # motion periods up to here are followed
 
 
@@ -139,6 +140,21 @@ class TransientCurve:
         return self._states(phase)[0]
 
 
-def transient_curve(robot: Any, velocity: float, periods: int, rtol: float = 1e-8) -> TransientCurve:
-    """The motion of a robot from a velocity at a strobe time on, its bristles unbent."""
-    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start={"v": velocity}))
+def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8) -> TransientCurve:
+    """The motion of a robot from a velocity, and a position, at a strobe time on, its bristles unbent."""
+    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start=start))
+
+
+def moves_alike_anywhere(model: Any) -> bool:
+    """Whether a machine moves the same wherever it stands, told from its equations at a few states and places; a pendulum does not."""
+    m = machine_of(model).mechanics
+    if m.controllers.counts or machine_of(model).wavelength is not None:
+        return False
+    held, rng = (0.0,) * len(m.contacts), np.random.default_rng(0)
+    for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)):
+        at, moving = abs(float(t)) * model.period, (u,) * m.coordinates
+        places = (tuple(x + q for x in m.start), tuple(x + q + away for x in m.start))
+        here, there = ([*m.accelerations(at, place, moving, held), *m.loads(at, place)] for place in places)
+        if not np.allclose(here, there, rtol=1e-12, atol=0.0):
+            return False
+    return True

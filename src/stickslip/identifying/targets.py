@@ -57,6 +57,7 @@ class Target:
     weight: Any = 1.0  # samples that were averaged into each value
     slips: bool = False  # whether the frequency is fitted further
     transient: bool = False  # whether the first sample is where the motion starts, in a state that is fitted
+    placed: bool = False  # whether it matters where that is, so that the position is fitted too
     said: str | None = None  # what was done about a start that is not steady
     cut: str | None = None  # what was left out of a very long record
     period: int = 1  # drive periods after which the motion repeats, as far as the record tells
@@ -122,6 +123,7 @@ def target(
         np.ones(len(t)) if own is None else own,
         slips,
         transient,
+        False,
         said,
         None,
         repeats or 1,

@@ -26,6 +26,7 @@ _GROUPED = {
 }
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "-", "--", "null", "none", "nan(ind)", "-nan(ind)"}
 _INFINITE = {"inf": np.inf, "+inf": np.inf, "-inf": -np.inf, "infinity": np.inf, "-infinity": -np.inf}
+_NO_COLUMN = ("", "Comment")  # last headings without a column: LabVIEW names its comments, of which most rows have none
 _BLANK = " \t\f\xa0\x1a"
 _EXPONENT = str.maketrans("dD", "ee")
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": " "}
@@ -211,7 +212,7 @@ def heading_cells(line: str, dialect: Dialect) -> list[str]:
             cells.append("")
         else:
             cells[-1] += part.strip().strip('"').strip().replace('""', '"')  # CSV doubles a quote within quotes
-    return cells[:-1] if len(cells) == dialect.width + 1 and cells[-1] == "" else cells
+    return cells[:-1] if len(cells) == dialect.width + 1 and cells[-1] in _NO_COLUMN else cells
 
 
 def _heading_line(lines: Sequence[str]) -> str | None:

@@ -47,12 +47,13 @@ def modes(rec: Any, channel: str | None = None, count: int = 1) -> tuple[Mode, .
     """
     c = _response(rec, channel)
     f, H = c.t, np.asarray(c.values)
-    size = abs(H).copy()
-    found = []
+    left, open_lines, found = np.array(H), np.arange(len(H)) > 0, []
     for _ in range(count):
-        peak = int(np.argmax(size[1:])) + 1
-        found.append(_fitted(f, H, peak))
-        size[max(peak - _BAND, 0) : peak + _BAND + 1] = 0
+        peak = int(np.argmax(np.where(open_lines, abs(left), 0.0)))
+        mode, share = _fitted(f, left, peak)
+        found.append(mode)
+        left = left - share  # so that the flank of a mode is not taken for another one
+        open_lines[max(peak - _BAND, 0) : peak + _BAND + 1] = False
     return tuple(found)
 
 
@@ -65,19 +66,23 @@ def _response(rec: Any, channel: str | None) -> Any:
     return found[0]
 
 
-def _fitted(f: Any, H: Any, peak: int) -> Mode:
+def _fitted(f: Any, H: Any, peak: int) -> tuple[Mode, Any]:
+    """The mode of a peak, and its share in the response at all lines."""
     from scipy.optimize import least_squares
 
     band = slice(max(peak - _BAND, 1), peak + _BAND + 1)
     x, y = f[band], H[band] / abs(H[peak])
 
-    def parts(p: Any) -> Any:
-        pole = 1 / (p[0] ** 2 - x**2 + 2j * np.exp(p[1]) * p[0] * x)
-        basis = np.stack([pole * p[0] ** 2, np.ones_like(pole), (x - p[0]) / np.ptp(x) + 0j], axis=1)
-        return basis @ np.linalg.lstsq(basis, y, rcond=None)[0]
+    def pole(p: Any, x: Any) -> Any:
+        return p[0] ** 2 / (p[0] ** 2 - x**2 + 2j * np.exp(p[1]) * p[0] * x)
+
+    def parts(p: Any) -> tuple[Any, Any]:
+        basis = np.stack([pole(p, x), np.ones(len(x)), (x - p[0]) / np.ptp(x) + 0j], axis=1)
+        return basis, np.linalg.lstsq(basis, y, rcond=None)[0]
 
     def left(p: Any) -> Any:
-        rest = parts(p) - y
+        basis, factors = parts(p)
+        rest = basis @ factors - y
         return np.concatenate([rest.real, rest.imag])
 
     step = f[peak] - f[peak - 1]
@@ -88,4 +93,6 @@ def _fitted(f: Any, H: Any, peak: int) -> Mode:
     # SciPy's derivatives are one-sided. Where nothing is left to tell the noise, nothing is known of the errors.
     errors = Information(best.jac, 1e-4).errors(np.sqrt(2 * best.cost / spare)) if spare > 0 else np.full(2, np.inf)
     damping = float(np.exp(best.x[1]))
-    return Mode(float(best.x[0]), damping, float(errors[0]), float(damping * errors[1]))
+    share = parts(best.x)[1][0] * abs(H[peak]) * pole(best.x, f)
+    damping_error = damping * errors[1] if np.isfinite(errors[1]) else np.inf
+    return Mode(float(best.x[0]), damping, float(errors[0]), float(damping_error)), share

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.columns_of_words import without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
@@ -20,6 +21,7 @@ from stickslip.unpacking import Allowance
 
 __all__ = ["decoded", "is_json", "parse"]
 
+Table = tuple[list[str], Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
 
 
@@ -55,10 +57,8 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     text = decoded(data)
     if is_json(text):
         return parse_json(text, Allowance("read", len(data)))
-    lines = re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
-    raw, times = Raw("text", table=True), stamped(lines)
-    lines = lines if times is None else times.lines
-    dialect, first = sniffed(lines, separator, decimal, raw.notes)
+    raw, lines = Raw("text", table=True), re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
+    lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     values = _body(lines[first:], first, dialect, raw.notes)
     raw.info["dialect"] = dialect.words
@@ -69,6 +69,24 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
         _in_seconds(raw, times, len(dialect.cells(f"{times.before}0")) - 1)
     with_its_header(raw)
     return raw
+
+
+def _table(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
+    """The lines, timestamps as numbers, with their dialect and the first row of numbers; columns of words only if they can be read."""
+    try:
+        return _numbered(lines, separator, decimal, notes)
+    except InputError as error:
+        kept = without_words(lines, separator)
+        if kept is None:
+            raise error from None
+        notes.append(f"{kept.said}: words are not read")
+        return _numbered(kept.lines, separator, decimal, notes)
+
+
+def _numbered(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
+    times = stamped(lines)
+    lines = lines if times is None else times.lines
+    return lines, times, *sniffed(lines, separator, decimal, notes)
 
 
 def _in_seconds(raw: Raw, times: Stamped, at: int) -> None:
@@ -97,7 +115,7 @@ def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, s
     rows = [heading_cells(line, dialect) for line in lines if line.strip()]
     fitting = [row for row in rows if len(row) == dialect.width]
     rest = [line.strip() for line in lines if line.strip()]
-    if not fitting:
+    if not fitting or _of_other_columns(rows[-1], dialect):
         if rest:
             raw.info["preamble"] = "\n".join(rest)[:_PREAMBLE]
         return None
@@ -113,6 +131,11 @@ def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, s
     if len(rest) > used:
         raw.info["preamble"] = "\n".join(rest[:-used])[:_PREAMBLE]
     return found
+
+
+def _of_other_columns(row: list[str], dialect: Dialect) -> bool:
+    """Whether the last line before the numbers names more or fewer columns, so that none before it names these."""
+    return len(row) > 1 and len(row) != dialect.width and all(cell and dialect.number(cell) is None for cell in row)
 
 
 # ---- numbers ----
