@@ -78,7 +78,7 @@ def _cuts(found: Any, ax: Any) -> Any:
     spans = {name: np.ptp(cut[2][np.isfinite(cut[2])]) for name, cut in found.cuts.items()}
     names = [name for name in found.cuts if name in sorted(spans, key=lambda name: -spans[name])[:_MOST]]
     alone = names[0] if len(found.cuts) == 1 else None
-    ax = axes(ax, 2.2 if alone else 2.0 + 0.14 * len(names))
+    ax = axes(ax, 2.2 if alone else 2.2 + 0.16 * len(names))
     best = found[found.of] if found.robust is None else found.robust
     unit = unit_of(found.of.partition(".")[0], found.model)
     factor, letter = scaled([best, *(v for name in names for v in found.cuts[name][2] if np.isfinite(v))], unit)
@@ -96,7 +96,8 @@ def _cuts(found: Any, ax: Any) -> Any:
         ax.plot([], [], color=INK, linewidth=0.6, label="thin: beyond a limit")
     ax.set_xlim(x[0], x[-1])
     ax.set_xlabel(across)
-    ax.set_ylabel(named(f"{found.of.replace('_', ' ')}{'' if found.robust is None else ' over the sample'}", pretty_unit(unit), letter))
+    of = found.of.replace("_", " ")
+    ax.set_ylabel(named(of if found.robust is None else f"{of}\nover the sample", pretty_unit(unit), letter))
     if ax.get_legend_handles_labels()[1]:
         legend_above(ax, ncols=1)
     return ax
@@ -129,22 +130,24 @@ def _beyond(beyond: Any) -> Any:
 
 
 def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
-    """The drives of both machines over a period, those that are the same once."""
-    ax = axes(ax)
-    given = list(drives_within(found.given_model))
+    """The drives of both machines over a period; of several those that are not the same."""
     limited = [name for name in _MOTION if name in found.search.subject_to]
-    finite = [name for name in (*limited, *_MOTION) if np.isfinite(found.values[name]) and np.isfinite(found.given[name])]
-    name = finite[0]
-    curves = [(_curve(drive, name), _curve(before, name)) for drive, before in zip(drives, given, strict=True)]
-    factor, letter = prefix(*(y for pair in curves for y in pair)) if name == "relative_velocity" else (1.0, "")
+    name = next(name for name in (*limited, *_MOTION) if np.isfinite(found.values[name]) and np.isfinite(found.given[name]))
+    curves: dict[int, Any] = {}
+    for i, (drive, before) in enumerate(zip(drives, drives_within(found.given_model), strict=True)):
+        pair = np.array([_curve(drive, name), _curve(before, name)])
+        if not any(np.array_equal(pair, other) for other in curves.values()):
+            curves[i] = pair
+    ax = axes(ax, 2.1 + 0.16 * (len(curves) - 1))
+    factor, letter = prefix(*curves.values()) if name == "relative_velocity" else (1.0, "")
     x = np.arange(_TIMES) / _TIMES
-    for i, (new, old) in enumerate(curves):
+    for i, (new, old) in curves.items():
         number = f", drive {i}" if len(curves) > 1 else ""
         ax.plot(x, factor * old, color=COLOURS[i % 7], linestyle=DASHES[1], linewidth=0.8, label=f"as given{number}", zorder=3)
         ax.plot(x, factor * new, color=COLOURS[i % 7], label=f"best{number}", zorder=4)
     high = found.search.subject_to.get(name, (None, None))[1]
     if high is not None:
-        reach = 1.15 * max(factor * high, *(np.max(abs(factor * y)) for pair in curves for y in pair))
+        reach = 1.15 * max(factor * high, *(np.max(abs(factor * pair)) for pair in curves.values()))
         for side in (1.0, -1.0):
             label = "beyond the limit" if side > 0 else None
             ax.axhspan(side * factor * high, side * reach, label=label, **_SHADED)
@@ -153,7 +156,7 @@ def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
     ax.set_xlim(0.0, 1.0)
     ax.set_xlabel("part of the drive period")
     ax.set_ylabel(named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
-    legend_above(ax, ncols=3, columnspacing=1.0)
+    legend_above(ax, ncols=3 if len(curves) == 1 else 2, columnspacing=1.0)
     return ax
 
 
