@@ -282,8 +282,8 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
     if ended.startswith(STOPPED):
-        ended, at_end = _ended(path, found, ended)
-        special += [] if at_end is None or _known(special, at_end) else [at_end]
+        ended, border = _ended(path, found, ended)
+        special += [] if border is None or _known(special, border) else [border]
     return Branch(path.family, path.period, tuple(p.orbit for p in found), np.array([p.value for p in found]), special, ended)
 
 
