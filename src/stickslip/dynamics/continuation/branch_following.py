@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.continuation.grazing import grazed
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.errors import InputError
+from stickslip.flow import is_flow
 
 __all__ = ["SIDE_BY_SIDE", "STOPPED", "follow"]
 
@@ -66,7 +68,8 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Fo
         step *= 0.5
     if why.startswith(_OUTSIDE):
         return why
-    jumped = (ahead for ahead in path.beyond(here) if not _goes_back(ahead[1], here, passed))
+    turns = is_flow(here.orbit.model) or not grazed(here.orbit)  # behind a stop of a machine the search is longer than all the rest
+    jumped = (ahead for ahead in path.beyond(here, turns) if not _goes_back(ahead[1], here, passed))
     return next(jumped, None) or why
 
 

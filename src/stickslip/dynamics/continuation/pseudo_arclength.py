@@ -192,16 +192,16 @@ class Path:
         sizes = np.linalg.svd(found.jacobian[:-1], compute_uv=False)
         return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]))
 
-    def beyond(self, here: Point) -> Iterator[tuple[Found, Point, float]]:
+    def beyond(self, here: Point, turns: bool = True) -> Iterator[tuple[Found, Point, float]]:
         """Points where the branch may go on behind a corner, such as where a new switch begins.
 
         They are found at fixed parameters beyond it, and along the directions that the branch has by its slopes on the other side of the
-        corner: it may turn back there.
+        corner: it may turn back there, if that is asked for.
         """
         ahead, memory = float(np.sign(here.tangent[-1])) * _along_parameter(len(here.u)), self.remembered(here.orbit)
         for step in _JUMPS:
             yield from self._jumped(here, step, ahead, memory)
-        for step in _JUMPS:
+        for step in _JUMPS if turns else ():
             for direction in self._other_directions(here, step, memory):
                 yield from self._jumped(here, step, direction, memory)
                 yield from self._jumped(here, step, -direction, memory)
