@@ -579,3 +579,18 @@ def test_a_sawtooth_is_two_phases_by_their_durations():
     assert np.array_equal(saw.velocity(t), two.velocity(t)) and saw.jumps == two.jumps
     V = ss.mean_velocity(ss.solve(rig(saw), periods=20))
     assert V == ss.mean_velocity(ss.solve(rig(two), periods=20)) == pytest.approx(0.003305, abs=1e-11)
+
+
+@pytest.mark.parametrize("share", [6e-13, 1e-13])
+def test_a_piece_of_hardly_any_time_changes_hardly_anything(share):
+    """Its break and the next one count as one instant, behind which the last piece holds: V is as if the first were longer by so little."""
+    T, first, second = 0.05, -13.55, -39.9
+
+    def V(short: float) -> float:
+        durations = (6e-4, short, T)
+        last = -(first * durations[0] + second * short) / T
+        drive = ss.Pieces(durations=durations, accelerations=(first, second, last))
+        robot = ss.Robot(body_mass=0.87, inner_mass=0.13, drive=drive, friction=ss.Coulomb(0.15, 0.25))
+        return ss.mean_velocity(ss.solve(robot, periods=20, settle=2, keep="summary"))
+
+    assert V(share * T) == pytest.approx(V(1e-11 * T), rel=1e-6)

@@ -5,7 +5,10 @@
 
 @njit(void(int64, f1, f1, boolean, i1), **ALLOCATING)
 def set_flags(lane, S, row, first, D):
-    """Everything that a step holds, from the lane's time and state; with `first` its modes too. Then the end of the next steps."""
+    """Everything that a step holds, from the lane's time and state; with `first` its modes too. Then the end of the next steps.
+
+    Conditions on time are asked just beyond the present instant, behind all that count as the same one.
+    """
     L = D[LANES]
     t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane]
     y, clock, mode, side = np.empty(D[STATES]), np.empty(D[CLOCKS]), np.empty(D[MODES]), np.empty(D[GUARDS])
@@ -13,7 +16,7 @@ def set_flags(lane, S, row, first, D):
         y[i] = S[D[F_Y] + i * L + lane]
     for k in range(D[MODES]):
         mode[k] = S[D[F_MODE] + k * L + lane]
-    call_look(D[AT_LOOK], CLOCK_SIGNS, row, t + 1e-13 * period, y, clock, mode, clock)
+    call_look(D[AT_LOOK], CLOCK_SIGNS, row, t + 1e-12 * period, y, clock, mode, clock)
     if first:
         call_look(D[AT_LOOK], FIRST_MODES, row, t, y, clock, mode, side)
     call_look(D[AT_LOOK], GUARD_VALUES, row, t, y, clock, mode, side)
@@ -87,8 +90,8 @@ def take_sample(lane, S, row, D):
         y[i] = new[i] = S[D[F_Y] + i * L + lane]
     for k in range(D[MODES]):
         mode[k] = S[D[F_MODE] + k * L + lane]
-    call_look(D[AT_LOOK], CLOCK_SIGNS, row, begun + 1e-13 * period, y, clock, mode, clock)
-    call_look(D[AT_LOOK], SAMPLE, row, begun + 1e-13 * period, y, clock, mode, new)
+    call_look(D[AT_LOOK], CLOCK_SIGNS, row, begun + 1e-12 * period, y, clock, mode, clock)
+    call_look(D[AT_LOOK], SAMPLE, row, begun + 1e-12 * period, y, clock, mode, new)
     for i in range(D[STATES]):
         S[D[F_Y] + i * L + lane] = new[i]
 
