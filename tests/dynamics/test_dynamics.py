@@ -140,7 +140,7 @@ def test_wrong_orders_are_told_what_to_type():
     for act, words in (
         (lambda: ss.periodic_orbit(robot, period=0), "whole number"),
         (lambda: ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[1e-4, 2e-4])), "batch"),
-        (lambda: ss.periodic_orbit("robot"), "no model"),
+        (lambda: ss.periodic_orbit("robot"), "not a model"),
         (lambda: ss.periodic_orbit(robot, guess=[1.0, 2.0, 3.0]), "v, z"),
         (lambda: ss.continuation(ss.presets.piezo_rig, parameter="mu", start=0.1, stop=0.2, **RIG), "mu0"),
         (lambda: ss.continuation(ss.presets.piezo_rig, parameter="mu0", start=0.1, stop=0.1, **RIG), "two different"),

@@ -311,7 +311,7 @@ def test_the_command_line_overrules_the_study_file_and_json_has_everything(capsy
 
 def test_ranges_by_a_factor_need_numbers_of_one_sign(capsys):
     assert main(["lyapunov", "piezo_rig", "tilt_deg=1.7", "amplitude=0..1e-3:3:log"]) == 2
-    assert "no range by a factor" in capsys.readouterr().err
+    assert "not a range by a factor" in capsys.readouterr().err
 
 
 def test_commands_tell_how_far_they_are(capsys, monkeypatch):

@@ -301,7 +301,7 @@ def test_bad_input_of_gradients_is_told():
         ss.gradient(MODULE, "mean_velocit")
     with pytest.raises(ss.InputError, match=r"friction_power.0, friction_power.1 \(that of module 1, module 2\)"):
         ss.gradient(PAIR, "friction_power")
-    with pytest.raises(ss.InputError, match=r"no state on the strobe; did you mean 'state.v'"):
+    with pytest.raises(ss.InputError, match=r"not a state on the strobe; did you mean 'state.v'"):
         ss.gradient(MODULE, "state.w")
     with pytest.raises(ss.InputError, match="one robot"):
         ss.gradient(MODULE.replace({"body_mass": [0.05, 0.06]}))

@@ -103,7 +103,7 @@ def test_it_reads_well_and_as_data(lugre, coulomb):
 def test_a_batch_is_refused():
     with pytest.raises(ss.InputError, match=r"batch of shape \(2,\)"):
         check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([4e-4, 5e-4])))
-    with pytest.raises(ss.InputError, match="no robot"):
+    with pytest.raises(ss.InputError, match="not a robot"):
         check(3)
 
 

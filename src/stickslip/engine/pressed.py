@@ -64,9 +64,7 @@ class Pressed:
         return 1.0 / inverse
 
     def closing(self, m: Symbolic, a: tuple[Sym, ...]) -> tuple[Sym, ...]:
-        """Accelerations with the stop closed, from those that the other forces make."""
-        if self.rubs:
-            return self.together(m, a, self.common(m, a))
+        """Accelerations with the stop closed, from those that the other forces make; an end that rubs has those of `together`."""
         force = -(self.mass(m) * self.rate(m, a))
         return tuple(of if not h else of + force * (h / m.lift(mass)) for of, h, mass in zip(a, self.row, m.equations.masses, strict=True))
 

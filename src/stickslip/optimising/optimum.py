@@ -86,7 +86,7 @@ class Optimum(Drawn):
         note says where it is another one than that from rest. None where no way leads there, as from one kind of drive to another.
     given_model : Robot or machine, optional
         The machine that was given.
-    cuts : dict of array (4, points)
+    cuts : dict of array (4, looks)
         What one number does from bound to bound while the others stay: by the name of the number the part of the way between its bounds,
         the number itself, the quantity (over the sample where numbers were uncertain), and 1 where every limit is kept, else 0.
 

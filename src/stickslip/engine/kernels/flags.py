@@ -91,7 +91,7 @@ def take_sample(lane, S, row, D):
     for k in range(D[MODES]):
         mode[k] = S[D[F_MODE] + k * L + lane]
     call_look(D[AT_LOOK], CLOCK_SIGNS, row, begun + 1e-12 * period, y, clock, mode, clock)
-    call_look(D[AT_LOOK], SAMPLE, row, begun + 1e-12 * period, y, clock, mode, new)
+    call_look(D[AT_LOOK], SAMPLE, row, begun + 1e-13 * period, y, clock, mode, new)
     for i in range(D[STATES]):
         S[D[F_Y] + i * L + lane] = new[i]
 
