@@ -141,3 +141,5 @@ def test_a_cycle_shrinks_to_steady_sliding_where_friction_takes_away_the_damping
     assert border.kind == "type-border" and b.orbits[-1].type == "slip"
     closed = brentq(lambda v: v / 0.16 * math.exp(-v * v / 0.16) - 0.2, 0.5, 1.0, xtol=1e-15)
     assert born.kind == "hopf" and abs(born.value - closed) <= born.accuracy < 1e-6 and "shrinks" in b.ended
+    told = [text.get_text() for text in ss.plot.continuation(b).get_legend().get_texts()]
+    assert "birth of a limit cycle" in told

@@ -6,8 +6,8 @@ from typing import Any
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError
-from stickslip.plot.chaos import NAMES
 from stickslip.plot.spacing import logarithmic
+from stickslip.plot.special_kinds import name_once
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, publication, scaled
 
 __all__ = ["special_curve"]
@@ -49,19 +49,12 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
         told: set[str] = set()  # each kind has one colour and one line in the legend
         for curve, each in zip(several, points, strict=True):
             x, y = (each[name].values * sides[name][0] for name in (across, up))
-            ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=_once(curve.kind, told))
+            ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, told))
             for met in curve.special:
                 at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
-                ax.plot(*at, "o", color=INK, markersize=3, label=_once(met.kind, told))
+                ax.plot(*at, "o", color=INK, markersize=3, label=name_once(met.kind, told))
         for name, side in ((across, "x"), (up, "y")):
             getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
             logarithmic(ax, side, points[0][name].values)
         legend_above(ax)
     return ax
-
-
-def _once(kind: str, told: set[str]) -> str | None:
-    """The name of a kind for the legend, when it comes for the first time."""
-    new = kind not in told
-    told.add(kind)
-    return NAMES.get(kind, kind) if new else None

@@ -10,17 +10,16 @@ import numpy as np
 from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.spacing import edges, logarithmic
+from stickslip.plot.special_kinds import name_of
 from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
 
-__all__ = ["MOTIONS", "NAMES", "chaos_map"]
+__all__ = ["MOTIONS", "chaos_map"]
 
 #: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided; told apart with any colour vision.
 MOTIONS = {
     "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 to 32": "#12456B", "chaotic": "#D55E00",
     "not decided": "#9A9A9A",
 }  # fmt: skip
-#: Kinds of special points in words.
-NAMES = {"flip": "flip", "fold": "fold", "type-border": "border of types", "torus": "torus"}
 _LOWEST = -2.0  # exponents below it have one colour
 
 
@@ -114,7 +113,7 @@ def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, fl
             raise InputError("plot", [f"curves: {curve!r} is not a curve in {both}; allowed are those of ss.special_curve"])
         x, y = (curve.values[:, curve.parameters.index(name)] * factor for name, factor in (across, upward))
         ax.plot(x, y, color="white", linewidth=2.0, zorder=3)
-        (handles[curve.kind],) = ax.plot(x, y, color="black", linewidth=0.9, zorder=4, label=NAMES.get(curve.kind, curve.kind))
+        (handles[curve.kind],) = ax.plot(x, y, color="black", linewidth=0.9, zorder=4, label=name_of(curve.kind))
     return list(handles.values())
 
 

@@ -11,14 +11,11 @@ from stickslip.arguments import Ax, Grid, Ways, explains_arguments
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
+from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
 __all__ = ["OBSERVABLES", "continuation"]
 
-_MARKERS = {
-    "flip": ("s", "flip"), "fold": ("D", "fold"), "neimark-sacker": ("o", "Neimark-Sacker"), "grazing": ("v", "grazing"),
-    "type-border": ("|", "border of types"),
-}  # fmt: skip
 _CLOUD = "#8A94A0"
 
 
@@ -185,17 +182,16 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
 
 
 def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:
-    used: set[str] = set()
+    told: set[str] = set()
     for b in branches:
         for s in b.special:
             if s.kind == "type-border" and machine_of(s.orbit.model).has_inner_states:
                 continue  # words with thresholds: no points of the dynamics
-            marker, name = _MARKERS[s.kind]
+            marker = marker_of(s.kind)
             values = _at(s.orbit, observable)
             face = COLOURS[6] if marker == "|" else "white"
             style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
-            ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=None if name in used else name, **style)
-            used.add(name)
+            ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=name_once(s.kind, told), **style)
 
 
 def _of_orbit(orbit: Any, observable: str) -> float:
