@@ -29,6 +29,7 @@ _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of mode
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
 AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
+_RTOL_BESIDE = 1e-11  # of runs under dynamic laws whose differences are taken: with 1e-10 slopes near rest missed 1e-5
 RTOL_OF_SLOPES = 1e-9  # of runs under dynamic laws: derivatives are known to some thousand times that
 MULTIPLIER = "multiplier"  # the name of the largest of a motion
 
@@ -213,7 +214,7 @@ def _beside(
     """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
     sizes, (k, m) = sizes_of(orbit.model, moved), shares.shape
     start = coordinates(orbit.model).start(orbit.state)
-    found = results_of(moved_by(orbit.model, moves_of(moved, sizes, shares)), k * m, start=start, rtol=1e-10, observe=observe)
+    found = results_of(moved_by(orbit.model, moves_of(moved, sizes, shares)), k * m, start=start, rtol=_RTOL_BESIDE, observe=observe)
     return {name: values.reshape(k, m) for name, values in found.items()}, sizes
 
 

@@ -15,6 +15,7 @@ _AROUND = (0.02, 0.002, 2e-4)  # of the unknowns: half the boxes around the best
 _GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time
 _NO_VALUE = 1e3  # of the best: what stands for the value of what is not a machine
 _NEAR = 1e-4  # the same of the search over everything, from where derivatives go on
+_ROAMS = 0.5  # of the generations over everything: until then the best draws the others less than fully
 _SETTLED = 1e-9  # of the best: a population whose values are nearer to each other has arrived
 
 
@@ -34,7 +35,7 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     """
     rng = np.random.default_rng(seed)
     n = worth.space.count
-    _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, _NEAR)
+    _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, _NEAR, _ROAMS)
     if worth.best is None:
         return
     if climbing:
@@ -42,22 +43,28 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     for half in _AROUND:
         before = worth.least
         low, high = np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0)
-        _evolve(worth, low, high, worth.best[None], rng, generations // 5, population, _SETTLED)
+        _evolve(worth, low, high, worth.best[None], rng, generations // 5, population, _SETTLED, 0.0)
         if climbing and before - worth.least > _GAIN * abs(worth.least):
             _climb(worth)
 
 
-def _evolve(worth: Candidates, low: Array, high: Array, starts: Array, rng: Any, generations: int, population: int, settled: float) -> None:
-    """Differential evolution (Storn and Price 1997), current to best, a batch for each generation."""
+def _evolve(
+    worth: Candidates, low: Array, high: Array, starts: Array, rng: Any, generations: int, population: int, settled: float, roams: float
+) -> None:
+    """Differential evolution (Storn and Price 1997), a batch for each generation.
+
+    Candidates are drawn to the best one, over the part `roams` of the generations ever more: drawn from the first, all may gather at an
+    optimum that is wide and low before a narrow high one is met.
+    """
     n = len(low)
     x = low + (high - low) * (np.argsort(rng.random((population, n)), axis=0) + rng.random((population, n))) / population
     x[: len(starts)] = starts[:population]
     f = worth(x)
-    for _ in range(generations):
+    for k in range(generations):
         first = x[np.argmin(f)]
         a, b, c = (x[rng.permutation(population)] for _ in range(3))
         F, CR = rng.uniform(0.4, 0.9, (population, 1)), rng.choice([0.5, 0.95], (population, 1))
-        pull = rng.uniform(0.0, 1.0, (population, 1))
+        pull = rng.uniform(0.0, 1.0 if k >= roams * generations else k / (roams * generations), (population, 1))
         y = a + pull * (first - a) + F * (b - c)
         keep = (rng.random((population, n)) > CR) & (np.arange(n) != rng.integers(n, size=(population, 1)))
         y = _within(low, high, np.where(keep, x, y), rng)
