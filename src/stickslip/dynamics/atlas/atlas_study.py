@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Outcome, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
@@ -19,6 +19,7 @@ from stickslip.sweeps.planning import SOLVER, planned
 
 __all__ = ["AtlasStudy"]
 
+T = TypeVar("T")
 _FORMAT = 1
 _ANEW = "delete it, and it is computed again"
 
@@ -44,7 +45,7 @@ class AtlasStudy:
     def _begin(self, folder: Path, mine: dict[str, str], resume: bool) -> None:
         manifest = folder / MANIFEST
         if manifest.exists():
-            theirs = _read(manifest)
+            theirs = _read(manifest, dict)
             if theirs.get("content") != "atlas":
                 raise InputError("atlas", [f"{str(folder)!r} is the folder of a sweep; give another folder"])
             if told := differences(mine, theirs.get("identity", {})):
@@ -70,7 +71,7 @@ class AtlasStudy:
 
     def points(self) -> dict[Cell, PointOfGrid]:
         """The points of the grid that are there."""
-        return {(int(row["cell"][0]), int(row["cell"][1])): _point_of(row) for rows in self._all("points-*.json") for row in rows}
+        return {cell: point for points in self._all("points-*.json", _points_of) for cell, point in points.items()}
 
     def keep_grid(self, grid: dict[Cell, PointOfGrid], missed: int) -> None:
         """Keep the whole grid after motions were taken over from neighbours."""
@@ -78,9 +79,7 @@ class AtlasStudy:
 
     def grid(self) -> tuple[dict[Cell, PointOfGrid], int] | None:
         """The whole grid, if it is there."""
-        for found in self._all("grid.json"):
-            return {(int(r["cell"][0]), int(r["cell"][1])): _point_of(r) for r in found["points"]}, int(found["missed"])
-        return None
+        return next(self._all("grid.json", lambda found: (_points_of(found["points"]), int(found["missed"]))), None)
 
     # ---- what was followed ----
     def keep_outcome(self, name: str, outcome: Outcome) -> None:
@@ -89,22 +88,23 @@ class AtlasStudy:
 
     def outcome(self, name: str) -> Outcome | None:
         """The same, if it is there."""
-        return next((_outcome_of(found) for found in self._all(f"followed-{name}.json")), None)
+        return next(self._all(f"followed-{name}.json", _outcome_of), None)
 
     def _keep(self, name: str, value: Any) -> None:
         if self.folder is not None:
             put(self.folder / name, json.dumps(plain(value), ensure_ascii=False).encode())
 
-    def _all(self, names: str) -> Iterator[Any]:
+    def _all(self, names: str, made: Callable[[Any], T]) -> Iterator[T]:
+        """What is made of each file with such a name, in the order of the names."""
         if self.folder is not None:
             for path in sorted(self.folder.glob(names)):
-                yield _read(path)
+                yield _read(path, made)
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path, made: Callable[[Any], T]) -> T:
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        return made(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
         raise InputError("atlas", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
 
 
@@ -114,6 +114,10 @@ def _identity(plane: Plane, look: Look) -> dict[str, str]:
     options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
     sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
     return {**sweep, "starts": json.dumps(plain(plane.starts))}
+
+
+def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
+    return {(int(row["cell"][0]), int(row["cell"][1])): _point_of(row) for row in rows}
 
 
 def _point_of(row: dict[str, Any]) -> PointOfGrid:

@@ -18,6 +18,7 @@ from stickslip.errors import InputError, SolveError
 __all__ = ["Border", "FollowedBranch", "Outcome", "PointOfBorder", "followed", "same_place"]
 
 Array = Any
+_TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
 _SAME = 1e-6  # of the plane: special points nearer to one another are one
 
@@ -141,7 +142,7 @@ def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOf
         if low <= special.value <= high and not short and wanted(point):
             border, why = _border(plane, seed, branch, special, point, across, other)
             borders += [border] if border else []
-            refused += [f"{change.told}: located on lines of the grid alone, as {why}"] if why and not border else [why] if why else []
+            refused += [why] if why else []
     return Outcome(_kept(branch, other), tuple(points), tuple(borders), tuple(refused))
 
 
@@ -156,7 +157,7 @@ def _point(seed: Seed, special: Special, other: float, branch: Branch) -> PointO
     beside = int(np.argmin(abs(branch.values - special.value)))
     around = branch.orbits[max(beside - 1, 0) : beside + 2]
     stable = any(bool(orbit.stable) for orbit in around)
-    told = "; ".join(special.orbit.notes)
+    told = "; ".join(special.orbit.notes) or _TOLD.get(special.kind, "")
     values, unsure = (float(special.value), other), (float(special.accuracy), 0.0)
     return PointOfBorder(special.kind, _in_order(seed.axis, values), _in_order(seed.axis, unsure), told, stable)
 
@@ -177,7 +178,7 @@ def _border(
             try:
                 ways.append(special_curve(branch, special, across, stop=end))
             except (SolveError, InputError) as error:
-                refused = f"its {special.kind} cannot be followed in both numbers: {_reason(error)}"
+                refused = f"a {special.kind} was located on lines of the grid, and not followed in both numbers: {_reason(error)}"
     return (_joined(seed, special, point, ways), refused) if ways else (None, refused)
 
 

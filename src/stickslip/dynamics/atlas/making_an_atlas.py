@@ -150,7 +150,8 @@ class _Making:
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
         branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
-        return Atlas(self.plane, grid, borders, without_twins(self.plane, points), branches, self._notes(grid, missed, left))
+        notes = self._notes(grid, missed, left, len(outcomes), most)
+        return Atlas(self.plane, grid, borders, without_twins(self.plane, points), branches, notes)
 
     # ---- the grid ----
     def _grid(self, grid: dict[Cell, PointOfGrid]) -> int:
@@ -224,7 +225,7 @@ class _Making:
         return False
 
     # ---- what was not reached ----
-    def _notes(self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change]) -> tuple[str, ...]:
+    def _notes(self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int) -> tuple[str, ...]:
         told = []
         if self.stopped:
             told.append(
@@ -234,9 +235,19 @@ class _Making:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
         told += _of_grid(grid, self.look.settle)
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
+        if left and not followed:
+            return (
+                *told,
+                f"no motion was followed, so that borders are known to a cell of the grid ({len(left)} pairs of neighbours differ)",
+            )
+        if followed == most:
+            told.append(f"{most} motions were followed, as many as were allowed; branches= allows more")
         places = Counter(change.told for change in left)
-        told += [f"{n} places between {what} were not explained by a special point or a curve" for what, n in sorted(places.items())]
-        return tuple(told)
+        return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
+
+
+def _counted(pairs: int) -> str:
+    return f"{pairs} pair{'s' * (pairs != 1)}"
 
 
 def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
@@ -244,7 +255,7 @@ def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
     wild = sum(any(m.period == 0 for m in point.motions) for point in grid.values())
     lost, none = sum(point.lost for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
     told = (
-        [f"at {wild} points a motion had no period up to 32 after {settle} drive periods: it is irregular or has not settled"]
+        [f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"]
         if wild
         else []
     )

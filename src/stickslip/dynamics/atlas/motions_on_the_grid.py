@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from stickslip.batch import some_of
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import settled_points, told_apart
+from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-__all__ = ["Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched"]
+__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched"]
 
 Array = Any
+#: What a motion is called that does not repeat: its type would change from one look to the next.
+IRREGULAR = "no period"
 _LOOKED = 64  # drive periods over which a motion is named
+_LONGER = 4  # times the drive periods of settling: how much longer what does not repeat is run
+_SAME = 1e-4  # of the velocity scale: mean velocities nearer to one another are one
 _JOINED = " | "  # the patterns of several contacts
 
 
@@ -29,7 +35,7 @@ class MotionThere:
     Parameters
     ----------
     word : str
-        Its type and its period, such as "III" or "II, period 2"; of several contacts their patterns.
+        Its type and its period, such as "III" or "II, period 2"; of several contacts their patterns; "no period" where there is none.
     period : int
         Drive periods until it repeats; 0 where it does not within 32.
     mean_velocity : float
@@ -107,10 +113,10 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     values = np.array([plane.point(cell) for cell in begun])[owner]
     model = plane.family.robots(*values.T)
     T = np.broadcast_to(np.asarray(model.period, float), owner.shape)
-    points, ways, good = settled_points(model, np.vstack(list(begun.values())), look.settle, look.rtol, 1, None)
+    points, ways, good = _settled(plane, model, np.vstack(list(begun.values())), look)
     first: list[int] = []  # one run of each motion
     found: list[list[tuple[int, int, float, int]]] = []
-    lost = np.bincount(owner, ~(good > 0), len(begun)).astype(int)
+    lost = np.bincount(owner, ~(good > 0), len(begun)).astype(int).tolist()
     for k in range(len(begun)):
         rows = np.flatnonzero(owner == k)
         period, V, numbers = told_apart(T[rows], points[rows], ways[rows], good[rows], plane.at, look.rtol)
@@ -120,17 +126,34 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     states = points[first, -1]
     words = _words(plane, values[first], states, look) if first else []
     return {
-        cell: PointOfGrid(_sorted(MotionThere(_named(words[i], p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of), int(lost[k]))
+        cell: PointOfGrid(
+            _sorted(plane, [MotionThere(_named(words[i], p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]), lost[k]
+        )
         for k, (cell, of) in enumerate(zip(begun, found, strict=True))
     }
 
 
-def _sorted(motions: Iterable[MotionThere]) -> tuple[MotionThere, ...]:
-    return tuple(sorted(motions, key=lambda motion: (-motion.hits, motion.word)))
+def _settled(plane: Plane, model: Any, states: Array, look: Look) -> tuple[Array, Array, Array]:
+    """Strobe points, ways and success of runs; those that do not repeat yet are run on for a longer time."""
+    points, ways, good = settled_points(model, states, look.settle, look.rtol, 1, None)
+    late = np.flatnonzero((good > 0) & (periods_of(points, plane.at.scales, max(1e-6, 100 * look.rtol)) == 0))
+    if len(late):
+        again = settled_points(some_of(model, late), points[late, -1], _LONGER * look.settle, look.rtol, 1, None)
+        points[late], ways[late], good[late] = again
+    return points, ways, good
+
+
+def _sorted(plane: Plane, motions: list[MotionThere]) -> tuple[MotionThere, ...]:
+    """The most attracting first. What has no period and the mean velocity of one that has is that one, not yet settled."""
+    kept = {motion: motion.hits for motion in motions if motion.period}
+    for motion in (m for m in motions if not m.period):
+        like = next((m for m in kept if abs(m.mean_velocity - motion.mean_velocity) < _SAME * plane.at.speed), motion)
+        kept[like] = kept.get(like, 0) + motion.hits
+    return tuple(sorted((replace(m, hits=hits) for m, hits in kept.items()), key=lambda m: (-m.hits, m.word, m.mean_velocity)))
 
 
 def _named(word: str, period: int) -> str:
-    return word if period == 1 else f"{word}, period {period}" if period else f"{word}, no period"
+    return word if period == 1 else f"{word}, period {period}" if period else IRREGULAR
 
 
 def _words(plane: Plane, values: Array, states: Array, look: Look) -> list[str]:
@@ -173,15 +196,15 @@ def taken_over(plane: Plane, grid: dict[Cell, PointOfGrid], run: Callable[[dict[
     while todo := _to_try(plane, grid, tried):
         for cell, point in run(todo).items():
             more = unmatched(point, grid[cell])
-            grid[cell] = _joined(grid[cell], more)
+            grid[cell] = _joined(plane, grid[cell], more)
             missed += len(more)
     return missed
 
 
-def _joined(point: PointOfGrid, more: list[MotionThere]) -> PointOfGrid:
+def _joined(plane: Plane, point: PointOfGrid, more: list[MotionThere]) -> PointOfGrid:
     """A point with motions that were reached from its neighbours."""
-    added = [MotionThere(m.word, m.period, m.mean_velocity, m.state, 0) for m in more]
-    return PointOfGrid((*point.motions, *added), point.lost, point.refused)
+    added = [replace(m, hits=0) for m in more]
+    return PointOfGrid(_sorted(plane, [*point.motions, *added]), point.lost, point.refused)
 
 
 def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, Cell, str]]) -> dict[Cell, Array]:
