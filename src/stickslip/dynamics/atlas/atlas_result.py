@@ -190,7 +190,7 @@ class Atlas(Drawn):
         return lines | {"borders": str(len(self.borders)), "branches": str(len(self.branches)), "special points": str(len(self.found))}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        regions = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
+        regions: list[tuple[str, ...]] = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
         points = [("special point", *self.parameters, "accuracy", "what changes"), *self.rows()[:_ROWS]]
         return [regions, points] if self.found else [regions]
 

@@ -51,8 +51,8 @@ class AtlasStudy:
             if told := differences(mine, theirs.get("identity", {})):
                 raise InputError("atlas", [f"{str(folder)!r} is the folder of another atlas: {reason}" for reason in told])
             if not resume:
-                told = f"{str(folder)!r} holds results of this atlas already"
-                raise InputError("atlas", [f"{told}; type resume=True (--resume) to go on, or give another folder"])
+                already = f"{str(folder)!r} holds results of this atlas already"
+                raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
             return
         if folder.exists() and (not folder.is_dir() or any(p.name != COMMAND for p in folder.iterdir())):
             raise InputError("atlas", [f"{str(folder)!r} is there and is not the folder of an atlas; give a new or an empty folder"])

@@ -305,7 +305,7 @@ class AtlasTime:
     grid : float
         For the points of the grid [s].
     branch : float
-        For each motion that is followed [s]; NaN where none could be.
+        For each motion that is followed [s], with its curves; NaN where none could be. What is located line by line is quicker.
     most : int
         How many are followed at most.
 
@@ -321,6 +321,8 @@ class AtlasTime:
 
     def __repr__(self) -> str:
         first = f"about {self.grid:.2g} s for the grid"
+        if not self.most:
+            return first
         if not np.isfinite(self.branch):
             return f"{first}; no motion in its middle could be followed, so what borders take is not known"
         whole = f"at most {self.most}: {self.branch * self.most:.3g} s"
@@ -360,7 +362,7 @@ def atlas_time(
     began = time.perf_counter()
     found |= look_at(plane, probed, look)
     grid = (time.perf_counter() - began) / len(probed) * plane.cells / workers
-    return AtlasTime(grid, _time_of_a_branch(plane, found), branches)
+    return AtlasTime(grid, _time_of_a_branch(plane, found) if branches else 0.0, branches)
 
 
 def _time_of_a_branch(plane: Plane, found: dict[Cell, PointOfGrid]) -> float:

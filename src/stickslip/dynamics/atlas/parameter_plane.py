@@ -109,7 +109,7 @@ class Plane:
 
     @cached_property
     def _start_axes(self) -> dict[str, Array]:
-        return start_axes("atlas", self.at, dict(self.starts), 1, 1)  # type: ignore[arg-type]
+        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, 1)
 
     @cached_property
     def count(self) -> int:
@@ -125,7 +125,7 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
         problems.add(f"starts = {starts!r}; allowed is a whole number from 1, or a grid as ss.basins takes it; type starts=5")
     check(problems)
     problems.check()
-    plane = Plane(family(what, make, tuple(axes), fixed), tuple(axes.values()), starts)  # type: ignore[arg-type]
+    plane = Plane(family(what, make, tuple(axes), fixed), tuple(axes.values()), starts)
     needs_model(what, plane.sample)
     if isinstance(starts, dict):
         if "phase" in starts:
