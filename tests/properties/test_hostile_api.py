@@ -241,7 +241,8 @@ def examples():
 
 #: Public names that are not doors: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
-    "Atlas", "AtlasTime", "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
+    "Atlas", "AtlasTime",
+    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
     "StickslipError", "Sum", "Trajectory", "Verdict",
     "Certificate", "Enclosure", "ExportedLaw", "Gradient", "Optimum", "Propagated", "Waveform",
