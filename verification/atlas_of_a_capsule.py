@@ -1,5 +1,9 @@
-"""The atlas of a capsule over frequency and force, against brute force at random points; draws docs/images/atlas_capsule.png."""
+"""The atlas of a capsule over frequency and force, against brute force at random points.
 
+Run: python verification/atlas_of_a_capsule.py FOLDER. It draws FOLDER/atlas_capsule.png.
+"""
+
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -7,7 +11,6 @@ import numpy as np
 
 import stickslip as ss
 
-IMAGE = Path(__file__).resolve().parents[1] / "docs" / "images" / "atlas_capsule.png"
 OVER = {"omega": list(np.linspace(1.05, 1.13, 13)), "force_ratio": list(np.linspace(0.6, 1.2, 9))}
 POINTS, STARTS = 100, 16
 
@@ -20,11 +23,11 @@ def by_brute_force(omega, ratio, random):
     return [frozenset(map(int, row)) for row in np.reshape(runs.period, (POINTS, STARTS))]
 
 
-def main():
+def main(folder):
     found = ss.atlas(ss.presets.capsule, over=OVER, branches=40, progress=True)
     print(found)
     print(*found.borders, *found.rows(), sep="\n")
-    found.plot().figure.savefig(IMAGE, dpi=200)
+    found.plot().figure.savefig(folder / "atlas_capsule.png", dpi=200)
     random = np.random.default_rng(20261123)
     omega, ratio = random.uniform(1.05, 1.13, POINTS), random.uniform(0.6, 1.2, POINTS)
     told = Counter()
@@ -36,4 +39,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]))

@@ -31,6 +31,7 @@ _FILLS = (
 )
 _MARKS = {"fold": "^", "flip": "D", "neimark-sacker": "p", "grazing": "o", "type-border": "s", "triple-point": "*", "hopf": "h"}
 _FINE, _LETTERS = 240, 3  # places of a side; letters of a region's name for which there is room inside
+_COLUMNS = {3: 16, 2: 30}  # of the legend, by the letters of its longest entry
 _MISSING = "not computed"
 
 
@@ -135,4 +136,6 @@ def _legend(ax: Any, fills: dict[str, str], lines: bool, marks: list[Any], missi
     handles: list[Any] = [Patch(facecolor=fill, edgecolor=INK, linewidth=0.4, label=name) for name, fill in fills.items()]
     handles += [Line2D([], [], color="black", linewidth=0.8, label="border, followed")] if lines else []
     if handles or marks:
-        legend_above(ax, handles=[*handles, *marks], ncols=3, handlelength=1.2, columnspacing=1.0)
+        longest = max(len(str(handle.get_label())) for handle in [*handles, *marks])
+        columns = next((n for n, letters in _COLUMNS.items() if longest <= letters), 1)
+        legend_above(ax, handles=[*handles, *marks], ncols=columns, handlelength=1.2, columnspacing=1.0)
