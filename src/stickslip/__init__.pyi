@@ -56,6 +56,12 @@ from .drives import (
     VerticalVibration as VerticalVibration,
     cantilever_eigenvalues as cantilever_eigenvalues,
 )
+from .dynamics.atlas.atlas_result import Atlas as Atlas
+from .dynamics.atlas.making_an_atlas import (
+    AtlasTime as AtlasTime,
+    atlas as atlas,
+    atlas_time as atlas_time,
+)
 from .dynamics.attractors.attractor_continuation import attractors as attractors
 from .dynamics.attractors.basins import (
     Basins as Basins,

@@ -13,7 +13,8 @@ from stickslip.cli import COMMANDS, main
 from stickslip.cli.transcripts import FOLDER, commands_in, transcript
 
 SLOW = ("paper", "warmup")  # they take a minute
-LONG = (*SLOW, "optimise", "basins", "lyapunov", "compare", "identify", "map", "report", "check")  # seconds; other tests read their JSON
+#: Seconds; other tests read their JSON.
+LONG = (*SLOW, "optimise", "atlas", "basins", "lyapunov", "compare", "identify", "map", "report", "check")
 ENDLESS = "explore"  # serves until it is told to stop
 SHOWN = sorted(path.stem for path in FOLDER.glob("*.txt"))
 _NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")

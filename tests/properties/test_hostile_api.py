@@ -75,6 +75,10 @@ def examples():
         "continuation": (ss.continuation, {"make": ss.presets.piezo_rig, "start": 5e-4, "stop": 6e-4, "points": 3, "period": 1,
              "guess": None,
                                            "step": 0.02, "rtol": 1e-12, **along}),
+        "atlas": (ss.atlas, {"make": ss.presets.piezo_rig, "over": {"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.18]}, "starts": 2,
+             "settle": 5, "rtol": 1e-6, "branches": 0, "workers": 1, "resume": False, "tilt_deg": 1.7, "law": "coulomb"}),
+        "atlas_time": (ss.atlas_time, {"make": ss.presets.piezo_rig, "over": {"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.18]}, "starts": 2,
+             "settle": 5, "rtol": 1e-6, "branches": 0, "workers": 1, "tilt_deg": 1.7, "law": "coulomb"}),
         "attractors": (ss.attractors, {"make": ss.presets.piezo_rig, "values": [5e-4, 6e-4], "starts": None, "settle": 5, **along}),
         "basins": (ss.basins, {"model": robot, "settle": 5, "rtol": 1e-6, "workers": 1, "v": [0.0, 0.1]}),
         "chaos_map": (ss.chaos_map, {"make": ss.presets.piezo_rig, **RIG, "amplitude": [4e-4, 6e-4], "tilt_deg": [1.0, 2.0], "settle": 5,
@@ -216,6 +220,7 @@ def examples():
         "plot.record_spectrum": (ss.plot.record_spectrum, {"record": rec, "channel": "velocity", "ax": None}),
         "plot.tornado": (ss.plot.tornado, {"found": None, "ax": None}), "plot.front": (ss.plot.front, {"found": None, "ax": None}),
         "plot.optimum": (ss.plot.optimum, {"found": None, "of": None, "ax": None}),
+        "plot.atlas": (ss.plot.atlas, {"found": None, "ax": None, "points": True}),
         "plot.basins": (ss.plot.basins, {"found": None, "ax": None}), "plot.attractors": (ss.plot.attractors, {"found": None,
              "quantity": "mean_velocity"}),
         "plot.special_curve": (ss.plot.special_curve, {"curves": None, "ax": None}),
@@ -236,6 +241,7 @@ def examples():
 
 #: Public names that are not doors: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
+    "Atlas", "AtlasTime",
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
     "StickslipError", "Sum", "Trajectory", "Verdict",

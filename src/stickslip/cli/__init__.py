@@ -28,6 +28,7 @@ COMMANDS = {
     "merge": ("studies", "merge the shards of a sweep"),
     "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv, .xlsx or .parquet file"),
     "bifurcation": ("bifurcation", "bifurcations along one parameter: diagram, branches, folds and flips"),
+    "atlas": ("atlas", "motions over two numbers, and the borders between them"),
     "basins": ("basins", "basins of attraction: which initial state leads to which motion"),
     "lyapunov": ("lyapunov", "Lyapunov exponents: periodic, quasi-periodic or chaotic?"),
     "report": ("report", "one robot, one run or one study as a self-contained HTML page"),

@@ -14,7 +14,7 @@ from stickslip.errors import InputError, as_path, is_one_of
 
 __all__ = ["act", "remembered"]
 
-_BEGINS = ("sweep", "map")
+_BEGINS = ("sweep", "map", "atlas")
 #: What each run of a study may have its own of, and what its folder must not decide: whether code runs.
 _OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")
 _MORE = """\

@@ -1,5 +1,6 @@
 """Pictures of runs, records, benches and maps, and of what becomes of motions along a parameter. They take what was computed before."""
 
+from stickslip.plot.atlas_figure import atlas
 from stickslip.plot.attractors_along import attractors
 from stickslip.plot.bench_figures import bench
 from stickslip.plot.border_curves import special_curve
@@ -17,7 +18,7 @@ from stickslip.plot.style import publication
 from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
-    "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence",
-    "fitted", "forces", "front", "line_cut", "motion_map", "optimum", "pattern", "phase", "publication", "record_spectrum", "residuals",
-    "special_curve", "spectrum", "states", "tornado", "velocity", "velocity_map",
+    "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation",
+    "convergence", "fitted", "forces", "front", "line_cut", "motion_map", "optimum", "pattern", "phase", "publication", "record_spectrum",
+    "residuals", "special_curve", "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -16,7 +16,7 @@ from stickslip.plot.style import INK, axes, legend_above, prefix, publication, s
 from stickslip.steadiness import STEADINESS, UNSETTLED
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-__all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
+__all__ = ["DARK", "TYPE_COLOURS", "motion_map", "name_region", "outlined", "plain_label", "scaled", "velocity_map"]
 
 #: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
@@ -77,7 +77,7 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
         norm = BoundaryNorm(np.arange(len(present) + 1) - 0.5, len(present))
         ax.pcolormesh(edges(across.values), edges(up.values), codes, cmap=colours, norm=norm, rasterized=True)
         places = _places(codes, across, up)
-        legend = [name for i, name in enumerate(present) if not _name_region(ax, *places, i, name)]
+        legend = [name for i, name in enumerate(present) if not name_region(ax, *places, i, name)]
         named = "Coulomb twin" if borders == "twin" else "Coulomb, exact"
         drawn = (borders == "twin" or (borders and _parts_them(grid))) and _draw_borders(ax, grid, first, second, across, up)
         _legend(ax, legend, named if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
@@ -229,7 +229,7 @@ def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
     return x, y, codes[np.ix_(rows, columns)]
 
 
-def _name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
+def name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
     """Write a type's name into the widest part of its largest region; False if there is no room."""
     from scipy.ndimage import distance_transform_edt
 
@@ -258,11 +258,11 @@ def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up
     except InputError:
         return False
     for curve in curves:
-        _border(ax, curve.x * across.factor, curve.y * up.factor)
+        outlined(ax, curve.x * across.factor, curve.y * up.factor)
     return bool(curves)
 
 
-def _border(ax: Any, x: Any, y: Any) -> None:
+def outlined(ax: Any, x: Any, y: Any) -> None:
     """A black line on a white one, which shows on every colour."""
     ax.plot(x, y, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
     ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
@@ -309,7 +309,7 @@ def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: 
     for k in range(len(names) - 1):  # the last one's borders are those of the others
         ahead = shares[k] - np.delete(shares, k, axis=0).max(axis=0)
         for line in contourpy.contour_generator(x, y, ahead).lines(0.0):
-            _border(ax, *np.asarray(line).T)
+            outlined(ax, *np.asarray(line).T)
             drawn = True
     return drawn
 

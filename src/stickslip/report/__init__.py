@@ -1,8 +1,9 @@
 """Reports: numbers and pictures put on one page that needs nothing else."""
 
 from stickslip.report.html import page, svg_address, write
+from stickslip.report.of_atlas import atlas_page
 from stickslip.report.of_optimum import optimum_page
 from stickslip.report.of_run import run_page
 from stickslip.report.of_study import study_page
 
-__all__ = ["optimum_page", "page", "run_page", "study_page", "svg_address", "write"]
+__all__ = ["atlas_page", "optimum_page", "page", "run_page", "study_page", "svg_address", "write"]

@@ -91,6 +91,10 @@ def read_manifest(folder: str | Path) -> dict[str, Any]:
         ) from None
     except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise InputError("study", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
+    if found.get("content") == "atlas":
+        raise InputError(
+            "study", [f"{str(folder)!r} is the folder of an atlas; type ss.atlas(..., out=, resume=True), or stickslip resume"]
+        )
     if version > FORMAT:
         raise InputError("study", [f"{str(folder)!r} has format {version}, this stickslip reads up to {FORMAT}; install a newer stickslip"])
     if (what := flaw(found)) is not None:

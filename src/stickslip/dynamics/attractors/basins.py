@@ -256,9 +256,7 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
-def told_apart(
-    T: float, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False
-) -> tuple[Array, Array, Array]:
+def told_apart(T: Any, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False) -> tuple[Array, Array, Array]:
     """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
     period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
     V = steady_velocity(ways, period, T)

@@ -1,0 +1,222 @@
+"""What an atlas holds: motions over the grid, regions, borders, special points and branches, and what was not reached, in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.arguments import explains_arguments
+from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
+from stickslip.dynamics.atlas.changes_between_neighbours import crosses
+from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
+from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.attractors.basins import wilson
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, strobe_attrs
+from stickslip.dynamics.continuation.point_accuracy import certain
+from stickslip.errors import InputError
+from stickslip.faces import Drawn
+from stickslip.sealing import sealed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Atlas", "without_twins"]
+
+_ROWS = 24  # of a table in a notebook
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Atlas(Drawn):
+    """The motions of a machine over a plane of two numbers, and the borders between them; `plot` draws it.
+
+    Parameters
+    ----------
+    plane : Plane
+        The two numbers and the machines.
+    points : dict of PointOfGrid
+        What was found at each point of the grid, by its place.
+    borders : tuple of Border
+        Curves that part motions, with their accuracy.
+    found : tuple of PointOfBorder
+        Special points, each with its accuracy: those of the branches that were followed, and where borders meet.
+    branches : tuple of FollowedBranch
+        Branches of periodic motions that were followed across the plane.
+    notes : tuple of str
+        What was not reached, and why.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.19]}, tilt_deg=1.7, law="coulomb")
+    >>> found.regions, found.at(amplitude=6.4e-4, mu0=0.18)
+    ({'I': 0.5, 'III': 0.5}, ('III',))
+    """
+
+    plane: Plane
+    points: dict[Cell, PointOfGrid]
+    borders: tuple[Border, ...]
+    found: tuple[PointOfBorder, ...]
+    branches: tuple[FollowedBranch, ...]
+    notes: tuple[str, ...]
+
+    _drawn_by, _inches = "atlas", (4.4, 3.4)
+
+    @property
+    def parameters(self) -> tuple[str, str]:
+        """Names of the two numbers."""
+        return self.plane.names
+
+    @cached_property
+    def regions(self) -> dict[str, float]:
+        """Each region by the motions that coexist in it, and its share of the points of the grid; the largest first."""
+        counts = Counter(point.label for point in self.points.values() if point.motions)
+        total = sum(counts.values())
+        return {label: n / total for label, n in sorted(counts.items(), key=lambda item: (-item[1], item[0]))}
+
+    @cached_property
+    def map(self) -> xr.Dataset:
+        """The grid as an `xarray.Dataset`.
+
+        Over the two numbers: region, count (of motions; -1: not computed), unsolved (starts that lead nowhere). Over them and
+        attractor: motion, period (0: none up to 32, -1: not there), mean_velocity [m/s], share of the starts with its 95 % interval
+        share_low to share_high, and the strobe state.
+        """
+        import xarray as xr
+
+        p, q = self.parameters
+        axes = {n: (n, axis, self.plane.family.describe(n)) for n, axis in zip(self.parameters, self.plane.axes, strict=True)}
+        columns: dict[str, Any] = {name: ((p, q), table, told) for name, (table, told) in self._by_point().items()}
+        columns |= {name: ((p, q, "attractor"), table, told) for name, (table, told) in self._by_motion().items()}
+        most = max((len(point.motions) for point in self.points.values()), default=0)
+        return xr.Dataset(columns, {**axes, "attractor": np.arange(most)}, {"starts": self.plane.count, "notes": list(self.notes)})
+
+    def _by_point(self) -> dict[str, tuple[Any, dict[str, str]]]:
+        count, lost = np.full(self.plane.shape, UNDONE), np.full(self.plane.shape, UNDONE)
+        region = np.full(self.plane.shape, "", object)
+        for cell, point in self.points.items():
+            count[cell], lost[cell], region[cell] = len(point.motions), point.lost, point.label
+        return {
+            "region": (region.astype(str), {"long_name": "motions that coexist"}),
+            "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
+            "unsolved": (lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
+        }
+
+    def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
+        shape = (*self.plane.shape, max((len(point.motions) for point in self.points.values()), default=0))
+        motion, period = np.full(shape, "", object), np.full(shape, UNDONE)
+        names, starts = self.plane.at.names, self.plane.count
+        numbers = np.full((*shape, 4 + len(names)), np.nan)
+        for cell, point in self.points.items():
+            for k, each in enumerate(point.motions):
+                motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
+                numbers[(*cell, k)] = [each.mean_velocity, each.hits / starts, *wilson(each.hits, starts), *each.state]
+        told = [{"units": "m/s", "long_name": "mean velocity"}]
+        told += [{"units": "1", "long_name": f"share of the starts{part}"} for part in ("", ", 95 % lower bound", ", 95 % upper bound")]
+        told += [strobe_attrs(name) for name in names]
+        columns = ("mean_velocity", "share", "share_low", "share_high", *names)
+        return {
+            "motion": (motion.astype(str), {"long_name": "motion"}),
+            "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
+            **{name: (numbers[..., i], told[i]) for i, name in enumerate(columns)},
+        }
+
+    @cached_property
+    def special(self) -> xr.Dataset:
+        """The special points as an `xarray.Dataset` over ``point``: the two numbers, their accuracy, kind, told, stable."""
+        import xarray as xr
+
+        columns: dict[str, Any] = {}
+        for i, name in enumerate(self.parameters):
+            columns[name] = ("point", [s.values[i] for s in self.found], self.plane.family.describe(name))
+            columns[f"{name}_accuracy"] = ("point", [s.accuracy[i] for s in self.found])
+        for name in ("kind", "told", "stable"):
+            columns[name] = ("point", [getattr(s, name) for s in self.found])
+        return xr.Dataset(columns)
+
+    @explains_arguments
+    def at(self, **values: float) -> tuple[str, ...]:
+        """The motions that attract at a point of the plane: those of the nearest point of the grid that no border parts from it.
+
+        Parameters
+        ----------
+        **values
+            The two numbers.
+
+        Returns
+        -------
+        tuple of str
+
+        Raises
+        ------
+        InputError
+            Of a point outside the grid, or where nothing was computed.
+        """
+        here = self._place(values)
+        spans = [float(np.ptp(axis)) for axis in self.plane.axes]
+        known = [cell for cell, point in self.points.items() if point.motions]
+        if not known:
+            raise InputError("Atlas.at", ["nothing was computed; make the atlas again"])
+        near = sorted(known, key=lambda cell: sum(((a - b) / s) ** 2 for a, b, s in zip(self.plane.point(cell), here, spans, strict=True)))
+        free = (cell for cell in near[:_AROUND] if not any(crosses(b.values, self.plane.point(cell), here) for b in self.borders))
+        return self.points[next(free, near[0])].words
+
+    def _place(self, values: dict[str, float]) -> tuple[float, float]:
+        if set(values) != set(self.parameters):
+            typed = ", ".join(f"{name}={self.plane.axes[i][0]:g}" for i, name in enumerate(self.parameters))
+            raise InputError("Atlas.at", [f"{', '.join(values) or 'nothing'} was given; allowed are both numbers; type {typed}"])
+        p, q = (float(values[name]) for name in self.parameters)
+        for name, value, axis in zip(self.parameters, (p, q), self.plane.axes, strict=True):
+            if not axis[0] <= value <= axis[-1]:
+                raise InputError("Atlas.at", [f"{name} = {value!r}; allowed is a number from {axis[0]:g} to {axis[-1]:g}"])
+        return p, q
+
+    def coexisting(self) -> dict[Cell, tuple[MotionThere, ...]]:
+        """The points of the grid at which several motions attract, with these motions."""
+        return {cell: point.motions for cell, point in self.points.items() if len(point.motions) > 1}
+
+    # ---- how it shows itself ----
+    def _title(self) -> str:
+        return f"Atlas over {' and '.join(self.parameters)}"
+
+    def _facts(self) -> dict[str, Any]:
+        lines = {"points of the grid": f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"}
+        several = len(self.coexisting())
+        lines["several motions at"] = f"{several} points"
+        return lines | {"borders": str(len(self.borders)), "branches": str(len(self.branches)), "special points": str(len(self.found))}
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        regions: list[tuple[str, ...]] = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
+        points = [("special point", *self.parameters, "accuracy", "what changes"), *self.rows()[:_ROWS]]
+        return [regions, points] if self.found else [regions]
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The special points as text, with their certain digits."""
+        return [
+            (s.kind, *(certain(v, e) for v, e in zip(s.values, s.accuracy, strict=True)), f"{max(s.accuracy):.1g}", s.told)
+            for s in self.found
+        ]
+
+    def __repr__(self) -> str:
+        shares = ", ".join(f"{label} {100 * share:.0f} %" for label, share in list(self.regions.items())[:6])
+        told = "".join(f"\n  {note}" for note in self.notes)
+        return (
+            f"<Atlas over {' and '.join(self.parameters)}, {self.plane.shape[0]} × {self.plane.shape[1]} points: {shares}; "
+            f"{len(self.borders)} borders, {len(self.found)} special points{told}>"
+        )
+
+
+_AROUND = 12  # points of the grid around a place that are asked
+
+
+def without_twins(plane: Plane, points: list[PointOfBorder]) -> tuple[PointOfBorder, ...]:
+    """Special points, each once: of those at one place the most accurate."""
+    kept: list[PointOfBorder] = []
+    for point in sorted(points, key=lambda p: max(p.accuracy)):
+        if not any(point.kind == other.kind and same_place(plane, point.values, other.values) for other in kept):
+            kept.append(point)
+    return tuple(sorted(kept, key=lambda p: (p.values[1], p.values[0])))

@@ -1,0 +1,142 @@
+"""The folder of an atlas: what it is of, the points of its grid, and what was followed; each file is there as a whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, TypeVar
+
+from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Outcome, PointOfBorder
+from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
+from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.errors import InputError
+from stickslip.jsontext import plain
+from stickslip.sweeps.folder import COMMAND, MANIFEST, put, unwritable
+from stickslip.sweeps.manifest import differences, digest, identity
+from stickslip.sweeps.planning import SOLVER, planned
+
+__all__ = ["AtlasStudy"]
+
+T = TypeVar("T")
+_FORMAT = 1
+_ANEW = "delete it, and it is computed again"
+
+
+class AtlasStudy:
+    """A folder that is being worked on; without a path nothing is kept.
+
+    Parameters
+    ----------
+    path : path, optional
+        The folder.
+    plane : Plane
+    look : Look
+    resume : bool
+        Whether to go on with what is there.
+    """
+
+    def __init__(self, path: str | Path | None, plane: Plane, look: Look, resume: bool = False):
+        self.folder = None if path is None else Path(path).expanduser()
+        if self.folder is not None:
+            self._begin(self.folder, _identity(plane, look), resume)
+
+    def _begin(self, folder: Path, mine: dict[str, str], resume: bool) -> None:
+        manifest = folder / MANIFEST
+        if manifest.exists():
+            theirs = _read(manifest, dict)
+            if theirs.get("content") != "atlas":
+                raise InputError("atlas", [f"{str(folder)!r} is the folder of a sweep; give another folder"])
+            if told := differences(mine, theirs.get("identity", {})):
+                raise InputError("atlas", [f"{str(folder)!r} is the folder of another atlas: {reason}" for reason in told])
+            if not resume:
+                already = f"{str(folder)!r} holds results of this atlas already"
+                raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
+            return
+        if folder.exists() and (not folder.is_dir() or any(p.name != COMMAND for p in folder.iterdir())):
+            raise InputError("atlas", [f"{str(folder)!r} is there and is not the folder of an atlas; give a new or an empty folder"])
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise unwritable(folder, error) from None
+        made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine}
+        put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
+
+    # ---- the grid ----
+    def keep_points(self, first: int, points: dict[Cell, PointOfGrid]) -> None:
+        """Keep a part of the grid."""
+        rows = [{"cell": cell, **asdict(point)} for cell, point in points.items()]
+        self._keep(f"points-{first:06d}.json", rows)
+
+    def points(self) -> dict[Cell, PointOfGrid]:
+        """The points of the grid that are there."""
+        return {cell: point for points in self._all("points-*.json", _points_of) for cell, point in points.items()}
+
+    def keep_grid(self, grid: dict[Cell, PointOfGrid], missed: int) -> None:
+        """Keep the whole grid after motions were taken over from neighbours."""
+        self._keep("grid.json", {"missed": missed, "points": [{"cell": cell, **asdict(point)} for cell, point in grid.items()]})
+
+    def grid(self) -> tuple[dict[Cell, PointOfGrid], int] | None:
+        """The whole grid, if it is there."""
+        return next(self._all("grid.json", lambda found: (_points_of(found["points"]), int(found["missed"]))), None)
+
+    # ---- what was followed ----
+    def keep_outcome(self, name: str, outcome: Outcome) -> None:
+        """Keep what came of a motion that was followed."""
+        self._keep(f"followed-{name}.json", asdict(outcome))
+
+    def outcome(self, name: str) -> Outcome | None:
+        """The same, if it is there."""
+        return next(self._all(f"followed-{name}.json", _outcome_of), None)
+
+    def _keep(self, name: str, value: Any) -> None:
+        if self.folder is not None:
+            put(self.folder / name, json.dumps(plain(value), ensure_ascii=False).encode())
+
+    def _all(self, names: str, made: Callable[[Any], T]) -> Iterator[T]:
+        """What is made of each file with such a name, in the order of the names."""
+        if self.folder is not None:
+            for path in sorted(self.folder.glob(names)):
+                yield _read(path, made)
+
+
+def _read(path: Path, made: Callable[[Any], T]) -> T:
+    try:
+        return made(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
+        raise InputError("atlas", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
+
+
+def _identity(plane: Plane, look: Look) -> dict[str, str]:
+    """What must be the same for results to belong together: that of a sweep over the plane, and the starts."""
+    axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
+    options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
+    sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
+    return {**sweep, "starts": json.dumps(plain(plane.starts))}
+
+
+def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
+    return {(int(row["cell"][0]), int(row["cell"][1])): _point_of(row) for row in rows}
+
+
+def _point_of(row: dict[str, Any]) -> PointOfGrid:
+    motions = tuple(MotionThere(**{**m, "state": tuple(m["state"])}) for m in row["motions"])
+    return PointOfGrid(motions, int(row["lost"]), str(row["refused"]))
+
+
+def _special_of(row: dict[str, Any]) -> PointOfBorder:
+    return PointOfBorder(**{**row, "values": tuple(row["values"]), "accuracy": tuple(row["accuracy"])})
+
+
+def _outcome_of(found: dict[str, Any]) -> Outcome:
+    columns = ("values", "mean_velocity", "largest_multiplier")
+    branch = found["branch"] and FollowedBranch(**{**found["branch"], **{name: tuple(found["branch"][name]) for name in columns}})
+    borders = tuple(
+        Border(
+            row["kind"], tuple(map(tuple, row["values"])), tuple(map(tuple, row["accuracy"])), row["told"],
+            tuple(map(_special_of, row["special"])), tuple(row["ended"]),
+        )
+        for row in found["borders"]
+    )  # fmt: skip
+    return Outcome(branch or None, tuple(map(_special_of, found["points"])), borders, tuple(found["refused"]))

@@ -1,0 +1,395 @@
+"""`atlas`: motions on a grid, what was missed from neighbours, branches and borders from there, and how long it takes."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Maker, explains_arguments
+from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
+from stickslip.dynamics.atlas.atlas_study import AtlasStudy
+from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
+from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, passed_by, seeds_of, smooth
+from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over
+from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
+from stickslip.dynamics.continuation.branches import Branch, continuation
+from stickslip.dynamics.continuation.two_parameters import special_curve
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.errors import InputError, Problems, SolveError
+from stickslip.sweeps.progress import Watch
+
+__all__ = ["AtlasTime", "atlas", "atlas_time"]
+
+Array = Any
+_TILE = 32  # points of the grid that run together and are kept together
+_PROBED = 16  # points of the grid that an estimate runs
+_ON_IT = 2e-3  # of the plane: a special point so near to a curve of its kind is on it
+
+
+@explains_arguments
+def atlas(
+    make: Maker,
+    *,
+    over: dict[str, Any],
+    starts: int | dict[str, Any] = 5,
+    settle: int = 200,
+    rtol: float = 1e-7,
+    branches: int = 40,
+    workers: int = 1,
+    out: str | Path | None = None,
+    resume: bool = False,
+    progress: Report | None = None,
+    **fixed: Any,
+) -> Atlas:
+    """Every motion that is found over two numbers of a machine, the regions in which each attracts, and the borders between them.
+
+    Runs from several starts find the motions at each point of a grid, and every motion is tried at the neighbours too. Where neighbours
+    differ, a motion of one of them is followed across the plane by `continuation`; its special points there are followed in both numbers
+    by `special_curve`. Borders that cannot be followed so are located on every line of the grid that they pass, and `notes` says which.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, or a robot or machine whose numbers are named with dots. It has a periodic drive.
+    over : dict
+        Two numbers by name, each with a pair (least, largest), which is divided evenly (24 and 16 values), or with a list of rising values.
+    starts : int or dict
+        How many starts each point has: rest, and states evenly scattered over twice the scales; or the grid of them as `basins` takes it.
+    settle : int
+        Drive periods to run before looking.
+    rtol : float
+        Tolerance of these runs for dynamic laws.
+    branches : int
+        Most motions that are followed; 0 leaves the grid alone.
+    workers : int
+        Threads for the grid. The results do not depend on it.
+    out : path, optional
+        A folder in which everything is kept as soon as it is found.
+    resume : bool
+        Go on with what is in `out`.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What was found by then is returned,
+        and so it is after Ctrl-C; `notes` says that the rest is missing.
+    **fixed
+        The other arguments of `make`.
+
+    Returns
+    -------
+    Atlas
+        `map` (labelled Dataset), `regions`, `borders`, `found` and `special` (special points with their accuracy), `branches`, `notes`.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the arguments, at once, before the work begins.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> over = {"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}
+    >>> found = ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
+    >>> [border.kind for border in found.borders], found.at(amplitude=3.7e-4, mu0=0.18), found.at(amplitude=3.71e-4, mu0=0.18)
+    (['type-border'], ('II',), ('I',))
+    """
+    plane, look = _planned("atlas", make, over, starts, settle, rtol, branches, workers, resume, out, fixed)
+    return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches)
+
+
+def _planned(
+    what: str, make: Any, over: Any, starts: Any, settle: Any, rtol: Any, branches: Any, workers: Any, resume: Any, out: Any,
+    fixed: dict[str, Any],
+) -> tuple[Plane, Look]:  # fmt: skip
+    """The plane and how it is looked at, all arguments checked."""
+
+    def check(problems: Problems) -> None:
+        problems.whole("settle", settle, 1, example=200)
+        problems.whole("branches", branches, 0, example=40)
+        problems.whole("workers", workers, 1, example=2)
+        if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.number)) or not 0 < rtol < 1:
+            problems.add(f"rtol = {rtol!r}; allowed is a number between 0 and 1; type rtol=1e-7")
+        if resume and out is None:
+            problems.add("resume is for a folder; give one with out=, such as out='atlas'")
+
+    plane = plane_over(what, make, over, starts, fixed, check)
+    return plane, Look(int(settle), float(rtol))
+
+
+@dataclass
+class _Making:
+    """An atlas that is being made, and whether somebody said stop."""
+
+    plane: Plane
+    look: Look
+    study: AtlasStudy
+    workers: int
+    progress: Any
+    stopped: bool = False
+    reasons: Counter[str] = field(default_factory=Counter)
+    without_curve: set[str] = field(default_factory=set)  # changes whose borders are located line by line
+
+    def made(self, most: int) -> Atlas:
+        """All of it, or what there is when it is interrupted."""
+        grid: dict[Cell, PointOfGrid] = {}
+        outcomes: list[Outcome] = []
+        missed = 0
+        left: list[Change] = []
+        try:
+            missed = self._grid(grid)
+            left = changes(self.plane, grid) if not self.stopped else []
+            self._follow(grid, left, outcomes, most)
+        except KeyboardInterrupt:
+            self.stopped = True
+        points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
+        borders = tuple(border for outcome in outcomes for border in outcome.borders)
+        branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
+        notes = self._notes(grid, missed, left, len(outcomes), most)
+        return Atlas(self.plane, grid, borders, without_twins(self.plane, points), branches, notes)
+
+    # ---- the grid ----
+    def _grid(self, grid: dict[Cell, PointOfGrid]) -> int:
+        """Fill the grid; returns how many motions the starts had missed."""
+        kept = self.study.grid()
+        if kept is not None:
+            grid |= kept[0]
+            return kept[1]
+        grid |= self.study.points()
+        todo = [cell for k in range(self.plane.cells) if (cell := self.plane.cell(k)) not in grid]
+        self._looked_at(todo, None, grid, keep=True)
+        if self.stopped:
+            return 0
+        missed = taken_over(self.plane, grid, lambda more: self._looked_at(list(more), more, {}))
+        if not self.stopped:
+            self.study.keep_grid(grid, missed)
+        return missed
+
+    def _looked_at(self, cells: list[Cell], more: dict[Cell, Array] | None, found: dict[Cell, PointOfGrid], keep: bool = False) -> Any:
+        """The motions at some points, in parts and threads."""
+
+        def work(part: slice, tell: Callable[[float], None]) -> dict[Cell, PointOfGrid]:
+            return look_at(self.plane, cells[part], self.look, more)
+
+        done = 0
+        for _, points in shared(0 if self.stopped else len(cells), work, self.workers, self.progress, _TILE):
+            found |= points
+            done += len(points)
+            if keep:
+                first = min(points)
+                self.study.keep_points(first[0] * self.plane.shape[1] + first[1], points)
+        self.stopped = self.stopped or done < len(cells)
+        return found
+
+    # ---- borders ----
+    def _follow(self, grid: dict[Cell, PointOfGrid], left: list[Change], outcomes: list[Outcome], most: int) -> None:
+        """Follow motions until every change between neighbours is explained, or given up; `left` keeps those that are not."""
+        watch = Watch(len(left), self.progress)
+        whole, given_up = len(left), list[Change]()
+        while left and len(outcomes) < most and not self.stopped:
+            change = _next(left)
+            left.remove(change)
+            if not self._explained(grid, change, left, outcomes, most):
+                given_up.append(change)
+            done = whole - len(left) - len(given_up)
+            watch.begun(0, done + len(given_up))
+            self.stopped = watch.stopped
+        left += given_up
+
+    def _explained(self, grid: dict[Cell, PointOfGrid], change: Change, left: list[Change], outcomes: list[Outcome], most: int) -> bool:
+        """Follow the motions of a change until one of them shows what is between the neighbours, and strike off what that explains."""
+        seeds = seeds_of(self.plane, grid, change)
+        if not seeds:
+            self.reasons[f"{change.told}: neither repeats, and only motions that repeat can be followed"] += 1
+        for k, seed in enumerate(seeds):
+            name = f"{change.axis}-{change.near[0]:04d}-{change.near[1]:04d}-{k}"
+            outcome = self.study.outcome(name)
+            if outcome is None:
+                known = [border for other in outcomes for border in other.borders]
+                new = partial(_is_new, self.plane, known)
+                outcome = followed(self.plane, seed, change, new, change.told in self.without_curve)
+                self.study.keep_outcome(name, outcome)
+            outcomes.append(outcome)
+            self.reasons.update(outcome.refused)
+            if outcome.refused and not outcome.borders:
+                self.without_curve.add(change.told)
+            for done in _explained_by(self.plane, outcome, left):
+                left.remove(done)
+            if _explained_by(self.plane, outcome, [change]) or len(outcomes) >= most:
+                return bool(_explained_by(self.plane, outcome, [change]))
+        return False
+
+    # ---- what was not reached ----
+    def _notes(self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int) -> tuple[str, ...]:
+        told = []
+        if self.stopped:
+            told.append(
+                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; resume=True goes on with a folder"
+            )
+        if missed:
+            told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
+        told += _of_grid(grid, self.look.settle)
+        told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
+        if left and not followed:
+            return (
+                *told,
+                f"no motion was followed, so that borders are known to a cell of the grid ({len(left)} pairs of neighbours differ)",
+            )
+        if followed == most:
+            told.append(f"{most} motions were followed, as many as were allowed; branches= allows more")
+        places = Counter(change.told for change in left)
+        return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
+
+
+def _counted(pairs: int) -> str:
+    return f"{pairs} pair{'s' * (pairs != 1)}"
+
+
+def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
+    """What is to be said of points of the grid."""
+    wild = sum(any(m.period == 0 for m in point.motions) for point in grid.values())
+    lost, none = sum(point.lost for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
+    told = (
+        [f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"]
+        if wild
+        else []
+    )
+    told += [f"{lost} starts led nowhere"] if lost else []
+    return told + [f"at {n} points there is no machine: {why}" for why, n in none.items()]
+
+
+def _next(left: list[Change]) -> Change:
+    """The middle one of the changes that are most frequent."""
+    kinds: dict[tuple[int, str], list[Change]] = {}
+    for change in left:
+        kinds.setdefault((change.axis, change.told), []).append(change)
+    most = max(kinds.values(), key=len)
+    return most[len(most) // 2]
+
+
+def _explained_by(plane: Plane, outcome: Outcome, left: list[Change]) -> set[Change]:
+    """The changes between whose neighbours something passes that was found."""
+    done: set[Change] = set()
+    for border in outcome.borders:
+        done |= passed_by(plane, np.array(border.values), left)
+    for change in left:
+        low, high = change.range(plane)
+        level = plane.point(change.near)[1 - change.axis]
+        done |= {
+            change
+            for point in outcome.points
+            if point.stable and point.values[1 - change.axis] == level and low <= point.values[change.axis] <= high
+        }
+    return done
+
+
+def _is_new(plane: Plane, known: list[Border], point: PointOfBorder) -> bool:
+    """Whether a special point lies on none of the borders that are known."""
+    spans = np.array([float(np.ptp(axis)) for axis in plane.axes])
+    alike = [border for border in known if border.kind == point.kind]
+    return not any(np.min(np.linalg.norm((smooth(np.array(b.values)) - point.values) / spans, axis=1)) < _ON_IT for b in alike)
+
+
+# ---- how long it takes ----
+@dataclass(frozen=True)
+class AtlasTime:
+    """An estimate of the time that an atlas takes, from a part of it that was run.
+
+    Parameters
+    ----------
+    grid : float
+        For the points of the grid [s].
+    branch : float
+        For each motion that is followed [s], with its curves; NaN where none could be. What is located line by line is quicker.
+    most : int
+        How many are followed at most.
+
+    Examples
+    --------
+    >>> AtlasTime(grid=12.0, branch=5.0, most=40)
+    about 12 s for the grid, then about 5 s for each motion that is followed (at most 40: 200 s)
+    """
+
+    grid: float
+    branch: float
+    most: int
+
+    def __repr__(self) -> str:
+        first = f"about {self.grid:.2g} s for the grid"
+        if not self.most:
+            return first
+        if not np.isfinite(self.branch):
+            return f"{first}; no motion in its middle could be followed, so what borders take is not known"
+        whole = f"at most {self.most}: {self.branch * self.most:.3g} s"
+        return f"{first}, then about {self.branch:.2g} s for each motion that is followed ({whole})"
+
+
+@explains_arguments
+def atlas_time(
+    make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, rtol: float = 1e-7, branches: int = 40,
+    workers: int = 1, **fixed: Any,
+) -> AtlasTime:  # fmt: skip
+    """How long `atlas` will take with the same arguments, from sixteen points of its grid, and one branch from its middle and one curve.
+
+    How many motions are followed is known only when the grid is there; a region bordered by a curve mostly takes one, a border that has to
+    be located line by line one for each line. Kernels are compiled on the way and are not counted.
+
+    Parameters
+    ----------
+    make, over, starts, settle, rtol, branches, workers, **fixed
+        As for `atlas`.
+
+    Returns
+    -------
+    AtlasTime
+        Seconds for the grid, and for each motion that is followed.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> told = ss.atlas_time(ss.presets.piezo_rig, over={"amplitude": (3e-4, 9e-4), "mu0": (0.1, 0.3)}, tilt_deg=1.7, law="coulomb")
+    >>> 0 < told.grid < 60
+    True
+    """
+    plane, look = _planned("atlas_time", make, over, starts, settle, rtol, branches, workers, False, None, fixed)
+    probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
+    found = look_at(plane, probed[:1], look)  # compiles
+    began = time.perf_counter()
+    found |= look_at(plane, probed, look)
+    grid = (time.perf_counter() - began) / len(probed) * plane.cells / workers
+    return AtlasTime(grid, _time_of_a_branch(plane, found) if branches else 0.0, branches)
+
+
+def _time_of_a_branch(plane: Plane, found: dict[Cell, PointOfGrid]) -> float:
+    """Seconds that a branch across the plane takes: of the first that can be followed from near its middle."""
+    middle = plane.cell(plane.cells // 2)
+    for cell in sorted(found, key=lambda cell: abs(cell[0] - middle[0]) + abs(cell[1] - middle[1])):
+        p, q = plane.point(cell)
+        axis, name, other = plane.axes[0], *plane.names
+        end = float(axis[-1] if axis[-1] - p > p - axis[0] else axis[0])
+        for motion in (m for m in found[cell].motions if m.period):
+            more = {"period": motion.period, "guess": np.array(motion.state), **plane.family.fixed, other: q}
+            try:
+                continuation(plane.family.make, parameter=name, start=p, stop=p + 1e-3 * (end - p), points=3, **more)  # compiles
+                began = time.perf_counter()
+                branch = continuation(plane.family.make, parameter=name, start=p, stop=end, **more)
+            except (SolveError, InputError):
+                continue
+            taken = time.perf_counter() - began
+            return taken + _time_of_a_curve(branch, other, float(plane.axes[1][-1 if q < plane.axes[1][-1] else 0]))
+    return float("nan")
+
+
+def _time_of_a_curve(branch: Branch, other: str, end: float) -> float:
+    """Seconds for the curve of the first special point of a branch that has one, both ways; 0 where none has."""
+    for special in branch.special:
+        began = time.perf_counter()
+        with contextlib.suppress(SolveError, InputError):
+            special_curve(branch, special, other, stop=end)
+            return 2 * (time.perf_counter() - began)
+    return 0.0

@@ -1,0 +1,228 @@
+"""Which motions attract at every point of a grid: runs in lanes, from several starts and from the motions of the neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import some_of
+from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.attractors.basins import settled_points, told_apart
+from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
+from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
+from stickslip.errors import InputError
+from stickslip.machine_adapter import machine_of
+from stickslip.solvers import solve
+
+__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched"]
+
+Array = Any
+#: What a motion is called that does not repeat: its type would change from one look to the next.
+IRREGULAR = "no period"
+_LOOKED = 64  # drive periods over which a motion is named
+_LONGER = 4  # times the drive periods of settling: how much longer what does not repeat is run
+_SAME = 1e-4  # of the velocity scale: mean velocities nearer to one another are one
+_JOINED = " | "  # the patterns of several contacts
+
+
+@dataclass(frozen=True)
+class MotionThere:
+    """A motion that attracts at a point of the grid.
+
+    Parameters
+    ----------
+    word : str
+        Its type and its period, such as "III" or "II, period 2"; of several contacts their patterns; "no period" where there is none.
+    period : int
+        Drive periods until it repeats; 0 where it does not within 32.
+    mean_velocity : float
+        V [m/s].
+    state : tuple of float
+        A strobe state on it.
+    hits : int
+        How many of the starts it attracts; 0 of what was reached from a neighbour alone.
+    """
+
+    word: str
+    period: int
+    mean_velocity: float
+    state: tuple[float, ...]
+    hits: int
+
+
+@dataclass(frozen=True)
+class PointOfGrid:
+    """What was found at a point: motions, the most attracting first; how many starts led nowhere; why there is no machine."""
+
+    motions: tuple[MotionThere, ...] = ()
+    lost: int = 0
+    refused: str = ""
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The motions by name, in the order of the alphabet."""
+        return tuple(sorted(motion.word for motion in self.motions))
+
+    @property
+    def label(self) -> str:
+        """All of them in one word, such as "I + III" or "2 × II"."""
+        words = self.words
+        counted = {word: words.count(word) for word in words}
+        return " + ".join(word if n == 1 else f"{n} × {word}" for word, n in counted.items())
+
+
+@dataclass(frozen=True)
+class Look:
+    """How points are looked at: drive periods before looking, and the tolerance of dynamic laws."""
+
+    settle: int
+    rtol: float
+
+
+def look_at(plane: Plane, cells: list[Cell], look: Look, more: dict[Cell, Array] | None = None) -> dict[Cell, PointOfGrid]:
+    """The motions at some points of the grid, all run together.
+
+    Parameters
+    ----------
+    more : dict, optional
+        Strobe states to begin with besides the starts, by point. A point that has some is begun with these alone.
+    """
+    kept, refused = _machines(plane, cells)
+    begun = {cell: plane.states(model) if more is None else more[cell] for cell, model in kept.items()}
+    return refused | (_run(plane, begun, look) if begun else {})
+
+
+def _machines(plane: Plane, cells: Iterable[Cell]) -> tuple[dict[Cell, Any], dict[Cell, PointOfGrid]]:
+    """The machine at each point, and the points at which there is none, with the reason."""
+    kept: dict[Cell, Any] = {}
+    refused: dict[Cell, PointOfGrid] = {}
+    for cell in cells:
+        try:
+            kept[cell] = plane.family.robot(*plane.point(cell))
+        except InputError as error:
+            refused[cell] = PointOfGrid(refused=error.problems[0])
+    return kept, refused
+
+
+def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, PointOfGrid]:
+    """Run every point from its states, tell the motions apart, and name them."""
+    owner = np.repeat(np.arange(len(begun)), [len(states) for states in begun.values()])
+    values = np.array([plane.point(cell) for cell in begun])[owner]
+    model = plane.family.robots(*values.T)
+    T = np.broadcast_to(np.asarray(model.period, float), owner.shape)
+    points, ways, good = _settled(plane, model, np.vstack(list(begun.values())), look)
+    first: list[int] = []  # one run of each motion
+    found: list[list[tuple[int, int, float, int]]] = []
+    lost = np.bincount(owner, ~(good > 0), len(begun)).astype(int).tolist()
+    for k in range(len(begun)):
+        rows = np.flatnonzero(owner == k)
+        period, V, numbers = told_apart(T[rows], points[rows], ways[rows], good[rows], plane.at, look.rtol)
+        own = [np.flatnonzero(numbers == n) for n in range(numbers.max() + 1)]
+        found.append([(len(first) + i, int(period[m[0]]), float(V[m].mean()), len(m)) for i, m in enumerate(own)])
+        first += [int(rows[m[0]]) for m in own]
+    states = points[first, -1]
+    words = _words(plane, values[first], states, look) if first else []
+    return {
+        cell: PointOfGrid(
+            _sorted(plane, [MotionThere(_named(words[i], p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]), lost[k]
+        )
+        for k, (cell, of) in enumerate(zip(begun, found, strict=True))
+    }
+
+
+def _settled(plane: Plane, model: Any, states: Array, look: Look) -> tuple[Array, Array, Array]:
+    """Strobe points, ways and success of runs; those that do not repeat yet are run on for a longer time."""
+    points, ways, good = settled_points(model, states, look.settle, look.rtol, 1, None)
+    late = np.flatnonzero((good > 0) & (periods_of(points, plane.at.scales, max(1e-6, 100 * look.rtol)) == 0))
+    if len(late):
+        again = settled_points(some_of(model, late), points[late, -1], _LONGER * look.settle, look.rtol, 1, None)
+        points[late], ways[late], good[late] = again
+    return points, ways, good
+
+
+def _sorted(plane: Plane, motions: list[MotionThere]) -> tuple[MotionThere, ...]:
+    """The most attracting first. What has no period and the mean velocity of one that has is that one, not yet settled."""
+    kept = {motion: motion.hits for motion in motions if motion.period}
+    for motion in (m for m in motions if not m.period):
+        like = next((m for m in kept if abs(m.mean_velocity - motion.mean_velocity) < _SAME * plane.at.speed), motion)
+        kept[like] = kept.get(like, 0) + motion.hits
+    return tuple(sorted((replace(m, hits=hits) for m, hits in kept.items()), key=lambda m: (-m.hits, m.word, m.mean_velocity)))
+
+
+def _named(word: str, period: int) -> str:
+    return word if period == 1 else f"{word}, period {period}" if period else IRREGULAR
+
+
+def _words(plane: Plane, values: Array, states: Array, look: Look) -> list[str]:
+    """The type of each motion; of several contacts the pattern of each."""
+    model = spread_over(plane.family.robots(*values.T), len(states))
+    options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
+    found = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
+    words = np.asarray(found.motion_type)
+    words = words if words.ndim == 1 else np.asarray(found.pattern)
+    return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
+
+
+def unmatched(here: PointOfGrid, there: PointOfGrid) -> list[MotionThere]:
+    """The motions of a point that a neighbour does not have: by name, and of one name those with the nearest velocities go together."""
+    left, free = [], list(there.motions)
+    for motion in here.motions:
+        alike = [other for other in free if other.word == motion.word]
+        if alike:
+            free.remove(min(alike, key=lambda other: abs(other.mean_velocity - motion.mean_velocity)))
+        else:
+            left.append(motion)
+    return left
+
+
+def taken_over(plane: Plane, grid: dict[Cell, PointOfGrid], run: Callable[[dict[Cell, Array]], dict[Cell, PointOfGrid]]) -> int:
+    """Carry every motion to the neighbours that do not have it, until nothing new is found; `grid` is changed.
+
+    Parameters
+    ----------
+    run : callable
+        Finds the motions that are reached from some strobe states at some points; what it leaves out is not tried again.
+
+    Returns
+    -------
+    int
+        How many motions the starts had missed.
+    """
+    tried: set[tuple[Cell, Cell, str]] = set()
+    missed = 0
+    while todo := _to_try(plane, grid, tried):
+        for cell, point in run(todo).items():
+            more = unmatched(point, grid[cell])
+            grid[cell] = _joined(plane, grid[cell], more)
+            missed += len(more)
+    return missed
+
+
+def _joined(plane: Plane, point: PointOfGrid, more: list[MotionThere]) -> PointOfGrid:
+    """A point with motions that were reached from its neighbours."""
+    added = [replace(m, hits=0) for m in more]
+    return PointOfGrid(_sorted(plane, [*point.motions, *added]), point.lost, point.refused)
+
+
+def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, Cell, str]]) -> dict[Cell, Array]:
+    """States to begin with at points whose neighbours have other motions, with the motions that are there; each is tried once."""
+    todo: dict[Cell, list[tuple[float, ...]]] = {}
+    for cell, point in grid.items():
+        if point.refused:
+            continue
+        for other in neighbours(plane, cell):
+            for motion in unmatched(grid[other], point) if other in grid else ():
+                if (cell, other, motion.word) not in tried:
+                    tried.add((cell, other, motion.word))
+                    todo.setdefault(cell, [m.state for m in point.motions]).append(motion.state)
+    return {cell: np.array(states) for cell, states in todo.items()}
+
+
+def neighbours(plane: Plane, cell: Cell) -> list[Cell]:
+    """The points beside a point of the grid."""
+    i, j = cell
+    beside = ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
+    return [(a, b) for a, b in beside if 0 <= a < plane.shape[0] and 0 <= b < plane.shape[1]]

@@ -1,0 +1,157 @@
+"""A plane of two numbers of a machine: its grid, the machines on it, and the starts from which each of them is run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.attractors.basins import grid_of, on_grid, start_axes
+from stickslip.dynamics.continuation.one_parameter import Family, family
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates
+from stickslip.errors import InputError, Problems
+from stickslip.fields import number
+
+__all__ = ["Cell", "Plane", "plane_over"]
+
+Array = Any
+Cell = tuple[int, int]
+_COUNTS = (24, 16)  # values where an axis is given by its two ends
+_WIDTH = 2.0  # of the scatter of the starts, in scales
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Two numbers, their values, and how machines are made and started there.
+
+    Parameters
+    ----------
+    family : Family
+        Makes the machine at a point.
+    axes : (array, array)
+        Values of the two numbers, rising.
+    starts : int or dict
+        How many starts, or the grid of them as `basins` takes it.
+    """
+
+    family: Family
+    axes: tuple[Array, Array]
+    starts: int | dict[str, Any]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The two numbers."""
+        first, second = self.family.parameters
+        return first, second
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """How many values each has."""
+        return len(self.axes[0]), len(self.axes[1])
+
+    @property
+    def cells(self) -> int:
+        """How many points the grid has."""
+        return self.shape[0] * self.shape[1]
+
+    def cell(self, k: int) -> Cell:
+        """The place of a point in the grid; its points are numbered row by row."""
+        return k // self.shape[1], k % self.shape[1]
+
+    def point(self, cell: Cell) -> tuple[float, float]:
+        """The two numbers at a point of the grid."""
+        return float(self.axes[0][cell[0]]), float(self.axes[1][cell[1]])
+
+    @cached_property
+    def at(self) -> Coordinates:
+        """Coordinates of strobe states; their scales are the largest of the corners and the middle."""
+        made = [robot for cell in self._probes if (robot := self._made(cell)) is not None]
+        if not made:
+            self.family.robot(*self.point((0, 0)))  # says why there is none
+        known = [coordinates(robot) for robot in made]
+        return Coordinates(
+            known[0].names, np.max([at.scales for at in known], axis=0), known[0].order, known[0].memories, known[0].mechanics,
+            known[0].wavelength,
+        )  # fmt: skip
+
+    @property
+    def _probes(self) -> list[Cell]:
+        (m, n) = self.shape
+        return [(m // 2, n // 2), (0, 0), (m - 1, 0), (0, n - 1), (m - 1, n - 1)]
+
+    def _made(self, cell: Cell) -> Any:
+        try:
+            return self.family.robot(*self.point(cell))
+        except InputError:
+            return None
+
+    @property
+    def sample(self) -> Any:
+        """A machine of the plane; `InputError` where none of its corners and its middle is one."""
+        made = (robot for cell in self._probes if (robot := self._made(cell)) is not None)
+        return next(made, None) or self.family.robot(*self.point((0, 0)))
+
+    def states(self, model: Any) -> Array:
+        """The starts of one machine: array (starts, coordinates)."""
+        if isinstance(self.starts, dict):
+            return on_grid(grid_of(self._start_axes), model)
+        from scipy.stats import qmc
+
+        rest, d = at_rest(model)[0], self.at.smooth
+        spread = qmc.Halton(d, scramble=False).random(self.starts)[1:]
+        found = np.tile(rest, (self.starts, 1))
+        found[1:, :d] += _WIDTH * (2 * spread - 1) * self.at.scales[:d]
+        return found
+
+    @cached_property
+    def _start_axes(self) -> dict[str, Array]:
+        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, 1)
+
+    @cached_property
+    def count(self) -> int:
+        """How many starts each point of the grid has."""
+        return self.starts if isinstance(self.starts, int) else int(np.prod([len(axis) for axis in self._start_axes.values()]))
+
+
+def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None]) -> Plane:
+    """The plane over two numbers, checked with everything else that was given; `InputError` with all that is wrong."""
+    problems = Problems(what)
+    axes = _axes(over, problems)
+    if isinstance(starts, bool) or not isinstance(starts, (int, np.integer, dict)) or (not isinstance(starts, dict) and starts < 1):
+        problems.add(f"starts = {starts!r}; allowed is a whole number from 1, or a grid as ss.basins takes it; type starts=5")
+    check(problems)
+    problems.check()
+    plane = Plane(family(what, make, tuple(axes), fixed), tuple(axes.values()), starts)
+    needs_model(what, plane.sample)
+    if isinstance(starts, dict):
+        if "phase" in starts:
+            raise InputError(what, ["phase is not part of the strobe state, by which motions are told apart; leave it out"])
+        _ = plane.count
+    return plane
+
+
+_TYPE = 'type over={"amplitude": (2e-4, 8e-4), "tilt_deg": (0.5, 4.0)}'
+
+
+def _axes(over: Any, problems: Problems) -> dict[str, Array]:
+    if not isinstance(over, dict) or len(over) != 2 or not all(isinstance(name, str) for name in over):
+        problems.add(f"over = {over!r}; allowed are two numbers of the machine by name, each with its range; {_TYPE}")
+        return {}
+    return {name: _axis(name, value, count, problems) for (name, value), count in zip(over.items(), _COUNTS, strict=True)}
+
+
+def _axis(name: str, value: Any, count: int, problems: Problems) -> Array:
+    """The values of one number: those of a list, or evenly between the two of a tuple."""
+    try:
+        given = np.asarray(number(value), float)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all() or not np.all(np.diff(given) > 0):
+        allowed = "a pair (least, largest) or a list of two or more rising finite numbers"
+        problems.add(f"over[{name!r}] = {value!r}; allowed is {allowed}; {_TYPE}")
+        return np.zeros(2)
+    return np.linspace(given[0], given[1], count) if isinstance(value, tuple) and len(given) == 2 else given

@@ -1,0 +1,141 @@
+"""An atlas as a figure: regions by the motions that attract there, the borders between them, and special points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Ax, explains_arguments
+from stickslip.errors import InputError
+from stickslip.plot.maps import TYPE_COLOURS, name_region, outlined, scaled
+from stickslip.plot.spacing import edges, logarithmic, places
+from stickslip.plot.style import COLOURS, INK, axes, legend_above, publication
+
+__all__ = ["atlas"]
+
+#: Fills of regions that are not of one plain type: told apart from those and from one another.
+_FILLS = (
+    "#CDB4DB",
+    "#8FD3B6",
+    "#F4A6A0",
+    "#9C89B8",
+    "#E9E29C",
+    "#5E9C8D",
+    "#C97B84",
+    "#B5C99A",
+    "#7D8CC4",
+    "#E0AAFF",
+    "#A98467",
+    "#D9D9D9",
+)
+_MARKS = {"fold": "^", "flip": "D", "neimark-sacker": "p", "grazing": "o", "type-border": "s", "triple-point": "*", "hopf": "h"}
+_FINE, _LETTERS = 240, 3  # places of a side; letters of a region's name for which there is room inside
+_COLUMNS = {3: 16, 2: 30}  # of the legend, by the letters of its longest entry
+_MISSING = "not computed"
+
+
+@explains_arguments
+def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
+    """Regions of an atlas with their names, the borders that were followed as lines, and the special points that lie on no line.
+
+    Parameters
+    ----------
+    found : Atlas
+        From `stickslip.atlas`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    points : bool
+        Whether to mark special points beside which a motion attracts, a sign for each kind.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> over = {"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}
+    >>> ss.plot.atlas(ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")).get_xlabel()
+    'amplitude of the inner mass $A$ (µm)'
+    """
+    if not hasattr(found, "borders") or not hasattr(found, "regions"):
+        raise InputError("plot", [f"{found!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
+    across, up = (scaled(found.map, name) for name in found.parameters)
+    with publication():
+        ax = axes(ax, 3.1)
+        fills = _fills(found)
+        names = [*fills, _MISSING]
+        labels = found.map["region"].values.T
+        codes = np.array([[names.index(label) if label in fills else len(fills) for label in row] for row in labels])
+        inside = _regions(ax, across, up, codes, fills)
+        for border in found.borders:
+            x, y = np.array(border.values).T
+            outlined(ax, x * across.factor, y * up.factor)
+        marks = _special(ax, found, across, up) if points else []
+        _framed(ax, across, up)
+        _legend(
+            ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(found.borders), marks, bool((labels == "").any())
+        )
+    return ax
+
+
+def _fills(found: Any) -> dict[str, str]:
+    """A colour for each region: that of its type where it is one plain motion."""
+    own = iter(_FILLS * (1 + len(found.regions) // len(_FILLS)))
+    return {label: TYPE_COLOURS[label] if label in TYPE_COLOURS and label != "other" else next(own) for label in found.regions}
+
+
+def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
+    """Fill the cells; returns the names that had room inside."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    colours = [*fills.values(), "#FFFFFF"]
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    ax.pcolormesh(edges(across.values), edges(up.values), codes, cmap=ListedColormap(colours), norm=norm, rasterized=True)
+    (x, columns), (y, rows) = places(across.values, _FINE), places(up.values, _FINE)
+    seen = codes[np.ix_(rows, columns)]
+    return [n for i, n in enumerate(fills) if (len(n) <= _LETTERS or n in TYPE_COLOURS) and name_region(ax, x, y, seen, i, n)]
+
+
+def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
+    """Marks of special points of motions that attract, but for those of kinds whose borders are lines; handles for the legend."""
+    lines = {border.kind for border in found.borders}
+    handles = []
+    for i, (kind, mark) in enumerate(_MARKS.items()):
+        shown = [s.values for s in found.found if s.kind == kind and s.stable and (kind not in lines or not _on_a_line(found, s))]
+        if shown:
+            x, y = np.array(shown).T
+            style = {"color": COLOURS[i % 7] if kind != "triple-point" else INK, "markersize": 5 if mark == "*" else 2.6}
+            handles += ax.plot(x * across.factor, y * up.factor, mark, linestyle="", zorder=7, label=kind.replace("-", " "), **style)
+    return handles
+
+
+def _on_a_line(found: Any, point: Any) -> bool:
+    """Whether a special point lies on a border that is drawn."""
+    spans = np.array([np.ptp(found.map[name].values) for name in found.parameters])
+    near = 0.05
+    return any(
+        np.min(np.linalg.norm((np.array(b.values) - point.values) / spans, axis=1)) < near for b in found.borders if b.kind == point.kind
+    )
+
+
+def _framed(ax: Any, across: Any, up: Any) -> None:
+    for axis, limit, letter in ((across, ax.set_xlim, "x"), (up, ax.set_ylim, "y")):
+        limit(axis.values.min(), axis.values.max())
+        logarithmic(ax, letter, axis.values)
+        getattr(ax, f"set_{letter}label")(axis.label)
+    ax.spines[["top", "right"]].set_visible(True)
+
+
+def _legend(ax: Any, fills: dict[str, str], lines: bool, marks: list[Any], missing: bool) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    fills = fills | ({_MISSING: "#FFFFFF"} if missing else {})
+    handles: list[Any] = [Patch(facecolor=fill, edgecolor=INK, linewidth=0.4, label=name) for name, fill in fills.items()]
+    handles += [Line2D([], [], color="black", linewidth=0.8, label="border, followed")] if lines else []
+    if handles or marks:
+        longest = max(len(str(handle.get_label())) for handle in [*handles, *marks])
+        columns = next((n for n, letters in _COLUMNS.items() if longest <= letters), 1)
+        legend_above(ax, handles=[*handles, *marks], ncols=columns, handlelength=1.2, columnspacing=1.0)

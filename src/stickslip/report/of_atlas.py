@@ -1,0 +1,99 @@
+"""A page about an atlas: regions, borders, special points with their accuracy, branches, and what was not reached."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.plot.atlas_figure import atlas as drawn
+from stickslip.report.charts import Figure
+from stickslip.report.drawn import svg
+from stickslip.report.html import page
+
+__all__ = ["atlas_page"]
+
+_ROWS = 400  # of a table
+_CAPTION = "Regions by the motions that attract there; lines are borders that were followed in both numbers."
+
+
+def atlas_page(found: Any, title: str, command: str = "") -> str:
+    """The page about an atlas.
+
+    Parameters
+    ----------
+    found : Atlas
+    title : str
+        What stands at its top.
+    command : str
+        What to type for the same page, if it was made by a command.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> over = {"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}
+    >>> found = ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
+    >>> "type-border" in atlas_page(found, "Where it walks")
+    True
+    """
+    tables = [_regions(found), _special(found), _borders(found), _branches(found)]
+    return page(
+        "atlas.html",
+        title=title,
+        axes=_axes(found),
+        tables=[{"caption": caption, "head": head, "rows": rows[:_ROWS]} for caption, head, rows in tables if rows],
+        notes=list(found.notes),
+        figures=[Figure(_CAPTION, svg(lambda ax: drawn(found, ax), 5.2, 4.2))],
+        command=command,
+        provenance=_provenance(),
+        sources=[],
+    )
+
+
+def _axes(found: Any) -> list[tuple[str, str]]:
+    """Both axes with their ranges, and the numbers that stay."""
+    told = []
+    for name in found.parameters:
+        axis = found.map[name]
+        unit = "" if axis.attrs["units"] in ("", "1") else f" {axis.attrs['units']}"
+        told.append((name, f"{axis.size} values, {float(axis[0]):.6g} to {float(axis[-1]):.6g}{unit}"))
+    told.append(("starts", f"{found.plane.count} at each point"))
+    return [*told, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
+
+
+def _regions(found: Any) -> tuple[str, Any, list[Any]]:
+    rows = [(label, f"{100 * share:.1f} %") for label, share in found.regions.items()]
+    return "Regions, by the motions that coexist in them.", ("region", "share of the grid"), rows
+
+
+def _special(found: Any) -> tuple[str, Any, list[Any]]:
+    head = ("special point", *found.parameters, "accuracy", "what changes")
+    return "Special points, to the digits that are certain.", head, found.rows()
+
+
+def _borders(found: Any) -> tuple[str, Any, list[Any]]:
+    rows = []
+    for border in found.borders:
+        ends = [", ".join(f"{v:.6g}" for v in border.values[k]) for k in (0, -1)]
+        worst = max(max(pair) for pair in border.accuracy)
+        rows.append((border.kind, border.told, ends[0], ends[1], f"{worst:.1g}", "; ".join(dict.fromkeys(border.ended))))
+    return "Borders that were followed in both numbers.", ("kind", "what changes", "from", "to", "accuracy", "ends"), rows
+
+
+def _branches(found: Any) -> tuple[str, Any, list[Any]]:
+    other = {found.parameters[0]: found.parameters[1], found.parameters[1]: found.parameters[0]}
+    rows = [
+        (b.parameter, f"{b.values[0]:.6g} to {b.values[-1]:.6g}", f"{other[b.parameter]} = {b.other:.6g}", str(b.period), b.ended)
+        for b in found.branches
+    ]
+    return "Branches that were followed.", ("along", "range", "at", "period", "ended"), rows
+
+
+def _provenance() -> list[tuple[str, str]]:
+    import numpy as np
+
+    import stickslip
+
+    return [("stickslip", stickslip.__version__), ("numpy", np.__version__)]

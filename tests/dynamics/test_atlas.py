@@ -1,0 +1,191 @@
+"""The atlas: regions against brute force, borders against closed forms and one-parameter values, and what is interrupted goes on."""
+
+import json
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.analysis.closed_form import coulomb_type
+from stickslip.dynamics.atlas import making_an_atlas
+from stickslip.report import atlas_page
+
+RIG = {"tilt_deg": 1.7, "law": "coulomb"}
+OVER = {"amplitude": [3.3e-4, 3.5e-4, 3.7e-4, 3.9e-4], "mu0": [0.165, 0.175, 0.185]}
+
+
+def strengths(amplitude, mu0):
+    """alpha_plus and alpha_minus: the friction limits over the amplitude of the drive's force."""
+    robot = ss.presets.piezo_rig(amplitude=amplitude, mu0=mu0, **RIG)
+    drive, whole = robot.drive, robot.body_mass + robot.inner_mass
+    force = robot.inner_mass * drive.amplitude * drive.omega**2
+    return robot.friction.mu_plus * whole * robot.gravity / force, robot.friction.mu_minus * whole * robot.gravity / force
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("atlas") / "kept"
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    return ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, **RIG)
+
+
+def test_a_border_that_is_known_in_closed_form_is_found_to_rounding(found):
+    (border,) = found.borders
+    p, q = np.array(border.values).T
+    assert border.kind == "type-border" and np.ptp(q) > 0.9 * 0.02
+    assert np.max(abs(strengths(p, q)[1] - 1.0)) < 1e-12  # types I and II meet where alpha_minus is 1
+    assert np.max(border.accuracy) < 1e-12
+
+
+def test_special_points_are_those_of_one_parameter_with_their_accuracy(found):
+    assert found.found and not found.notes
+    for point in found.found:
+        assert point.stable and abs(strengths(*point.values)[1] - 1.0) < 1e-12 + max(point.accuracy) / 1e-4
+    level = found.found[0].values[1]
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.9e-4, stop=3.3e-4, step=0.2, mu0=0.17, **RIG)
+    (special,) = branch.special  # at a value that the atlas has not: its curve passes there
+    p, q = np.array(found.borders[0].values).T
+    order = np.argsort(q)
+    assert abs(np.interp(0.17, q[order], p[order]) - special.value) < 1e-9 and level != 0.17
+
+
+def test_regions_are_those_of_brute_force_at_random_points(found):
+    random = np.random.default_rng(20261123)
+    p, q = random.uniform(3.3e-4, 3.9e-4, 40), random.uniform(0.165, 0.185, 40)
+    runs = ss.solve(ss.presets.piezo_rig(amplitude=p, mu0=q, **RIG), periods=200, settle="auto", keep="summary")
+    assert [found.at(amplitude=a, mu0=m) for a, m in zip(p, q, strict=True)] == [(word,) for word in runs.motion_type]
+    assert set(runs.motion_type) == {"I", "II"} == set(found.regions)
+
+
+def test_what_is_kept_is_not_computed_again(found, folder, monkeypatch):
+    def never(*arguments):
+        raise AssertionError("it computes again")
+
+    for name in ("look_at", "followed"):
+        monkeypatch.setattr(making_an_atlas, name, never)
+    again = ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, resume=True, **RIG)
+    assert (again.points, again.borders, again.found, again.notes) == (found.points, found.borders, found.found, found.notes)
+
+
+def test_a_folder_of_another_atlas_is_refused(folder, found, tmp_path):
+    with pytest.raises(ss.InputError, match="holds results of this atlas already; type resume=True"):
+        ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, **RIG)
+    with pytest.raises(ss.InputError, match="another atlas"):
+        ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, resume=True, starts=7, **RIG)
+    with pytest.raises(ss.InputError, match="folder of an atlas"):
+        ss.open_study(folder)
+    (tmp_path / "points-000000.json").write_text("{")
+    (tmp_path / "manifest.json").write_text((folder / "manifest.json").read_text())
+    with pytest.raises(ss.InputError, match="cannot be read"):
+        ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, resume=True, **RIG)
+    (tmp_path / "points-000000.json").write_text(json.dumps([{"cell": 3}]))
+    with pytest.raises(ss.InputError, match="cannot be read"):
+        ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, resume=True, **RIG)
+
+
+def stopping(after, how):
+    """A callback that stops the work once something is there."""
+
+    def told(now):
+        if now.done >= after:
+            return how()
+
+    return told
+
+
+def ctrl_c():
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("how", [lambda: False, ctrl_c], ids=["False", "Ctrl-C"])
+def test_an_interrupted_atlas_keeps_what_is_there_and_goes_on(found, tmp_path, how, monkeypatch):
+    monkeypatch.setattr(making_an_atlas, "_TILE", 4)
+    monkeypatch.setattr("stickslip.sweeps.progress.PAUSE", 0.0)
+    part = ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, progress=stopping(8, how), branches=0, **RIG)
+    assert 0 < len(part.points) < 12 and part.notes[0].startswith("it was interrupted")
+    assert (part.map["count"] == -1).sum() == 12 - len(part.points)
+    whole = ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, resume=True, branches=0, **RIG)
+    assert whole.points == found.points and "interrupted" not in "".join(whole.notes)
+
+
+def test_results_do_not_depend_on_threads(found, monkeypatch):
+    monkeypatch.setattr(making_an_atlas, "_TILE", 3)
+    assert ss.atlas(ss.presets.piezo_rig, over=OVER, branches=0, workers=2, **RIG).points == found.points
+
+
+def test_an_atlas_has_a_dataset_a_figure_a_face_and_a_page(found):
+    assert found.map.motion.sel(amplitude=3.9e-4, mu0=0.165).values.tolist() == ["I"] and found.map.share.units == "1"
+    assert found.special.kind.values.tolist() == ["type-border"] * len(found.found)
+    axes = found.plot()
+    assert len(axes.lines) == 2 and {text.get_text() for text in axes.texts} == {"I", "II"}  # the border, black on white
+    page = atlas_page(found, "Where it walks")
+    assert "Special points, to the digits that are certain." in page and found.rows()[0][1] in page
+    assert "<b>Atlas over amplitude and mu0</b>" in found._repr_html_()
+
+
+def test_two_motions_at_one_point_are_those_of_basins():
+    found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [7.0e-4, 8.0e-4], "f0": [0.4, 0.5]}, tilt_deg=1.7, branches=0)
+    (there,) = found.coexisting().values()
+    basins = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, f0=0.5), v=np.linspace(-0.1, 0.1, 5), z=[-1e-6, 1e-6], settle=80)
+    assert np.allclose(sorted(m.mean_velocity for m in there), sorted(a.mean_velocity for a in basins.attractors), rtol=1e-5)
+    assert found.at(amplitude=8e-4, f0=0.5) == ("I", "I") and found.regions["2 × I"] == 0.25
+    assert "no motion was followed" in found.notes[-1]
+
+
+def test_all_that_is_wrong_is_said_at_once():
+    with pytest.raises(ss.InputError) as raised:
+        ss.atlas(
+            ss.presets.piezo_rig, over={"amplitude": [3e-4], "mu0": (0.2, 0.1)}, starts=0, settle=0, branches=-1, rtol=2.0, resume=True
+        )
+    assert len(raised.value.problems) == 7
+    with pytest.raises(ss.InputError, match="two numbers of the machine by name"):
+        ss.atlas(ss.presets.piezo_rig, over={"amplitude": (3e-4, 4e-4)}, **RIG)
+    with pytest.raises(ss.InputError, match="has no period"):
+        ss.atlas(ss.BlockOnBelt, over={"speed": (0.1, 0.2), "mass": (1.0, 2.0)}, stiffness=2.0, friction=ss.Coulomb(1.0, 1.0), load=1.0)
+
+
+def test_a_place_outside_is_refused_by_name(found):
+    with pytest.raises(ss.InputError, match=r"allowed is a number from 0\.165 to 0\.185"):
+        found.at(amplitude=3.5e-4, mu0=0.3)
+    with pytest.raises(ss.InputError, match="allowed are both numbers"):
+        found.at(amplitude=3.5e-4)
+
+
+def test_numbers_of_a_machine_are_named_with_dots():
+    robot = ss.presets.piezo_rig(amplitude=3.5e-4, mu0=0.18, **RIG)
+    over = {"drive.amplitude": [3.4e-4, 3.8e-4], "friction.mu_minus": [0.2, 0.21]}
+    assert set(ss.atlas(robot, over=over, branches=0, starts={"v": [0.0, 0.01]}).regions) == {"I", "II"}
+
+
+@pytest.mark.slow
+def test_the_whole_plane_of_the_coulomb_robot_is_that_of_the_closed_form():
+    found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": (2e-4, 9e-4), "mu0": (0.1, 0.3)}, **RIG)
+    random = np.random.default_rng(7)
+    p, q = random.uniform(2e-4, 9e-4, 1000), random.uniform(0.1, 0.3, 1000)
+    plus, minus = strengths(p, q)
+    beside = abs(plus - 1.0) < 0.1  # the border of rest is located on lines of the grid alone
+    told = np.array([" ".join(found.at(amplitude=a, mu0=m)) for a, m in zip(p, q, strict=True)])
+    assert np.array_equal(told[~beside], coulomb_type(plus, minus)[~beside])
+    rests = [s for s in found.found if s.kind == "grazing"]
+    assert len(rests) > 20 and all(abs(strengths(*s.values)[0] - 1.0) < 1e-11 for s in rests)
+    assert len(found.borders) == 3 and any("rest" in note and "lines of the grid alone" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_folds_and_flips_of_a_capsule_part_the_motions_that_brute_force_finds():
+    over = {"omega": list(np.linspace(1.05, 1.13, 7)), "force_ratio": list(np.linspace(0.6, 1.2, 5))}
+    found = ss.atlas(ss.presets.capsule, over=over, branches=12)
+    assert {"flip", "fold"} & {border.kind for border in found.borders} and found.coexisting()
+    for cell, motions in found.coexisting().items():
+        robot = ss.presets.capsule(*found.plane.point(cell)[::-1])
+        for motion in (m for m in motions if m.period):
+            orbit = ss.periodic_orbit(robot, motion.period, guess=np.array(motion.state))
+            assert orbit.stable and abs(orbit.mean_velocity - motion.mean_velocity) < 1e-6
+    flips = [s for s in found.found if s.kind == "flip"]
+    for flip in flips[:3]:  # each is the flip of the branch at that value, found from elsewhere
+        omega, ratio = flip.values
+        orbit = ss.periodic_orbit(ss.presets.capsule(force_ratio=ratio, omega=omega), guess=None)
+        assert abs(np.min(orbit.multipliers.real) + 1.0) < 1e-5
