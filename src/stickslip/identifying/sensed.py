@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
+from stickslip.identifying.weak_directions import sharpened
 
 __all__ = ["Sensed", "of_records"]
 
@@ -19,6 +21,7 @@ IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
 _FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
 _OF_THE_CONTACT = ("preload", "start")
+_ALONG = 1e-4  # of the distance between bounds, at most: differences for derivatives along a direction
 _NUDGE = 1e-5  # of the mean load, or of 1: differences for the derivatives by a preload, and by a start
 
 
@@ -46,6 +49,9 @@ class Sensed:
         What the user typed for the sensor.
     rows : array or float
         Weights by which a robust loss holds outliers back.
+    sizes : array or float
+        The noise of each record beside that of the others, found from its residuals, over what its target supposes; their mean, that of
+        logarithms over all values, is 1, so that sums of squares of different laws can be compared.
     """
 
     model: Any
@@ -55,6 +61,7 @@ class Sensed:
     shifts: Any = 0.0
     given: Any = None
     rows: Any = 1.0
+    sizes: Any = 1.0
     _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
 
     # ---- what the model says ----
@@ -101,8 +108,8 @@ class Sensed:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        trust = np.concatenate([np.full(t.count, self.trust if t.given_sigma else 1.0) for t in self.targets])
-        return self.model.sigma / (trust * np.sqrt(self.rows))
+        of_records = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
+        return self.model.sigma * np.repeat(of_records, [t.count for t in self.targets]) / np.sqrt(self.rows)
 
     # ---- others like it ----
     def _like(self, model: Any, **changes: Any) -> Sensed:
@@ -124,9 +131,9 @@ class Sensed:
         """The same fit for the search."""
         return self._like(self.model.rough())
 
-    def trusting(self, trust: float) -> Sensed:
-        """The same fit where the records' noise is known better."""
-        return self._like(self.model, trust=trust)
+    def trusting(self, trust: float, sizes: Any = None) -> Sensed:
+        """The same fit where the records' noise is known better, and that of each beside the others."""
+        return self._like(self.model, trust=trust, sizes=self.sizes if sizes is None else sizes)
 
     def weighing(self, rows: Any) -> Sensed:
         """The same fit where a robust loss gives the values these weights."""
@@ -246,10 +253,22 @@ class Sensed:
             columns = _both(lambda each: self._of_records(_through, each, readings), own)
             main = self._at_the_nearer(columns, self._shown(h, readings))
             slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
+            slopes = sharpened(slopes, partial(self._along, place, slopes), self.resolution) if self.model.kinked else slopes
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
             row[k.index] = self.trust * k.slope(place) / k.sd
         return np.concatenate([slopes, known])
+
+    def _along(self, place: Any, slopes: Any, direction: Any) -> Any:
+        """Derivative of the residuals along a direction; None where bounds leave no room for it, or there is no model."""
+        sizes = np.sqrt(np.sum(slopes[:, : len(self.parameters.free)] ** 2, axis=0))
+        step = _ALONG * float(min(sizes[sizes > 0], default=0.0))
+        low, high = self.bounds()
+        ends = [place + step * direction, place - step * direction]
+        if step == 0 or not all(((low <= end) & (end <= high)).all() and self.parameters.limits.allows(end) for end in ends):
+            return None
+        ahead, behind = (self.predicted(end) for end in ends)
+        return None if ahead is None or behind is None else (ahead - behind) / (2 * step * self.sigma)
 
     def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
         """Derivatives of what is met: those of the nearer end, zero where what is measured is between the ends."""
