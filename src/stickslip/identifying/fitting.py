@@ -27,7 +27,7 @@ from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, polished, searched, starting_places
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of, with_starts
-from stickslip.identifying.spread import information_of, neighbours, noise_scale, noise_sizes, spread_of
+from stickslip.identifying.spread import information_of, neighbours, noise_scale, noise_sizes, spread_of, with_noise_of
 from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
@@ -41,8 +41,7 @@ USES = ("auto", "velocity", "position", "mean", "force")
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
-_ROUNDS, _SAME = 4, 0.05  # times that the noise is found anew, and by how much it may still differ
-_ALIKE = 0.01  # and by how much the noise of a record beside that of the others
+_ROUNDS = 4  # times that the noise is found anew
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
@@ -259,20 +258,11 @@ def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
         return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
     best = polished(problem, rough.place)
     for _ in range(_ROUNDS):
-        told = _told_noise(problem, best)
+        told = with_noise_of(problem, best)
         if best.stopped or told is problem:
             break
         problem, best = told, polished(told, best.place)
     return problem, best
-
-
-def _told_noise(problem: Sensed, best: Found) -> Sensed:
-    """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
-    sizes, scale = noise_sizes(problem, best), noise_scale(problem, best)
-    trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
-    if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
-        return problem
-    return problem.trusting(trust, sizes)
 
 
 def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
-from stickslip.identifying.weak_directions import sharpened
+from stickslip.identifying.weak_directions import derivative_along, sharpened
 
 __all__ = ["Sensed", "of_records"]
 
@@ -21,7 +21,6 @@ IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
 _FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
 _OF_THE_CONTACT = ("preload", "start")
-_ALONG = 1e-4  # of the distance between bounds, at most: differences for derivatives along a direction
 _NUDGE = 1e-5  # of the mean load, or of 1: differences for the derivatives by a preload, and by a start
 
 
@@ -253,22 +252,11 @@ class Sensed:
             columns = _both(lambda each: self._of_records(_through, each, readings), own)
             main = self._at_the_nearer(columns, self._shown(h, readings))
             slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
-            slopes = sharpened(slopes, partial(self._along, place, slopes), self.resolution) if self.model.kinked else slopes
+            slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
             row[k.index] = self.trust * k.slope(place) / k.sd
         return np.concatenate([slopes, known])
-
-    def _along(self, place: Any, slopes: Any, direction: Any) -> Any:
-        """Derivative of the residuals along a direction; None where bounds leave no room for it, or there is no model."""
-        sizes = np.sqrt(np.sum(slopes[:, : len(self.parameters.free)] ** 2, axis=0))
-        step = _ALONG * float(min(sizes[sizes > 0], default=0.0))
-        low, high = self.bounds()
-        ends = [place + step * direction, place - step * direction]
-        if step == 0 or not all(((low <= end) & (end <= high)).all() and self.parameters.limits.allows(end) for end in ends):
-            return None
-        ahead, behind = (self.predicted(end) for end in ends)
-        return None if ahead is None or behind is None else (ahead - behind) / (2 * step * self.sigma)
 
     def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
         """Derivatives of what is met: those of the nearer end, zero where what is measured is between the ends."""

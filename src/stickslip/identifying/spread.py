@@ -8,10 +8,21 @@ import numpy as np
 
 from stickslip.information import Information
 
-__all__ = ["autocorrelation", "determined_spread", "effective", "information_of", "neighbours", "noise_scale", "noise_sizes", "spread_of"]
+__all__ = [
+    "autocorrelation",
+    "determined_spread",
+    "effective",
+    "information_of",
+    "neighbours",
+    "noise_scale",
+    "noise_sizes",
+    "spread_of",
+    "with_noise_of",
+]
 
 _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
+_SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
 
 
@@ -48,6 +59,15 @@ def noise_sizes(problem: Any, found: Any) -> Any:
     logs = np.clip(logs - np.average(logs, weights=counts[own]), -np.log(_TIMES), np.log(_TIMES))
     sizes[own] = np.exp(logs - np.average(logs, weights=counts[own]))
     return sizes
+
+
+def with_noise_of(problem: Any, found: Any) -> Any:
+    """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
+    sizes, scale = noise_sizes(problem, found), noise_scale(problem, found)
+    trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
+    if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
+        return problem
+    return problem.trusting(trust, sizes)
 
 
 def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.identifying.fit_text import listed, undetermined, unit_of_values
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import effective, neighbours, spread_of
+from stickslip.information import Information
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
@@ -22,6 +23,7 @@ _USUAL, _WIDER = (
     1.1,
 )  # standard errors of white noise where that is done, and how much farther the interval reaches to be looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
+_FOLLOWS = 3  # places there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
 _PROFILED = 24  # places that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
@@ -239,13 +241,30 @@ def bent_parameters(fit: Fit) -> list[str]:
 
 
 def _parabolic_within(fit: Fit, k: int, along: Any) -> bool:
-    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the end of the interval, and stays up.
-
-    Half as far again, where a parabola has risen by 2.25 times as much, it is above what the interval allows.
-    """
+    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the interval's end, and stays up."""
     end = float(np.sqrt(_allowed(fit, k, _LEVEL))) / fit.scale
     ends = [_USUAL, end] if end > _WIDER * _USUAL else [_USUAL]
-    return all(_parabolic(fit, along, part) for part in ends) and _parabolic(fit, along, _BEYOND * end, _BEYOND**-2, np.inf)
+    return all(_parabolic(fit, along, part) for part in ends) and _stays_up(fit, k, along, end)
+
+
+def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
+    """Whether the sum of squares is above what an interval allows half as far again, where a parabola would be 2.25 times as high.
+
+    The other numbers follow by two steps of Gauss and Newton: over a shoulder they need not go on as they did up to it.
+    """
+    others, rows = np.arange(len(fit.place)) != k, fit.jacobian[:, np.arange(len(fit.place)) != k]
+    follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
+    low, high = fit.problem.bounds()
+    for part, side in _sides(fit, along, _BEYOND * end):
+        place = fit.place + part * side
+        costs = []
+        for _ in range(_FOLLOWS):
+            rest = fit.problem.residuals(place)
+            costs.append(float(rest @ rest))
+            place[others] = np.clip(place[others] - follow @ rest, low[others], high[others])
+        if part > end and min(costs) - fit.cost < (end * fit.scale) ** 2:
+            return False
+    return True
 
 
 def open_parameters(fit: Fit, level: float = _LEVEL) -> list[str]:
@@ -266,18 +285,24 @@ def _allowed(fit: Fit, k: int, level: float) -> float:
     return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
 
 
-def _parabolic(fit: Fit, along: Any, away: float, least: float = _LEAST, most: float = _MOST) -> bool:
+def _parabolic(fit: Fit, along: Any, away: float) -> bool:
     """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
-    low, high = fit.problem.bounds()
     told = []
+    for part, side in _sides(fit, along, away):
+        rest = fit.problem.residuals(fit.place + part * side)
+        told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
+    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
+
+
+def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
+    """So many standard errors, or as far as a bound is, and the direction, to either side; none where a bound is too near."""
+    low, high = fit.problem.bounds()
+    found = []
     for side in (along, -along):
         with np.errstate(divide="ignore", invalid="ignore"):
             room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
-        part = min(float(np.min(room)), away)
-        if part > _NEAR_BOUND:
-            rest = fit.problem.residuals(fit.place + part * side)
-            told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
-    return bool(told) and all(least < rise < most for rise in told)
+        found.append((min(float(np.min(room)), away), side))
+    return [(part, side) for part, side in found if part > _NEAR_BOUND]
 
 
 def _why(q: Quality, rest: Any) -> str:

@@ -15,10 +15,11 @@ import numpy as np
 
 from stickslip.information import decomposed
 
-__all__ = ["sharpened"]
+__all__ = ["derivative_along", "sharpened"]
 
 _WEAK = 0.02  # part of the largest singular value below which a direction is differentiated along itself
 _TIMES = 2  # by which it is turned, each time by some thousandth of what it was turned before
+_STEP = 1e-4  # of the distance between bounds, at most: differences along a direction
 _NOTHING = 1e-12  # of the largest column: a number that moves nothing
 
 
@@ -60,3 +61,15 @@ def sharpened(jacobian: Any, along: Callable[[Any], Any], singular: float) -> An
         if change is not None:
             found = found + np.outer(change - found @ direction, direction) / (direction @ direction)
     return np.where(np.isfinite(sizes), found * np.where(np.isfinite(sizes), sizes, 0.0), jacobian)
+
+
+def derivative_along(problem: Any, place: Any, slopes: Any, direction: Any) -> Any:
+    """Derivative of the residuals of a problem (`Sensed`) along a direction; None where bounds leave no room, or there is no model."""
+    sizes = np.sqrt(np.sum(slopes[:, : len(problem.parameters.free)] ** 2, axis=0))
+    step = _STEP * float(min(sizes[sizes > 0], default=0.0))
+    low, high = problem.bounds()
+    ends = [place + step * direction, place - step * direction]
+    if step == 0 or not all(((low <= end) & (end <= high)).all() and problem.parameters.limits.allows(end) for end in ends):
+        return None
+    ahead, behind = (problem.predicted(end) for end in ends)
+    return None if ahead is None or behind is None else (ahead - behind) / (2 * step * problem.sigma)
