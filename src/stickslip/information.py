@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Information"]
+__all__ = ["Information", "decomposed"]
 
 #: Singular values of derivatives, each parameter on a scale of its own, that are this small beside the largest count as zero: derivatives
 #: by central differences are good to 1e-8 of themselves, by one-sided ones to 1e-5.
@@ -67,12 +67,12 @@ class Information:
     @cached_property
     def _parts(self) -> tuple[Any, Any, Any]:
         """Singular values as one for each parameter, the directions as rows, and which of them are undetermined."""
-        values, directions = _decomposed(np.asarray(self.jacobian) / self._sizes)
+        values, directions = decomposed(np.asarray(self.jacobian) / self._sizes)
         lost = values <= self.singular * values.max(initial=0.0)
         if self.prior is None or not len(self.prior):
             return values, directions, lost
         told = np.where(lost, 0.0, values)[:, None] * directions
-        values, directions = _decomposed(np.concatenate([told, _without_traces(self.prior / self._sizes, directions[lost])]))
+        values, directions = decomposed(np.concatenate([told, _without_traces(self.prior / self._sizes, directions[lost])]))
         return values, directions, values <= _EXACT * values.max(initial=0.0)
 
     @cached_property
@@ -145,7 +145,7 @@ def _without_traces(rows: Any, lost: Any) -> Any:
     return rows - np.where(abs(share) < PART * np.linalg.norm(rows, axis=1, keepdims=True), share, 0.0) @ lost
 
 
-def _decomposed(rows: Any) -> tuple[Any, Any]:
+def decomposed(rows: Any) -> tuple[Any, Any]:
     """Singular values, one for each parameter, and their directions."""
     _, values, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"), full_matrices=True)
     return np.append(values, np.zeros(len(directions) - len(values))), directions

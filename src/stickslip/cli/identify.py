@@ -109,9 +109,10 @@ def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> 
     from stickslip.identifying.fit_text import NOT_DETERMINED
 
     lost = dict.fromkeys(fit.undetermined, NOT_DETERMINED)
+    errors = {name: error if isfinite(error) else NOT_DETERMINED for name, error in fit.errors.items()}
     sensor = {name: [value, error if isfinite(error) else NOT_DETERMINED] for name, (value, error) in fit.sensor.items()}
     return {
-        "law": fit.law, "values": fit.values, "errors": fit.errors | lost, "intervals": intervals | lost, "level": level, "method": method,
+        "law": fit.law, "values": fit.values, "errors": errors | lost, "intervals": intervals | lost, "level": level, "method": method,
         "sensor": sensor, "combinations": [list(each) for each in fit.combinations],
         "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
         "warnings": fit.warnings, "provenance": fit.provenance,

@@ -36,6 +36,7 @@ class DrivenProblem:
 
     resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
     batched: ClassVar[bool] = True
+    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
     nuisances: ClassVar[int] = 0
     timing: ClassVar[int] = 0
 

@@ -212,7 +212,14 @@ class Fit(Face):
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Parameters that the data do not determine: any value between their bounds fits as well, possibly with changes of others."""
-        return tuple(name for name, error in self.errors.items() if not np.isfinite(error) or name in self.open)
+        lost = {name for name, error in self.errors.items() if not np.isfinite(error)} - (set(self.flat) & set(self.bent))
+        return tuple(name for name in self.names if name in lost or name in self.open)
+
+    @property
+    def flat(self) -> tuple[str, ...]:
+        """Parameters that change nothing measured near their fitted value; a profile shows how far away they do (see `open`)."""
+        alone = {members[0] for members, _ in self.information.groups if len(members) == 1}
+        return tuple(name for k, name in enumerate(self.names) if k in alone)
 
     @cached_property
     def open(self) -> tuple[str, ...]:
@@ -247,7 +254,8 @@ class Fit(Face):
         method : {"auto", "covariance", "profile", "bootstrap"}
             From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
             parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
-            "auto" is by covariance where the sum of squares rises as a parabola would within two standard errors, else by profile.
+            "auto" is by covariance where the sum of squares rises as a parabola would within two standard errors and to the interval's
+            ends, else by profile; also for a parameter that changes nothing near its value, but may farther away.
         part : {"total", "statistical", "systematic"}
             Statistical is what noise alone would leave if the sensors, and all that is known beforehand, were as they are fitted;
             systematic is what these add. Lengths on either side add up in squares to the total.

@@ -73,6 +73,8 @@ def undetermined(fit: Any) -> list[str]:
         sensors = [fit.problem.numbers[k - first].name for k in members if k >= first]
         if not names:
             continue
+        if len(members) == 1 and names[0] in fit.bent and names[0] not in fit.open:
+            continue
         if len(members) == 1:
             found.append(f"{names[0]} is not determined: it changes nothing that was measured; fix it, or {fit.remedy}")
             continue

@@ -27,7 +27,7 @@ from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, polished, searched, starting_places
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of, with_starts
-from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
+from stickslip.identifying.spread import information_of, neighbours, noise_scale, noise_sizes, spread_of, with_noise_of
 from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
@@ -41,7 +41,7 @@ USES = ("auto", "velocity", "position", "mean", "force")
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
-_ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ
+_ROUNDS = 4  # times that the noise is found anew
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
@@ -258,11 +258,10 @@ def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
         return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
     best = polished(problem, rough.place)
     for _ in range(_ROUNDS):
-        scale = noise_scale(problem, best)
-        if best.stopped or not problem.has_known_rows or abs(scale / problem.trust - 1) < _SAME:
+        told = with_noise_of(problem, best)
+        if best.stopped or told is problem:
             break
-        problem = problem.trusting(scale)
-        best = polished(problem, best.place)
+        problem, best = told, polished(told, best.place)
     return problem, best
 
 
@@ -274,7 +273,9 @@ def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]
         rows = robust_weights(weigh, rest, counts)
         if best.stopped or abs(rows - before).max() < _STEADY:
             break
-        problem, before = plain.weighing(rows), rows
+        weighed, before = plain.weighing(rows), rows
+        sizes = noise_sizes(weighed, dataclasses.replace(best, residuals=weighed.residuals(best.place)))
+        problem = weighed.trusting(weighed.trust, sizes)
         best = polished(problem, best.place)
     return problem, best
 

@@ -36,6 +36,7 @@ class MeansProblem:
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
     remembers: ClassVar[bool] = False
     batched: ClassVar[bool] = True
+    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
     nuisances: ClassVar[int] = 0
     timing: ClassVar[int] = 0
 

@@ -51,6 +51,11 @@ class SteadyProblem:
     _warm: dict[int, Any] = field(default_factory=dict)
     _curves: dict[tuple[Any, ...], list[Any] | None] = field(default_factory=dict)
 
+    @property
+    def kinked(self) -> bool:
+        """Whether parameters move kinks past samples, so that derivatives are worth a closer look: not in the search."""
+        return self.central
+
     # ---- layout ----
     @property
     def curves(self) -> tuple[int, ...]:

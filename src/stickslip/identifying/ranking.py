@@ -237,7 +237,7 @@ def _check(named: dict[str, Fit]) -> None:
     for label, fit in others:
         if fit.count != first.count or not np.allclose(fit.problem.y, first.problem.y, rtol=1e-9, atol=0.0):
             problems.add(f"{label} was fitted to other values than {one}; fit all laws to the same records in the same way")
-        elif _given(fit) != _given(first) or not np.allclose(fit.problem.sigma, first.problem.sigma, rtol=1e-9, atol=0.0):
+        elif _given(fit) != _given(first) or not np.allclose(fit.problem.model.sigma, first.problem.model.sigma, rtol=1e-9, atol=0.0):
             problems.add(
                 f"{label} was fitted with {_noise(fit)} and {one} with {_noise(first)}, so that their misfits are counted in other units; "
                 "fit all laws with the same noise=, or all without"
@@ -247,7 +247,7 @@ def _check(named: dict[str, Fit]) -> None:
 
 def _noise(fit: Fit) -> str:
     """The noise of a fit in words."""
-    sizes = dict.fromkeys(f"{size:.3g}" for size in (fit.problem.sigma.min(), fit.problem.sigma.max()))
+    sizes = dict.fromkeys(f"{size:.3g}" for size in (fit.problem.model.sigma.min(), fit.problem.model.sigma.max()))
     return f"a noise of {' to '.join(sizes)}{'' if _given(fit) else ' (found in the record)'}"
 
 

@@ -17,6 +17,7 @@ __all__ = ["Found", "multistart", "polished", "searched", "starting_places"]
 _ALIGNED = 16  # places that are judged by their curves
 _POLISHED = 3  # places from which steps are taken
 _APART = 0.03  # places nearer than this are one
+_PLATEAU = 1e-9  # places whose sums of squares differ by a smaller part give one curve
 
 
 @sealed
@@ -86,12 +87,12 @@ def _ends(
     """Where steps from the best places end; the places that were judged by their curves are noted."""
     places = starting_places(problem.parameters, starts, seed)
     score = problem.coarse(places)
-    order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
+    order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])]
     if problem.batched:  # the batch has judged them already
         chosen = [place for _, place in _spread([(float(score[i]), places[i]) for i in order], problem.first)]
         judged += [_judged(problem, place) for place in chosen]
     else:
-        for i in order:
+        for i in order[:_ALIGNED]:
             judged.append(_judged(problem, places[i]))
     inside = seeds()
     if not order and not inside:
@@ -117,10 +118,10 @@ def _judged(problem: Any, place: Any) -> tuple[float, Any]:
 
 
 def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, Any]]:
-    """The best places that are apart from one another in the numbers of the model."""
+    """The best places that are apart from one another in the numbers of the model, and of a plateau one."""
     kept: list[tuple[float, Any]] = []
     for cost, place in chosen:
-        if all(abs(place - other)[:first].max() > _APART for _, other in kept):
+        if all(abs(place - other)[:first].max() > _APART and abs(cost - same) > _PLATEAU * cost for same, other in kept):
             kept.append((cost, place))
         if len(kept) == _POLISHED:
             break

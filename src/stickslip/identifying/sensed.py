@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
+from stickslip.identifying.weak_directions import derivative_along, sharpened
 
 __all__ = ["Sensed", "of_records"]
 
@@ -46,6 +48,9 @@ class Sensed:
         What the user typed for the sensor.
     rows : array or float
         Weights by which a robust loss holds outliers back.
+    sizes : array or float
+        The noise of each record beside that of the others, found from its residuals, over what its target supposes; their mean, that of
+        logarithms over all values, is 1, so that sums of squares of different laws can be compared.
     """
 
     model: Any
@@ -55,6 +60,7 @@ class Sensed:
     shifts: Any = 0.0
     given: Any = None
     rows: Any = 1.0
+    sizes: Any = 1.0
     _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
 
     # ---- what the model says ----
@@ -101,8 +107,8 @@ class Sensed:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        trust = np.concatenate([np.full(t.count, self.trust if t.given_sigma else 1.0) for t in self.targets])
-        return self.model.sigma / (trust * np.sqrt(self.rows))
+        of_records = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
+        return self.model.sigma * np.repeat(of_records, [t.count for t in self.targets]) / np.sqrt(self.rows)
 
     # ---- others like it ----
     def _like(self, model: Any, **changes: Any) -> Sensed:
@@ -124,9 +130,9 @@ class Sensed:
         """The same fit for the search."""
         return self._like(self.model.rough())
 
-    def trusting(self, trust: float) -> Sensed:
-        """The same fit where the records' noise is known better."""
-        return self._like(self.model, trust=trust)
+    def trusting(self, trust: float, sizes: Any = None) -> Sensed:
+        """The same fit where the records' noise is known better, and that of each beside the others."""
+        return self._like(self.model, trust=trust, sizes=self.sizes if sizes is None else sizes)
 
     def weighing(self, rows: Any) -> Sensed:
         """The same fit where a robust loss gives the values these weights."""
@@ -246,6 +252,7 @@ class Sensed:
             columns = _both(lambda each: self._of_records(_through, each, readings), own)
             main = self._at_the_nearer(columns, self._shown(h, readings))
             slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
+            slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
             row[k.index] = self.trust * k.slope(place) / k.sd

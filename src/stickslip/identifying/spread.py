@@ -8,8 +8,21 @@ import numpy as np
 
 from stickslip.information import Information
 
-__all__ = ["autocorrelation", "determined_spread", "effective", "information_of", "neighbours", "noise_scale", "spread_of"]
+__all__ = [
+    "autocorrelation",
+    "determined_spread",
+    "effective",
+    "information_of",
+    "neighbours",
+    "noise_scale",
+    "noise_sizes",
+    "spread_of",
+    "with_noise_of",
+]
 
+_ENOUGH = 60  # values of a record that tell its own noise
+_TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
+_SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
 
 
@@ -24,6 +37,37 @@ def noise_scale(problem: Any, found: Any) -> float:
     free = len(found.residuals) - len(problem.parameters.free) - problem.nuisances
     known = all(t.given_sigma for t in problem.targets)
     return 1.0 if known or free < 1 else float(np.sqrt(found.cost / free))
+
+
+def noise_sizes(problem: Any, found: Any) -> Any:
+    r"""The noise of each record over what its target supposes, beside that of the others: array (records,), its weighted mean 1.
+
+    Of a record whose noise nobody gave it is from its own residuals: their sum of squares over their number less that of the fitted
+    numbers which the record bears, the sum of the leverages of its values. Where the sizes have settled, the sum of all squares is
+    :math:`n \exp(\sum_i \frac{n_i}{n} \ln s_i^2)`, which falls as the likelihood rises.
+    """
+    counts = np.array([t.count for t in problem.targets])
+    sizes = problem.sizes * np.ones(len(counts))
+    own = np.array([not t.given_sigma for t in problem.targets]) & (counts >= _ENOUGH)
+    if own.sum() < 2:
+        return sizes
+    count = len(problem.y)
+    borne = np.sum(found.jacobian[:count] * information_of(problem, found.jacobian).inverse[:, :count].T, axis=1)
+    squares, lost = (np.array([part.sum() for part in problem.parts(each)]) for each in (found.residuals[:count] ** 2, borne))
+    noise = sizes * np.sqrt(np.maximum(squares, np.finfo(float).tiny) / np.maximum(counts - lost, 1.0))
+    logs = np.log(noise[own])
+    logs = np.clip(logs - np.average(logs, weights=counts[own]), -np.log(_TIMES), np.log(_TIMES))
+    sizes[own] = np.exp(logs - np.average(logs, weights=counts[own]))
+    return sizes
+
+
+def with_noise_of(problem: Any, found: Any) -> Any:
+    """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
+    sizes, scale = noise_sizes(problem, found), noise_scale(problem, found)
+    trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
+    if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
+        return problem
+    return problem.trusting(trust, sizes)
 
 
 def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:

@@ -16,6 +16,8 @@ from stickslip.solvers import solve
 __all__ = ["SteadyCurve", "TransientCurve", "moves_alike_anywhere", "steady_curve", "transient_curve"]
 
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
+_LEFT = 1e-5  # of the tolerance: what may still be left where strobe points fall to their limit; derivatives are differences of curves
+_FALLS = 0.5  # times the last step from period to period that the next one is, where they do
 _LOOKED = 8  # states at which equations are looked at
 _LONGEST = 4  # motion periods up to here are followed
 
@@ -98,9 +100,15 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
         spent += periods
         v = run.strobe_v
         found = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
-        if found is not None or spent >= _MOST:
+        if spent >= _MOST or (found is not None and not _still_nearing(v, found, _LEFT * tolerance)):
             return SteadyCurve(run, found or 1, found is not None)
-        start, periods = _nearer(run, v), min(2 * periods, 100)
+        start, periods = _nearer(run, v), periods if found else min(2 * periods, 100)
+
+
+def _still_nearing(v: Any, p: int, tolerance: float) -> bool:
+    """Whether strobe points that repeat after p periods still get nearer to their limit, by a part of what is left each time."""
+    last, before = abs(v[-p:] - v[-2 * p : -p]).max(), abs(v[-p - 1 : -1] - v[-2 * p - 1 : -p - 1]).max()
+    return bool(tolerance < last < _FALLS * before)
 
 
 def _nearer(run: Any, v: Any) -> dict[str, Any]:

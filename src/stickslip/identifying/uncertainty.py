@@ -11,12 +11,21 @@ import numpy as np
 from stickslip.identifying.fit_text import listed, undetermined, unit_of_values
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import effective, neighbours, spread_of
+from stickslip.information import Information
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
 _LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
+_LEVEL = 0.95  # of the intervals that are looked at for a parabola
+_USUAL, _WIDER = (
+    2.0,
+    1.1,
+)  # standard errors of white noise where that is done, and how much farther the interval reaches to be looked at too
+_BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
+_FOLLOWS = 3  # places there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
+_PROFILED = 24  # places that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 __all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
@@ -93,8 +102,8 @@ def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
     if room <= 1e-12:
         return bound
     step = min(np.sqrt(rise) / fit.scale * _inner_error(fit, k) if np.isfinite(_inner_error(fit, k)) else room, room)
-    near, far, start = 0.0, None, fit.place
-    for _ in range(12):
+    near, far, start, least = 0.0, None, fit.place, 1.05
+    for _ in range(_PROFILED):
         risen, start_there = _risen(fit, k, fit.place[k] + sign * step, start)
         if risen < rise:
             near, start = step, start_there
@@ -102,7 +111,8 @@ def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
                 return bound
             if abs(risen / rise - 1) < 0.02:
                 break
-            step = min(step * np.clip(np.sqrt(rise / max(risen, 1e-12)), 1.05, 3.0), room) if far is None else 0.5 * (near + far)
+            step = min(step * np.clip(np.sqrt(rise / max(risen, 1e-12)), least, 3.0), room) if far is None else 0.5 * (near + far)
+            least = min(2 * least, 3.0)  # what is flat has no end where a parabola would
         else:
             far = step
             if abs(risen / rise - 1) < 0.02:
@@ -191,7 +201,8 @@ def _at_bound(fit: Fit, k: int) -> str:
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
     found = undetermined(fit)
-    found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in fit.open]
+    curved = [name for name in fit.open if name not in fit.flat]
+    found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
     found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
     at_bounds = _at_bounds(fit)
     for k, free in enumerate(fit.problem.parameters.free):
@@ -199,6 +210,8 @@ def remarks(fit: Fit) -> list[str]:
             continue
         if free.name in at_bounds:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
+        elif free.name in fit.flat:
+            found.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
     if told := [name for name in fit.bent if name not in fit.open]:
@@ -217,15 +230,44 @@ def remarks(fit: Fit) -> list[str]:
 def bent_parameters(fit: Fit) -> list[str]:
     """Parameters along whose interval the model is not linear: covariance and bootstrap are then not to be believed, a profile is.
 
-    Two standard errors of white noise away, the others along, the sum of squares should have risen by four.
+    Two standard errors of white noise away, the others along, the sum of squares should have risen by four; and where noise is coloured,
+    so that the interval is wider, at its end by as much as the interval allows.
     """
     covariance = fit.information.covariance(fit.scale)
     errors = np.sqrt(np.diag(covariance))
     known = [] if fit.stopped else [k for k in range(len(fit.names)) if np.isfinite(errors[k]) and errors[k] > 0]
-    return [fit.names[k] for k in known if not _parabolic(fit, np.nan_to_num(covariance[:, k]) / errors[k])]
+    bent = [fit.names[k] for k in known if not _parabolic_within(fit, k, np.nan_to_num(covariance[:, k]) / errors[k])]
+    return [name for name in fit.names if name in bent or (name in fit.flat and not fit.stopped)]
 
 
-def open_parameters(fit: Fit, level: float = 0.95) -> list[str]:
+def _parabolic_within(fit: Fit, k: int, along: Any) -> bool:
+    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the interval's end, and stays up."""
+    end = float(np.sqrt(_allowed(fit, k, _LEVEL))) / fit.scale
+    ends = [_USUAL, end] if end > _WIDER * _USUAL else [_USUAL]
+    return all(_parabolic(fit, along, part) for part in ends) and _stays_up(fit, k, along, end)
+
+
+def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
+    """Whether the sum of squares is above what an interval allows half as far again, where a parabola would be 2.25 times as high.
+
+    The other numbers follow by two steps of Gauss and Newton: over a shoulder they need not go on as they did up to it.
+    """
+    others, rows = np.arange(len(fit.place)) != k, fit.jacobian[:, np.arange(len(fit.place)) != k]
+    follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
+    low, high = fit.problem.bounds()
+    for part, side in _sides(fit, along, _BEYOND * end):
+        place = fit.place + part * side
+        costs = []
+        for _ in range(_FOLLOWS):
+            rest = fit.problem.residuals(place)
+            costs.append(float(rest @ rest))
+            place[others] = np.clip(place[others] - follow @ rest, low[others], high[others])
+        if part > end and min(costs) - fit.cost < (end * fit.scale) ** 2:
+            return False
+    return True
+
+
+def open_parameters(fit: Fit, level: float = _LEVEL) -> list[str]:
     """Of those the ones that may be at either bound: the sum of squares rises by less than the level allows once the others follow."""
     names = []
     for name in fit.bent:
@@ -237,22 +279,30 @@ def open_parameters(fit: Fit, level: float = 0.95) -> list[str]:
 
 def _allowed(fit: Fit, k: int, level: float) -> float:
     """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
-    white = fit.information.covariance(fit.scale)[k, k]
-    return float((_quantile(fit, level) * fit.scale) ** 2 * fit.spread[k, k] / white)
+    white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
+    parts = fit._split(fit.residuals)
+    wider = coloured / white if np.isfinite(white) else max(len(rest) / effective(rest) for rest in parts)
+    return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
 
 
-def _parabolic(fit: Fit, along: Any) -> bool:
-    """Whether the sum of squares rises as a parabola two standard errors away on either side, or as far as a bound is."""
-    low, high = fit.problem.bounds()
+def _parabolic(fit: Fit, along: Any, away: float) -> bool:
+    """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
     told = []
+    for part, side in _sides(fit, along, away):
+        rest = fit.problem.residuals(fit.place + part * side)
+        told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
+    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
+
+
+def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
+    """So many standard errors, or as far as a bound is, and the direction, to either side; none where a bound is too near."""
+    low, high = fit.problem.bounds()
+    found = []
     for side in (along, -along):
         with np.errstate(divide="ignore", invalid="ignore"):
             room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
-        part = min(float(np.min(room)), 2.0)
-        if part > _NEAR_BOUND:
-            rest = fit.problem.residuals(fit.place + part * side)
-            told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
-    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
+        found.append((min(float(np.min(room)), away), side))
+    return [(part, side) for part, side in found if part > _NEAR_BOUND]
 
 
 def _why(q: Quality, rest: Any) -> str:
