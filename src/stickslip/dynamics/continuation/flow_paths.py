@@ -23,5 +23,5 @@ class FlowPath(Path):
 
     def orbit(self, found: Found) -> FlowOrbit:
         """The motion at a point."""
-        state = np.append(found.at[:-1] * self.scales, found.memory)
-        return orbit_at(self.family.robot(self.value(found.at)), state, self.period, found.residual)
+        state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
+        return orbit_at(self.robot(found.at), state, self.period, found.residual)

@@ -16,9 +16,9 @@ import numpy as np
 
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, not_followed
-from stickslip.dynamics.periodic.newton import Found, newton_within
+from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, with_rests
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at, strobe_map, with_rests
 from stickslip.errors import InputError
 from stickslip.sealing import sealed
 
@@ -42,6 +42,7 @@ class Point:
     orbit: Any
     blur: float = 0.0  # how far its residual may have moved it, in the scaled space
     alone: bool = True  # not one of a family of motions at the same value of the parameter
+    crossing: float = 1.0  # determinant of the slopes beside the direction: changes its sign at a branch point, and not at a fold
 
     @cached_property
     def flip(self) -> float:
@@ -85,23 +86,43 @@ class Path:
     family: Family
     period: int
     at: Coordinates
-    origin: float
-    span: float
+    origin: Any
+    span: Any
     rtol: float
     tolerance: float
 
     @property
     def scales(self) -> Array:
-        """Sizes of the coordinates of a point, but the parameter's."""
+        """Sizes of the coordinates of a point, but the parameters'."""
         return self.at.scales[: self.at.smooth]
 
-    def value(self, u: Array) -> Any:
-        """The parameter at a point."""
-        return self.origin + self.span * u[..., -1]
+    def values(self, u: Array) -> Array:
+        """The parameters at points, one column each: a branch has one, a curve of special points two."""
+        return np.asarray(self.origin + self.span * u[..., self.at.smooth :])
 
-    def scaled(self, orbit: Any, value: float) -> Array:
+    def value(self, u: Array) -> Any:
+        """The one parameter at a point."""
+        return self.values(u)[..., 0]
+
+    def inner(self, orbit: Any) -> Array:
+        """The unknowns of an orbit besides the parameters."""
+        return np.asarray(orbit.strobe_state[: self.at.smooth] / self.scales)
+
+    def later(self, orbit: Any) -> Array:
+        """The same unknowns half a motion period later."""
+        return np.asarray(state_at(orbit.run, 0.5 * self.period * float(orbit.model.period)) / self.scales)
+
+    def scaled(self, orbit: Any, value: Any) -> Array:
         """The point u of an orbit."""
-        return np.append(orbit.strobe_state[: self.at.smooth] / self.scales, (value - self.origin) / self.span)
+        return np.append(self.inner(orbit), (np.asarray(value) - self.origin) / self.span)
+
+    def robot(self, u: Array) -> Any:
+        """The robot at a point."""
+        return self.family.robot(*self.values(u))
+
+    def robots(self, U: Array) -> Any:
+        """The robots at many points, as one batch."""
+        return self.family.robots(*self.values(U).T)
 
     def remembered(self, orbit: Any) -> Array:
         """What the law remembers on the strobe of an orbit."""
@@ -109,18 +130,23 @@ class Path:
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the period."""
-        states = np.hstack([U[:, :-1] * self.scales, np.broadcast_to(memory, (len(U), len(memory)))])
-        return strobe_map(self.family.robots(self.value(U)), states, self.period, self.rtol).state
+        states = np.hstack([U[:, : self.at.smooth] * self.scales, np.broadcast_to(memory, (len(U), len(memory)))])
+        return strobe_map(self.robots(U), states, self.period, self.rtol).state
 
     def misses(self, U: Array, memory: Array) -> Array:
         """How far each state is from itself after the period, in its scales."""
-        return self._missed(self.ends(U, memory)[:, : self.at.smooth], U)
+        return self.missed(self.ends(U, memory), U)
 
-    def _missed(self, ends: Array, U: Array) -> Array:
+    def missed(self, ends: Array, U: Array) -> Array:
         """What states miss; positions on a track that repeats modulo its wavelength."""
+        ends, begun = ends[..., : self.at.smooth], U[..., : self.at.smooth]
         if self.at.wavelength is None:  # the difference of numbers in scales keeps a digit more
-            return ends / self.scales - U[..., :-1]
-        return self.at.difference(ends, U[..., :-1] * self.scales) / self.scales
+            return ends / self.scales - begun
+        return self.at.difference(ends, begun * self.scales) / self.scales
+
+    def returned(self, J: Array) -> Array:
+        """The derivative of the map whose fixed points the motions are, from those of what is missed by the inner unknowns."""
+        return J + np.eye(self.at.smooth)
 
     def numbers(self, guess: Array) -> dict[str, float] | None:
         """Derivatives of the machine's numbers by the parameter beside a point; None where small changes are not followed."""
@@ -129,11 +155,17 @@ class Path:
 
     def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
         """What one state misses, and the derivatives of that by the state and the parameter."""
-        model, d = self.family.robot(self.value(u)), len(self.scales)
+        model, d = self.robot(u), len(self.scales)
         starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
         numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
         found = changes_along(model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol)
-        return self._missed(found.state[0][:d], u), (found.change / self.scales).T - np.eye(d, d + 1)
+        return self.missed(found.state[0], u), (found.change / self.scales).T - np.eye(d, d + 1)
+
+    def derivative(self, u: Array, memory: Array, by_value: dict[str, float] | None, step: float = STEP) -> tuple[Array, Array]:
+        """What one state misses, and the derivatives of that by all unknowns: exact if `by_value` is known, else by differences."""
+        if by_value is None:
+            return slopes_at(lambda U: self._admissible_misses(U, memory), u, step)
+        return self.slopes(u, memory, by_value)
 
     def _admissible_misses(self, U: Array, memory: Array) -> Array:
         """The misses; no numbers at points beside the first whose parameter is refused, such as a restitution just below zero."""
@@ -149,7 +181,7 @@ class Path:
 
     def _is_admissible(self, u: Array) -> bool:
         try:
-            self.family.robot(self.value(u))
+            self.robot(u)
         except InputError:
             return False
         return True
@@ -181,16 +213,18 @@ class Path:
 
     def orbit(self, found: Found) -> Any:
         """The motion at a point."""
-        state = np.append(found.at[:-1] * self.scales, found.memory)
-        model = self.family.robot(self.value(found.at))
+        state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
+        model = self.robot(found.at)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""
-        tangent = tangent_of(found.jacobian[:-1], towards)
+        J = found.jacobian[:-1]
+        tangent = tangent_of(J, towards)
         blur = found.residual / max(float(np.linalg.svd(found.jacobian, compute_uv=False)[-1]), 1e-300)
-        sizes = np.linalg.svd(found.jacobian[:-1], compute_uv=False)
-        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]))
+        sizes = np.linalg.svd(J, compute_uv=False)
+        crossing = float(np.linalg.det(np.vstack([J, tangent])))
+        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]), crossing)
 
     def beyond(self, here: Point, turns: bool = True) -> Iterator[tuple[Found, Point, float]]:
         """Points where the branch may go on behind a corner, such as where a new switch begins.
