@@ -141,12 +141,16 @@ def broken_symmetry(path: Path, here: Crossing) -> str:
 
 
 def image(path: Path, a: Point, b: Point, between: Point) -> str | None:
-    """After which time one motion is the image of another, as the one between them is of itself: "", "half a period", or None."""
-    apart = 0.5 * float(np.linalg.norm(a.u - b.u))
-    near = _LIKE * apart**2 + path.tolerance
-    if abs(a.value - b.value) > near * path.span:
+    """After which time one motion is the image of another, as the one between them is of itself: "", "half a period", or None.
+
+    The other is looked for at the same parameter: a symmetry moves states along curved lines, and not the plane in which it was found.
+    """
+    level = path.at_value(b.u, a.value, path.remembered(b.orbit))
+    apart = 0.5 * float(np.linalg.norm(a.u - level.at))
+    if not level.good or (a.u - between.u) @ (level.at - between.u) >= 0.0:
         return None
-    here, other, begun = (path.inner(p.orbit) for p in (a, between, b))
+    near, there = _LIKE * apart**2, path.point(level, b.tangent)
+    here, other, begun = (path.inner(p.orbit) for p in (a, between, there))
     if _alike(here, other, begun, other, near):
         return ""
     later, half = (path.later(p.orbit) for p in (a, between))
