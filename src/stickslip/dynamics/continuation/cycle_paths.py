@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,11 @@ class CyclePath(Path):
         """The derivative of the map of the section onto itself: the velocity, which is that of the turn, says how long it takes."""
         through = J - J[..., :, -1:] * J[..., 1:2, :] / J[..., 1:2, -1:]
         return np.delete(through, 1, axis=-2)[..., :-1] + np.eye(self.at.smooth - 1)
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Differences are taken, as how long it takes is unknown too."""
+        return False
 
     def numbers(self, guess: Array) -> None:
         """None: differences are taken, as how long it takes is unknown too."""

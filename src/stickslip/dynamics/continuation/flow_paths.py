@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,16 @@ class FlowPath(Path):
 
     def numbers(self, guess: Any) -> None:
         """None: differences are taken, as what its numbers do is followed for machines only."""
+
+    @property
+    def has_tolerance(self) -> bool:
+        """No: its runs are exact."""
+        return False
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Differences are taken."""
+        return False
 
     def orbit(self, found: Found) -> FlowOrbit:
         """The motion at a point."""

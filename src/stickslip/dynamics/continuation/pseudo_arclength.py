@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.derivatives.tangents import changes_along, not_followed
+from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at, strobe_map, with_rests
 from stickslip.errors import InputError
+from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["Path", "Point", "tangent_of"]
@@ -28,6 +29,7 @@ Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
+_REACH = 1e-4  # of differences of fourth order
 _JUMPS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)  # how far corners are jumped across
 
 
@@ -166,6 +168,43 @@ class Path:
         if by_value is None:
             return slopes_at(lambda U: self._admissible_misses(U, memory), u, step)
         return self.slopes(u, memory, by_value)
+
+    @property
+    def has_tolerance(self) -> bool:
+        """Whether runs have a tolerance, or are exact to rounding."""
+        return bool(machine_of(self.family.robot(*np.atleast_1d(self.origin))).has_inner_states)
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Whether changes of the state are followed along the runs."""
+        return not not_followed(self.family.robot(*np.atleast_1d(self.origin)))
+
+    def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
+        """What states miss, and the derivatives of that by the inner unknowns, in one batch; or the same by a worse method.
+
+        There are no numbers where what the law remembers on the strobe changes.
+        """
+        if not self._followed:
+            return self.differences(U, memory, worse)
+        path = self.loosened() if worse else self
+        ends, states = path.ends(U, memory), np.hstack([U[:, : self.at.smooth] * self.scales, np.tile(memory, (len(U), 1))])
+        found = jacobians_of(self.robots(U), states, self.period, path.rtol) * self.scales / self.scales[:, None]
+        return self.missed(self._held(ends, memory), U), found - np.eye(self.at.smooth)
+
+    def differences(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
+        """The same by differences of fourth order."""
+        n, step = self.at.smooth, _REACH * (2.0 if worse else 1.0)
+        shifts = step * np.vstack([np.zeros((1, n)), *(k * np.eye(n) for k in (1.0, -1.0, 2.0, -2.0))])
+        tried = np.repeat(U, len(shifts), axis=0)
+        tried[:, :n] += np.tile(shifts, (len(U), 1))
+        missed = self.missed(self._held(self.ends(tried, memory), memory), tried).reshape(len(U), len(shifts), n)
+        near, far = (missed[:, k : k + n] - missed[:, k + n : k + 2 * n] for k in (1, 1 + 2 * n))
+        return missed[:, 0], np.swapaxes(8.0 * near - far, 1, 2) / (12.0 * step)
+
+    def _held(self, ends: Array, memory: Array) -> Array:
+        """States at ends; no numbers where what the law remembers has changed."""
+        same = np.all(ends[:, self.at.smooth :] == memory, axis=1)
+        return np.where(same[:, None], ends, np.nan)
 
     def _admissible_misses(self, U: Array, memory: Array) -> Array:
         """The misses; no numbers at points beside the first whose parameter is refused, such as a restitution just below zero."""
