@@ -107,7 +107,7 @@ def _directions(A: Array, V: Array) -> tuple[Array, Array] | None:
     if not room > (_SLANT * size) ** 2:
         return None
     rise = b + np.copysign(np.sqrt(room), b)  # the sum that loses no digits
-    return tuple(V @ x / np.linalg.norm(V @ x) for x in (np.array([-rise, a]), np.array([c, -rise])))  # type: ignore[return-value]
+    return tuple(V @ x / np.linalg.norm(V @ x) for x in (np.array([-rise, a]), np.array([c, -rise])))
 
 
 def _accuracy(path: Path, found: Found, moved: Array) -> float:
@@ -130,7 +130,7 @@ def broken_symmetry(path: Path, here: Crossing) -> str:
     """What symmetry breaks at a crossing, in words: of one of the branches motions on its two sides are images of one another."""
     for direction in (here.other, here.point.tangent):
         beside = sides(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
-        shift = image(path, *beside, here.point) if beside else None
+        shift = image(path, beside[0], beside[1], here.point) if beside else None
         if shift is not None:
             later = f", {shift} later" if shift else ""
             return (

@@ -43,7 +43,7 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
     if not first.good:
         raise SolveError(f"the special point could not be found again in two parameters: {first.why} (residual {first.residual:.1e})")
     here = _point(problem, first, sign * np.eye(n)[-1], None)
-    found, special = [first], []
+    found, special = [first], list[Meeting]()
     seen = problem.watched(here.u)
     while len(found) < most:
         ahead = _next(problem, here, step)

@@ -445,8 +445,8 @@ def state_at(run: Any, t: float) -> Array:
         return np.array([found[name] for name in run.names])
     if machine_of(run.model).is_single:
         found = run.at(t)
-        inner = [] if found["z"] is None else np.ravel(found["z"])
-        return np.array([*([found["x"]] if knows_position(run.model) else []), found["v"], *inner])
+        places, inner = [found["x"]] if knows_position(run.model) else [], [] if found["z"] is None else np.ravel(found["z"]).tolist()
+        return np.array([*places, found["v"], *inner])
     run, times = run.parted, np.array([t])
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
