@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from dynamics.test_dynamics_special import Fed
+from stickslip.dynamics.continuation.point_accuracy import Special
 
 of_map = ss.SwitchingFlow.of_map
 HENON = of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))
@@ -32,7 +33,7 @@ def certain(meeting, expected):
 def henon():
     """Branches of Henon's map at b = 0.3, through its fold and its flip, and one at a = 1 through the line b = -1."""
     fold = ss.continuation(HENON, parameter="a", start=0.1, stop=-0.3, guess={"x": 0.7, "y": 0.2}, points=40)
-    flip = ss.continuation(HENON, parameter="a", start=0.1, stop=0.5, guess={"x": 0.7, "y": 0.2})
+    flip = ss.continuation(HENON, parameter="a", start=0.1, stop=1.0, guess={"x": 0.7, "y": 0.2})
     pair = ss.continuation(HENON.replace(a=1.0), parameter="b", start=-0.8, stop=-1.1, guess={"x": 0.45, "y": -0.36})
     return {"fold": fold, "flip": flip, "neimark-sacker": pair}
 
@@ -135,7 +136,5 @@ def test_a_fold_of_limit_cycles_with_bristles_is_the_same_from_a_branch_beside_i
 
 def test_what_has_no_curve_says_which_special_points_have_one():
     branch = ss.continuation(CUBIC, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    from stickslip.dynamics.continuation.point_accuracy import Special
-
     with pytest.raises(ss.InputError, match="it is a grazing; allowed are fold, flip, neimark-sacker"):
         ss.special_curve(branch, Special("grazing", 0.0, branch.orbits[0]), "q", 0.5)
