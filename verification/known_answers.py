@@ -159,7 +159,7 @@ ROWS = {
     "sliding": Row("the same as a flow: P/F at which sliding along v = 0 begins", "Den Hartog 1930", (1 / stop_border(),), sliding, 1e-8),
     "impact": Row("oscillator with a wall: grazing amplitude", "d √((k − ω²)² + (c ω)²)", (grazing(),), impact, 1e-8),
     "pitchfork": Row("Lorenz' flow: r at which its rest loses its symmetry", "closed form", (1.0,), lorenz_pitchfork, 1e-8),
-    "resonance": Row("Hénon's map: a and b at which both multipliers are −1", "a = 3(1 − b)²/4, b = −1", (3.0, -1.0), henon_resonance, 1e-8),
+    "resonance": Row("Hénon's map: a and b at which both multipliers are −1", "a = 3(1 − b)²/4", (3.0, -1.0), henon_resonance, 1e-8),
     "cusp": Row("x to p + q x − x³: p and q at which two curves of folds end", "double root", (0.0, 1.0), cusp, 1e-8),
     "belt": Row("block on a belt: period of its cycle", "closed form", (belt_closed(),), belt, 1e-11),
 }

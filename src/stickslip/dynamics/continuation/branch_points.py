@@ -22,10 +22,10 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import STEP, Found, newton
 from stickslip.sealing import sealed
 
-__all__ = ["Crossing", "broken_symmetry", "crossing", "crossing_between", "sides"]
+__all__ = ["MET", "Crossing", "broken_symmetry", "crossing", "crossing_between", "sides"]
 
 Array = Any
-_MET = 1e-9  # of a residual: branches that miss one another by more do not cross
+MET = 1e-9  # of a residual: branches that miss one another by more do not cross
 _KNOWN = 1e-10  # how well derivatives are known
 _ROUNDING = 1e-8  # of derivatives of derivatives: a residual below it that does not shrink has met rounding
 _SLANT = 1e-6  # how different the directions of two branches are, as a sine, at least
@@ -79,7 +79,7 @@ def crossing(path: Path, guess: Array, along: Array, memory: Array) -> Crossing 
         return np.array([np.append(missed + u[-1] * border[:, 0], g) for u, missed, g, _ in found])
 
     found = newton(residuals, np.append(guess, 0.0), tolerance=1e-12, most=12, floor=_ROUNDING, reach=0.1)
-    if not found.good or abs(found.at[-1]) > max(_MET, 100 * path.rtol):
+    if not found.good or abs(found.at[-1]) > max(MET, 100 * path.rtol):
         return None
     V = bordered(found.at[:-1], STEP)[2]
     ways = _directions(-found.jacobian[d:, :-1] @ V, V)

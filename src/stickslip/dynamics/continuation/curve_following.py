@@ -50,6 +50,8 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
         if isinstance(ahead, str):
             return FollowedCurve(found, special, ahead)
         there, step = ahead
+        if why := problem.apart(there.u):
+            return FollowedCurve(found, special, why)
         now = problem.watched(there.u)
         lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
         if lost and problem.meeting is not None:

@@ -56,8 +56,10 @@ class CurveProblem:
         from the point, the direction, that vector before, and whether by the worse method.
     named : callable, optional
         Kind of a point where the test of a name vanishes, and words for it; None where it is nothing special.
-    known : float
-        How well the last equation is known.
+    known : float or array
+        How well each equation is known.
+    apart : callable
+        Why the special point is none any more at a point; "" where it is one.
     """
 
     family: Family
@@ -71,7 +73,8 @@ class CurveProblem:
     again: Callable[[Array], Array] | None = None
     tests: Callable[..., tuple[dict[str, float], Array]] | None = None
     named: Callable[[Array, str], tuple[str, str] | None] | None = None
-    known: float = _FLOOR
+    known: Any = _FLOOR
+    apart: Callable[[Array], str] = lambda u: ""
 
     def values(self, u: Array) -> Array:
         """The two parameters."""
@@ -81,7 +84,6 @@ class CurveProblem:
         """By how much the two parameters of a point may be wrong."""
         unsure = np.full(len(found.at), max(found.residual, _FLOOR))
         if self.again is not None:
-            unsure[-2] += self.known
-            unsure[:-1] += abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
+            unsure[:-1] += self.known + abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
         moved = abs(np.linalg.pinv(found.jacobian)) @ unsure
         return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(found.at)))

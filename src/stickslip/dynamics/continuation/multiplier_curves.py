@@ -20,11 +20,11 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.newton import Found
 
-__all__ = ["CONDITIONS", "multiplier_problem"]
+__all__ = ["CONDITIONS", "KNOWN", "multiplier_problem"]
 
 Array = Any
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
-_KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
+KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
 _ONE = 1e-3  # how near to 1, -1 or the unit circle a multiplier is that is there: of a double one rounding leaves 1e-5
 _DOUBLE, _CUSP, _THIRD, _FOURTH = "double", "cusp", "third", "fourth"
 
@@ -84,7 +84,7 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         met = _kind(kind, name, np.linalg.eigvals(R))
         return None if met is None else (met, _WORDS[met])
 
-    exact = (_TOLERANCE[path.has_tolerance], _KNOWN[path.has_tolerance])
+    exact = (_TOLERANCE[path.has_tolerance], np.append(np.zeros(n), KNOWN[path.has_tolerance]))
     problem = CurveProblem(
         both, origin, span, residuals, orbit, exact[0], again=lambda U: residuals(U, True), tests=tests, named=named, known=exact[1]
     )

@@ -191,13 +191,12 @@ class Path:
         found = jacobians_of(self.robots(U), states, self.period, path.rtol) * self.scales / self.scales[:, None]
         return self.missed(self._held(ends, memory), U), found - np.eye(self.at.smooth)
 
-    def differences(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
-        """The same by differences of fourth order."""
-        n, step = self.at.smooth, _REACH * (2.0 if worse else 1.0)
-        shifts = step * np.vstack([np.zeros((1, n)), *(k * np.eye(n) for k in (1.0, -1.0, 2.0, -2.0))])
-        tried = np.repeat(U, len(shifts), axis=0)
-        tried[:, :n] += np.tile(shifts, (len(U), 1))
-        missed = self.missed(self._held(self.ends(tried, memory), memory), tried).reshape(len(U), len(shifts), n)
+    def differences(self, U: Array, memory: Array, worse: bool = False, by: slice | None = None) -> tuple[Array, Array]:
+        """The same by differences of fourth order; by the inner unknowns, or by others."""
+        step, along = _REACH * (2.0 if worse else 1.0), np.eye(U.shape[1])[slice(self.at.smooth) if by is None else by]
+        n, shifts = len(along), step * np.vstack([0.0 * along[:1], *(k * along for k in (1.0, -1.0, 2.0, -2.0))])
+        tried = np.repeat(U, len(shifts), axis=0) + np.tile(shifts, (len(U), 1))
+        missed = self.missed(self._held(self.ends(tried, memory), memory), tried).reshape(len(U), len(shifts), -1)
         near, far = (missed[:, k : k + n] - missed[:, k + n : k + 2 * n] for k in (1, 1 + 2 * n))
         return missed[:, 0], np.swapaxes(8.0 * near - far, 1, 2) / (12.0 * step)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_following import followed_curve
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
@@ -41,7 +42,7 @@ class Curve(Drawn):
     Parameters
     ----------
     kind : str
-        What its points are: "fold", "flip", "neimark-sacker" or "type-border".
+        What its points are: "fold", "flip", "neimark-sacker", "branch-point" or "type-border".
     parameters : (str, str)
         Their names.
     values : array (points, 2)
@@ -107,7 +108,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     branch : Branch
         The branch; its parameter is the first of the curve.
     special : Special
-        A fold, flip or Neimark-Sacker point of it (of any machine, law or flow), or a border of motion types (one contact under a
+        A fold, flip, Neimark-Sacker or branch point of it (of any machine, law or flow), or a border of motion types (one contact under a
         set-valued law, where a border is an equation).
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
@@ -148,6 +149,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
     if special.kind in CONDITIONS:
         problem, u = multiplier_problem(both, special, origin, span)
+    elif special.kind == "branch-point":
+        problem, u = crossing_problem(both, special, origin, span)
     else:
         _check_border(special)
         problem, u = type_border_problem(both, branch, special, origin, span)
@@ -174,7 +177,7 @@ def _orbits(problem: CurveProblem, found: list[Array]) -> tuple[tuple[Any, ...],
 def _check_border(special: Special) -> None:
     """`InputError` for a special point that is none of multipliers, unless it is a border of types that is an equation."""
     at_each = "for others take ss.continuation at each value"
-    always = f"allowed are {', '.join(CONDITIONS)} of any motion, and type borders of one contact under a set-valued law"
+    always = f"allowed are {', '.join(CONDITIONS)} and branch-point of any motion, and type borders of one contact under a set-valued law"
     if is_flow(special.orbit.model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
         raise InputError("special_curve", [f"it is a {special.kind}; {always}; {at_each}"])
     hint = "type ss.continuation at each value; flips and folds are followed for any machine"
