@@ -33,9 +33,7 @@ def test_the_page_has_every_row_and_each_lies_within_what_it_says(name):
     assert float(within) == row.within
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[] if name in ("meissner", "impact", "pitchfork", "cusp") else pytest.mark.slow) for name in ROWS]
-)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in ROWS])
 def test_a_known_answer_is_found_again(name):
     row = ROWS[name]
     np.testing.assert_allclose(row.ours(), row.known, rtol=0, atol=row.within)

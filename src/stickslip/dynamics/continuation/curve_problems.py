@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.periodic.newton import Found
+from stickslip.sealing import sealed
 
 __all__ = ["CurvePoint", "CurveProblem"]
 
@@ -31,6 +32,7 @@ class CurvePoint(NamedTuple):
         return self.found.at
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class CurveProblem:
     """Unknowns u = (inner unknowns, two scaled parameters); `residuals` has one equation less.
