@@ -177,5 +177,6 @@ def test_the_symmetry_of_a_motion_with_bristles_breaks_too():
     assert min(abs(point.orbit.differences - 1.0)) < 1e-6, "by differences of the strobe map"
     other = branch.switched(points=10)
     low, high = other.orbits[0], other.orbits[-1]
-    assert low.mean_velocity == pytest.approx(high.mean_velocity, abs=1e-12)
+    aside = [orbit.run.x.max() + orbit.run.x.min() for orbit in (low, high)]
+    assert aside[0] * aside[1] < 0, "one swings more to the front, the other to the back"
     assert abs(low.state - high.state).max() > 0.01

@@ -123,14 +123,12 @@ def test_a_fold_of_limit_cycles_with_bristles_is_the_same_from_a_branch_beside_i
     """A block on a belt under LuGre: the curve of its fold in speed and damping, held against a branch at its last damping."""
     law = ss.LuGre(1.0, 1.0, f_plus=1.5, f_minus=1.5, sigma0=100.0, sigma1=5.0, sigma2=0.0, v_s=0.2)
     belt = lambda speed, damping=0.3: ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=speed, damping=damping, friction=law)  # noqa: E731
-    branch = ss.continuation(belt, parameter="speed", start=0.58, stop=0.65, guess=dict(x=0.6, v=0.58))
+    ways = {"parameter": "speed", "start": 0.5, "stop": 0.65, "guess": {"x": 0.6, "v": 0.5}}
+    branch = ss.continuation(belt, **ways)
     curve = ss.special_curve(branch, first(branch, "fold"), "damping", stop=0.32)
     (speed, damping), unsure = curve.values[-1], curve.accuracy[-1, 0]
     assert curve.orbits[-1].duration > 0 and unsure < 1e-8
-    beside = ss.continuation(
-        belt, parameter="speed", start=speed - 0.03, stop=speed + 0.03, damping=damping, guess=dict(x=0.6, v=speed - 0.03)
-    )
-    fold = first(beside, "fold")
+    fold = first(ss.continuation(belt, damping=damping, **ways), "fold")
     assert abs(fold.value - speed) <= fold.accuracy + unsure + 1e-9
 
 
