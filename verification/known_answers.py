@@ -97,6 +97,30 @@ def stop_border() -> float:
     return 1 / (1 - R**2) / math.sqrt(1 / R**4 + (math.tan(math.pi / (2 * R)) / R) ** 2)
 
 
+def lorenz_pitchfork() -> tuple[float, ...]:
+    """Where the rest of Lorenz' flow loses its symmetry: the branch point of its equilibrium."""
+    field = lambda t, y, n: (10 * (y[1] - y[0]), n.r * y[0] - y[1] - y[0] * y[2], y[0] * y[1] - 8 / 3 * y[2])  # noqa: E731
+    flow = ss.SwitchingFlow({0: field}, {}, 1.0, {"r": 0.5}, ("x", "y", "z"))
+    branch = ss.continuation(flow, parameter="r", start=0.5, stop=2.0, guess={"x": 0.0})
+    return (next(s.value for s in branch.special if s.kind == "branch-point"),)
+
+
+def henon_resonance() -> tuple[float, ...]:
+    """Where both multipliers of Henon's map are -1, on its curve of flips."""
+    flow = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))
+    branch = ss.continuation(flow, parameter="a", start=0.1, stop=1.0, guess={"x": 0.7, "y": 0.2})
+    curve = ss.special_curve(branch, branch.special[0], "b", stop=-1.2)
+    return next(met.values for met in curve.special if met.kind == "R2")
+
+
+def cusp() -> tuple[float, ...]:
+    """Where the two curves of folds of x to p + q x - x^3 end."""
+    flow = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
+    branch = ss.continuation(flow, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
+    curve = ss.special_curve(branch, next(s for s in branch.special if s.kind == "fold"), "q", stop=0.5)
+    return next(met.values for met in curve.special if met.kind == "cusp")
+
+
 K, C, W, D = 1.0, 0.2, 2.0, 1.0
 
 
@@ -134,6 +158,9 @@ ROWS = {
     "den_hartog": Row("forced oscillator with dry friction: F/P at which it stops", "Den Hartog 1930", (stop_border(),), den_hartog, 1e-11),
     "sliding": Row("the same as a flow: P/F at which sliding along v = 0 begins", "Den Hartog 1930", (1 / stop_border(),), sliding, 1e-8),
     "impact": Row("oscillator with a wall: grazing amplitude", "d √((k − ω²)² + (c ω)²)", (grazing(),), impact, 1e-8),
+    "pitchfork": Row("Lorenz' flow: r at which its rest loses its symmetry", "closed form", (1.0,), lorenz_pitchfork, 1e-8),
+    "resonance": Row("Hénon's map: a and b at which both multipliers are −1", "a = 3(1 − b)²/4", (3.0, -1.0), henon_resonance, 1e-8),
+    "cusp": Row("x to p + q x − x³: p and q at which two curves of folds end", "double root", (0.0, 1.0), cusp, 1e-8),
     "belt": Row("block on a belt: period of its cycle", "closed form", (belt_closed(),), belt, 1e-11),
 }
 

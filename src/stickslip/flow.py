@@ -18,6 +18,7 @@ import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import LARGEST, is_array, number
+from stickslip.maths import cos, pi
 
 __all__ = ["Switch", "SwitchingFlow", "is_flow", "knows_mode", "unknown_mode"]
 
@@ -127,6 +128,42 @@ class SwitchingFlow:
         for name, value in zip(("fields", "switches", "forcing", "numbers", "states", "scales"), given, strict=True):
             object.__setattr__(self, name, value)
 
+    @classmethod
+    def of_map(
+        cls,
+        f: Callable[..., Any],
+        numbers: Mapping[str, float] | None = None,
+        states: tuple[str, ...] | None = None,
+        scales: Sequence[float] | None = None,
+    ) -> SwitchingFlow:
+        """A map as a flow that stands still and jumps once in each period of 1, so that whatever takes a flow takes a map.
+
+        Parameters
+        ----------
+        f : callable
+            The map, from y, or from (y, n) where there are numbers: what `lyapunov_of_map` takes, written with `stickslip.maths`.
+        numbers, states, scales
+            As for a flow.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> henon = lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0])
+        >>> flow = SwitchingFlow.of_map(henon, {"a": 0.3, "b": 0.3}, ("x", "y"))
+        >>> b = ss.continuation(flow, parameter="a", start=0.3, stop=0.4, guess={"x": 0.8, "y": 0.2})
+        >>> [(s.kind, s.told) for s in b.special]  # a = 3 (1 - b)^2/4
+        [('flip', '0.3675')]
+        """
+        if not callable(f):
+            raise InputError(
+                "SwitchingFlow.of_map", [f"f = {f!r}; allowed is a function; type for example lambda y, n: (n.r * y[0] * (1 - y[0]),)"]
+            )
+        known = ("n",) if numbers else ()
+        still = _taking(known, lambda y, *n: tuple(0.0 * value for value in y))
+        clock = lambda sign: _timed(known, lambda t: sign * cos(2 * pi * t))  # noqa: E731
+        switches = {"before": (Switch(clock(1.0), "after", _taking(known, f)),), "after": (Switch(clock(-1.0), "before"),)}
+        return cls({"before": still, "after": still}, switches, 1.0, numbers, states, scales)
+
     @property
     def period(self) -> Any:
         """Of the forcing; None for a flow that does not depend on time."""
@@ -193,6 +230,16 @@ def is_flow(model: Any) -> bool:
 
 def _with_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any], Any]:
     return lambda t, y: f(t, y, n)
+
+
+def _taking(numbers: tuple[str, ...], f: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of the state as one of time and state; with numbers it gets them too."""
+    return (lambda t, y, n: f(y, n)) if numbers else (lambda t, y: f(y))
+
+
+def _timed(numbers: tuple[str, ...], g: Callable[[Any], Any]) -> Callable[..., Any]:
+    """A function of time as one of time and state; with numbers too."""
+    return (lambda t, y, n: g(t)) if numbers else (lambda t, y: g(t))
 
 
 # ---- checks ----

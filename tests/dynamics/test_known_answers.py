@@ -13,6 +13,7 @@ spec = importlib.util.spec_from_file_location("known_answers", ROOT / "verificat
 known_answers = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(known_answers)
 ROWS = known_answers.ROWS
+QUICK = ("meissner", "impact", "pitchfork", "cusp")
 PAGE = (ROOT / "docs" / "known-answers.md").read_text(encoding="utf-8")
 PRINTED = {
     line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]] for line in PAGE.splitlines() if line.startswith("| ")
@@ -32,7 +33,7 @@ def test_the_page_has_every_row_and_each_lies_within_what_it_says(name):
     assert float(within) == row.within
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in ("meissner", "impact") else pytest.mark.slow) for name in ROWS])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in ROWS])
 def test_a_known_answer_is_found_again(name):
     row = ROWS[name]
     np.testing.assert_allclose(row.ours(), row.known, rtol=0, atol=row.within)

@@ -118,8 +118,10 @@ def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
     doubled = branch.doubled(stop=2.48)
     assert doubled.period == 2 and doubled.orbits[-1].stable and len(doubled.orbits[-1].events) == 2
     assert ss.plot.continuation(branch, observable="x").get_ylabel() and ss.plot.continuation(doubled, observable="v")
-    with pytest.raises(ss.InputError, match="it is a branch of a flow"):
-        ss.special_curve(branch, flip, "r", 0.7)
+    curve = ss.special_curve(branch, flip, "r", 0.7)
+    (omega, r), orbit = curve.values[-1], curve.orbits[-1]
+    assert r <= 0.7 and np.min(abs(orbit.multipliers + 1.0)) < 1e-9, "the multipliers of saltation say the same as differences"
+    assert np.min(abs(ss.periodic_orbit(impacts(omega).replace(r=r), guess=orbit).multipliers + 1.0)) < 1e-8
 
 
 def test_a_branch_passes_the_gap_at_which_a_wall_is_grazed():

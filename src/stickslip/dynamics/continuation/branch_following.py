@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.continuation.branch_points import crossing_between
 from stickslip.dynamics.continuation.grazing import grazed
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import Found
@@ -18,6 +19,7 @@ __all__ = ["SIDE_BY_SIDE", "STOPPED", "follow"]
 Array = Any
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
+_ANOTHER = 0.7  # of a step that led to a place where the motion is not alone
 _SHORTEST = 1e-6  # the last step that is tried
 _TOO_SHORT, _CORNER = STOPPED = "no step was small enough", "it has a corner"
 _OUTSIDE = "it left the admissible region"
@@ -34,6 +36,9 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
             yield ahead
             return
         found, point, step = ahead
+        if not point.alone:  # one step may end right where two branches cross
+            again = _next(path, here, _ANOTHER * step, passed)
+            found, point, step = ahead if isinstance(again, str) else again
         if not point.alone:
             yield f"at {name} = {point.value:.9g} {SIDE_BY_SIDE}"
             return
@@ -63,7 +68,7 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Fo
                 point = path.point(found, here.tangent)
                 if _goes_back(point, here, passed):
                     why = f"{_CORNER} at {at}, and how it goes on there was not found"
-                elif point.tangent @ here.tangent > _STRAIGHT or step <= _SMALL:
+                elif step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point)):
                     return found, point, step
         step *= 0.5
     if why.startswith(_OUTSIDE):
@@ -71,6 +76,11 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Fo
     turns = is_flow(here.orbit.model) or not grazed(here.orbit)  # behind a stop of a machine the search is longer than all the rest
     jumped = (ahead for ahead in path.beyond(here, turns) if not _goes_back(ahead[1], here, passed))
     return next(jumped, None) or why
+
+
+def _hops(path: Path, here: Point, point: Point) -> bool:
+    """Whether a step seems to have led to another branch, one that comes near: a sign changes as at a crossing, and there is none."""
+    return here.crossing * point.crossing < 0.0 and crossing_between(path, here, point) is None
 
 
 def _goes_back(point: Point, here: Point, passed: list[Array]) -> bool:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, states_on, unknowns
 from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
@@ -20,6 +22,7 @@ _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
 _BIRTH = 1e-3  # of the range: how near to where cycles are born their sizes are read
 _WIDER = (1.0, 10.0, 100.0)  # among cycles that are nearer than rounding leaves their rests to be told
+_TURN = 1e-6  # of the velocity scale: the spring turns where its rate is that small
 _SHORT = 0.01  # part of the cycle below which a rest is about to vanish
 
 
@@ -35,17 +38,35 @@ class CyclePath(Path):
 
     unit: float = 1.0
 
-    def scaled(self, orbit: Any, value: float) -> Array:
-        """The point u of a cycle."""
-        return np.append(unknowns(self.at, orbit.state, orbit.duration, self.unit), (value - self.origin) / self.span)
+    def inner(self, orbit: Any) -> Array:
+        """The unknowns of a cycle besides the parameters."""
+        return unknowns(self.at, orbit.state, orbit.duration, self.unit)
+
+    def later(self, orbit: Any) -> Array:
+        """The same unknowns half a cycle later, where that is a turn of the spring too: else no numbers."""
+        x, v, *inner = state_at(orbit.run, 0.5 * orbit.duration)
+        far = machine_of(orbit.model).far_end_velocity
+        turned = np.array([x - 0.5 * far * orbit.duration, far, *inner])
+        return np.where(abs(v - far) < _TURN * self.at.speed, unknowns(self.at, turned, orbit.duration, self.unit), np.nan)
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the durations."""
-        return ends_of(self.family.robots(self.value(U)), self.at, U[:, :-1], memory, self.rtol, self.unit)
+        return ends_of(self.robots(U), self.at, U[:, : self.at.smooth], memory, self.rtol, self.unit)
 
-    def misses(self, U: Array, memory: Array) -> Array:
+    def missed(self, ends: Array, U: Array) -> Array:
         """How far each state is from itself after its duration, in its scales."""
-        return misses_of(self.family.robots(self.value(U)), self.at, U[:, :-1], memory, self.rtol, self.unit)
+        begun = states_on(self.robots(U), self.at, U[:, : self.at.smooth], np.empty(0))
+        return np.asarray((ends[:, : self.at.smooth] - begun) / self.scales)
+
+    def returned(self, J: Array) -> Array:
+        """The derivative of the map of the section onto itself: the velocity, which is that of the turn, says how long it takes."""
+        through = J - J[..., :, -1:] * J[..., 1:2, :] / J[..., 1:2, -1:]
+        return np.delete(through, 1, axis=-2)[..., :-1] + np.eye(self.at.smooth - 1)
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Differences are taken, as how long it takes is unknown too."""
+        return False
 
     def numbers(self, guess: Array) -> None:
         """None: differences are taken, as how long it takes is unknown too."""
@@ -58,7 +79,7 @@ class CyclePath(Path):
 
     def orbit(self, found: Found) -> LimitCycle:
         """The cycle at a point."""
-        model, u = self.family.robot(self.value(found.at)), found.at[:-1]
+        model, u = self.robot(found.at), found.at[: self.at.smooth]
         state = states_on(model, self.at, u[None, :], found.memory)[0]
         return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol)
 

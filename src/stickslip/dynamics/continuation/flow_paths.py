@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,17 @@ class FlowPath(Path):
     def numbers(self, guess: Any) -> None:
         """None: differences are taken, as what its numbers do is followed for machines only."""
 
+    @property
+    def has_tolerance(self) -> bool:
+        """No: its runs are exact."""
+        return False
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Differences are taken."""
+        return False
+
     def orbit(self, found: Found) -> FlowOrbit:
         """The motion at a point."""
-        state = np.append(found.at[:-1] * self.scales, found.memory)
-        return orbit_at(self.family.robot(self.value(found.at)), state, self.period, found.residual)
+        state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
+        return orbit_at(self.robot(found.at), state, self.period, found.residual)

@@ -36,7 +36,8 @@ class Special:
     Parameters
     ----------
     kind : str
-        "fold", "flip", "neimark-sacker", "grazing", "type-border", or "hopf", where a limit cycle shrinks to a steady motion.
+        "fold", "flip", "neimark-sacker", "branch-point", where two branches cross, "grazing", "type-border", or "hopf", where a limit
+        cycle shrinks to a steady motion.
     value : float
         The parameter there. Of a change of pattern or type it is the first number found beyond the border.
     orbit : PeriodicOrbit or LimitCycle
@@ -65,7 +66,10 @@ class Special:
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """Where two borders meet: "triple-point", the two parameters, the orbit, and the accuracy of both. It unpacks into the first three."""
+    """A special point of a curve: its kind (see `Curve`), the two parameters, the orbit, and the accuracy of both.
+
+    It unpacks into the first three.
+    """
 
     kind: str
     values: tuple[float, float]

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.derivatives.tangents import changes_along, not_followed
-from stickslip.dynamics.periodic.newton import Found, newton_within
+from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
+from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, with_rests
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at, strobe_map, with_rests
 from stickslip.errors import InputError
+from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["Path", "Point", "tangent_of"]
@@ -28,6 +29,7 @@ Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
+_REACH = 1e-4  # of differences of fourth order
 _JUMPS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)  # how far corners are jumped across
 
 
@@ -42,6 +44,7 @@ class Point:
     orbit: Any
     blur: float = 0.0  # how far its residual may have moved it, in the scaled space
     alone: bool = True  # not one of a family of motions at the same value of the parameter
+    crossing: float = 1.0  # determinant of the slopes beside the direction: changes its sign at a branch point, and not at a fold
 
     @cached_property
     def flip(self) -> float:
@@ -85,23 +88,43 @@ class Path:
     family: Family
     period: int
     at: Coordinates
-    origin: float
-    span: float
+    origin: Any
+    span: Any
     rtol: float
     tolerance: float
 
     @property
     def scales(self) -> Array:
-        """Sizes of the coordinates of a point, but the parameter's."""
+        """Sizes of the coordinates of a point, but the parameters'."""
         return self.at.scales[: self.at.smooth]
 
-    def value(self, u: Array) -> Any:
-        """The parameter at a point."""
-        return self.origin + self.span * u[..., -1]
+    def values(self, u: Array) -> Array:
+        """The parameters at points, one column each: a branch has one, a curve of special points two."""
+        return np.asarray(self.origin + self.span * u[..., self.at.smooth :])
 
-    def scaled(self, orbit: Any, value: float) -> Array:
+    def value(self, u: Array) -> Any:
+        """The one parameter at a point."""
+        return self.values(u)[..., 0]
+
+    def inner(self, orbit: Any) -> Array:
+        """The unknowns of an orbit besides the parameters."""
+        return np.asarray(orbit.strobe_state[: self.at.smooth] / self.scales)
+
+    def later(self, orbit: Any) -> Array:
+        """The same unknowns half a motion period later."""
+        return np.asarray(state_at(orbit.run, 0.5 * self.period * float(orbit.model.period)) / self.scales)
+
+    def scaled(self, orbit: Any, value: Any) -> Array:
         """The point u of an orbit."""
-        return np.append(orbit.strobe_state[: self.at.smooth] / self.scales, (value - self.origin) / self.span)
+        return np.append(self.inner(orbit), (np.asarray(value) - self.origin) / self.span)
+
+    def robot(self, u: Array) -> Any:
+        """The robot at a point."""
+        return self.family.robot(*self.values(u))
+
+    def robots(self, U: Array) -> Any:
+        """The robots at many points, as one batch."""
+        return self.family.robots(*self.values(U).T)
 
     def remembered(self, orbit: Any) -> Array:
         """What the law remembers on the strobe of an orbit."""
@@ -109,18 +132,23 @@ class Path:
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the period."""
-        states = np.hstack([U[:, :-1] * self.scales, np.broadcast_to(memory, (len(U), len(memory)))])
-        return strobe_map(self.family.robots(self.value(U)), states, self.period, self.rtol).state
+        states = np.hstack([U[:, : self.at.smooth] * self.scales, np.broadcast_to(memory, (len(U), len(memory)))])
+        return strobe_map(self.robots(U), states, self.period, self.rtol).state
 
     def misses(self, U: Array, memory: Array) -> Array:
         """How far each state is from itself after the period, in its scales."""
-        return self._missed(self.ends(U, memory)[:, : self.at.smooth], U)
+        return self.missed(self.ends(U, memory), U)
 
-    def _missed(self, ends: Array, U: Array) -> Array:
+    def missed(self, ends: Array, U: Array) -> Array:
         """What states miss; positions on a track that repeats modulo its wavelength."""
+        ends, begun = ends[..., : self.at.smooth], U[..., : self.at.smooth]
         if self.at.wavelength is None:  # the difference of numbers in scales keeps a digit more
-            return ends / self.scales - U[..., :-1]
-        return self.at.difference(ends, U[..., :-1] * self.scales) / self.scales
+            return ends / self.scales - begun
+        return self.at.difference(ends, begun * self.scales) / self.scales
+
+    def returned(self, J: Array) -> Array:
+        """The derivative of the map whose fixed points the motions are, from those of what is missed by the inner unknowns."""
+        return J + np.eye(self.at.smooth)
 
     def numbers(self, guess: Array) -> dict[str, float] | None:
         """Derivatives of the machine's numbers by the parameter beside a point; None where small changes are not followed."""
@@ -129,11 +157,53 @@ class Path:
 
     def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
         """What one state misses, and the derivatives of that by the state and the parameter."""
-        model, d = self.family.robot(self.value(u)), len(self.scales)
+        model, d = self.robot(u), len(self.scales)
         starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
         numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
         found = changes_along(model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol)
-        return self._missed(found.state[0][:d], u), (found.change / self.scales).T - np.eye(d, d + 1)
+        return self.missed(found.state[0], u), (found.change / self.scales).T - np.eye(d, d + 1)
+
+    def derivative(self, u: Array, memory: Array, by_value: dict[str, float] | None, step: float = STEP) -> tuple[Array, Array]:
+        """What one state misses, and the derivatives of that by all unknowns: exact if `by_value` is known, else by differences."""
+        if by_value is None:
+            return slopes_at(lambda U: self._admissible_misses(U, memory), u, step)
+        return self.slopes(u, memory, by_value)
+
+    @property
+    def has_tolerance(self) -> bool:
+        """Whether runs have a tolerance, or are exact to rounding."""
+        return bool(machine_of(self.family.robot(*np.atleast_1d(self.origin))).has_inner_states)
+
+    @cached_property
+    def _followed(self) -> bool:
+        """Whether changes of the state are followed along the runs."""
+        return not not_followed(self.family.robot(*np.atleast_1d(self.origin)))
+
+    def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
+        """What states miss, and the derivatives of that by the inner unknowns, in one batch; or the same by a worse method.
+
+        There are no numbers where what the law remembers on the strobe changes.
+        """
+        if not self._followed:
+            return self.differences(U, memory, worse)
+        path = self.loosened() if worse else self
+        ends, states = path.ends(U, memory), np.hstack([U[:, : self.at.smooth] * self.scales, np.tile(memory, (len(U), 1))])
+        found = jacobians_of(self.robots(U), states, self.period, path.rtol) * self.scales / self.scales[:, None]
+        return self.missed(self._held(ends, memory), U), found - np.eye(self.at.smooth)
+
+    def differences(self, U: Array, memory: Array, worse: bool = False, by: slice | None = None) -> tuple[Array, Array]:
+        """The same by differences of fourth order; by the inner unknowns, or by others."""
+        step, along = _REACH * (2.0 if worse else 1.0), np.eye(U.shape[1])[slice(self.at.smooth) if by is None else by]
+        n, shifts = len(along), step * np.vstack([0.0 * along[:1], *(k * along for k in (1.0, -1.0, 2.0, -2.0))])
+        tried = np.repeat(U, len(shifts), axis=0) + np.tile(shifts, (len(U), 1))
+        missed = self.missed(self._held(self.ends(tried, memory), memory), tried).reshape(len(U), len(shifts), -1)
+        near, far = (missed[:, k : k + n] - missed[:, k + n : k + 2 * n] for k in (1, 1 + 2 * n))
+        return missed[:, 0], np.swapaxes(8.0 * near - far, 1, 2) / (12.0 * step)
+
+    def _held(self, ends: Array, memory: Array) -> Array:
+        """States at ends; no numbers where what the law remembers has changed."""
+        same = np.all(ends[:, self.at.smooth :] == memory, axis=1)
+        return np.where(same[:, None], ends, np.nan)
 
     def _admissible_misses(self, U: Array, memory: Array) -> Array:
         """The misses; no numbers at points beside the first whose parameter is refused, such as a restitution just below zero."""
@@ -149,7 +219,7 @@ class Path:
 
     def _is_admissible(self, u: Array) -> bool:
         try:
-            self.family.robot(self.value(u))
+            self.robot(u)
         except InputError:
             return False
         return True
@@ -181,16 +251,18 @@ class Path:
 
     def orbit(self, found: Found) -> Any:
         """The motion at a point."""
-        state = np.append(found.at[:-1] * self.scales, found.memory)
-        model = self.family.robot(self.value(found.at))
+        state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
+        model = self.robot(found.at)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""
-        tangent = tangent_of(found.jacobian[:-1], towards)
+        J = found.jacobian[:-1]
+        tangent = tangent_of(J, towards)
         blur = found.residual / max(float(np.linalg.svd(found.jacobian, compute_uv=False)[-1]), 1e-300)
-        sizes = np.linalg.svd(found.jacobian[:-1], compute_uv=False)
-        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]))
+        sizes = np.linalg.svd(J, compute_uv=False)
+        crossing = float(np.linalg.det(np.vstack([J, tangent])))
+        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]), crossing)
 
     def beyond(self, here: Point, turns: bool = True) -> Iterator[tuple[Found, Point, float]]:
         """Points where the branch may go on behind a corner, such as where a new switch begins.

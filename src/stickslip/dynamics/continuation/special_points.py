@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip.analysis.contact_modes import pressed_stops
+from stickslip.dynamics.continuation.branch_points import broken_symmetry, crossing_between
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.flow import is_flow
@@ -41,8 +42,8 @@ class Located(NamedTuple):
 
 def located(path: Path, a: Point, b: Point) -> list[Located]:
     """Every special point between a and b, in order."""
-    found: list[Located] = []
-    if a.fold * b.fold < 0:
+    found = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
+    if a.fold * b.fold < 0 and not found:
         test = _unity if a.unity * b.unity < 0 else _fold
         there = root(path, a, b, test)
         if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
@@ -72,6 +73,16 @@ def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point) ->
     along = unsure / slope if unsure < slope else 1.0  # of the range, where the test hardly changes
     moved = path.span * (abs(p.fold) * along + 0.5 * bend * along**2 + _RESIDUALS * p.blur)
     return float(min(moved + abs(other.value - p.value) + 2 * np.spacing(abs(p.value)), path.span))
+
+
+def _crossed(path: Path, a: Point, b: Point) -> list[Located]:
+    """The branch point between two points."""
+    here = crossing_between(path, a, b)
+    if here is None:
+        return []
+    symmetry = broken_symmetry(path, here)
+    notes = ("two branches cross: switched() follows the other one", *((symmetry,) if symmetry else ()))
+    return [Located("branch-point", here.point, notes, here.accuracy)]
 
 
 def _turning(path: Path, a: Point, b: Point) -> list[Located]:

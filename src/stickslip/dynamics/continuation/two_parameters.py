@@ -1,23 +1,24 @@
-"""Special points of a branch in two parameters: curves of flips, folds and borders of motion types, and where borders meet."""
+"""Special points of a branch in two parameters: curves of folds, flips, Neimark-Sacker points and borders of motion types."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
+from stickslip.dynamics.continuation.curve_following import followed_curve
+from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
-from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
-from stickslip.dynamics.periodic.arc_sequences import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
+from stickslip.dynamics.continuation.type_border_curves import type_border_problem
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-from stickslip.dynamics.periodic.newton import Found, newton
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, SolveError
 from stickslip.faces import Drawn
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["Curve", "Meeting", "special_curve"]
 
 Array = Any
-_FLOOR = 1e-14  # of residuals: their own rounding
-_SLOPE = 1e-5  # half the distance of the differences that give multipliers along a curve, in scales
 
 
 @sealed
@@ -43,17 +42,19 @@ class Curve(Drawn):
     Parameters
     ----------
     kind : str
-        What its points are: "flip", "fold" or "type-border".
+        What its points are: "fold", "flip", "neimark-sacker", "branch-point" or "type-border".
     parameters : (str, str)
         Their names.
     values : array (points, 2)
         The parameters along the curve.
     accuracy : array (points, 2)
         By how much the parameters may be wrong, across the curve: from the residuals, and from differences of twice the step.
-    orbits : tuple of PeriodicOrbit
+    orbits : tuple of PeriodicOrbit, LimitCycle or FlowOrbit
         The motions.
     special : list of Meeting
-        Points where it meets another border.
+        Points on it that have a kind of their own, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
+        "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; and "triple-point", where two borders of types meet.
+        ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
 
@@ -72,7 +73,7 @@ class Curve(Drawn):
     family: Family
     values: Array
     accuracy: Array
-    orbits: tuple[PeriodicOrbit, ...]
+    orbits: tuple[PeriodicOrbit | LimitCycle | FlowOrbit, ...]
     special: list[Meeting]
     ended: str
 
@@ -98,33 +99,6 @@ class Curve(Drawn):
         return f"<Curve: {self.kind} in ({', '.join(self.parameters)}), {len(self.values)} points{told}; {self.ended}>"
 
 
-@dataclass(frozen=True, eq=False)
-class _Problem:
-    """Unknowns u = (inner unknowns, two scaled parameters); `residuals` has one equation less."""
-
-    family: Family
-    origin: Array
-    span: Array
-    residuals: Callable[[Array], Array]
-    orbit: Callable[[Array], PeriodicOrbit]
-    watched: Callable[[Array], dict[Any, float]]
-    tolerance: float
-    meeting: Callable[[Array, Any], Found] | None
-    again: Callable[[Array], Array] | None = None  # the residuals by a worse method
-
-    def values(self, u: Array) -> Array:
-        """The two parameters."""
-        return self.origin + self.span * u[..., -2:]
-
-    def accuracy(self, found: Found) -> Array:
-        """By how much the two parameters of a point may be wrong."""
-        unsure = np.full(len(found.at), max(found.residual, _FLOOR))
-        if self.again is not None:
-            unsure[:-1] += abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
-        moved = abs(np.linalg.pinv(found.jacobian)) @ unsure
-        return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(found.at)))
-
-
 @explains_arguments
 def special_curve(branch: Branch, special: Special, parameter: str, stop: float, *, step: float = 0.02, points: int = 200) -> Curve:
     """The curve of a special point of a branch in two parameters.
@@ -134,7 +108,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     branch : Branch
         The branch; its parameter is the first of the curve.
     special : Special
-        A flip or fold of it (any law), or a border of motion types (set-valued laws, where a border is an equation).
+        A fold, flip, Neimark-Sacker or branch point of it (of any machine, law or flow), or a border of motion types (one contact under a
+        set-valued law, where a border is an equation).
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
     stop : float
@@ -147,7 +122,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     Returns
     -------
     Curve
-        `points`, and `special`: where it meets another border, such as the triple point of types I, II and III.
+        `points`, and `special`: cusps, resonances and where it meets another border, such as the triple point of types I, II and III.
 
     Examples
     --------
@@ -156,6 +131,13 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     >>> curve = ss.special_curve(b, b.special[0], "mu0", stop=0.2)
     >>> curve.kind, bool(curve.values[-1, 0] > curve.values[0, 0])  # more friction, more amplitude
     ('type-border', True)
+
+    The folds of x to p + q x - x^3 meet in a cusp at p = 0, q = 1:
+
+    >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
+    >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
+    >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[0], "q", stop=0.5).special]
+    [('cusp', '(0, 1)')]
     """
     fixed = dict(branch.family.fixed)
     if parameter not in fixed:
@@ -164,29 +146,46 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     if stop == begin:
         raise InputError("special_curve", [f"stop = {stop!r} is where the curve begins; give another last value of {parameter}"])
     both = Family(branch.family.make, (branch.parameter, parameter), fixed, "special_curve")
-    if isinstance(special.orbit, LimitCycle):
-        raise InputError(
-            "special_curve", ["it is a branch of limit cycles; allowed are those of driven motions; take ss.continuation at each value"]
-        )
-    if is_flow(special.orbit.model):
-        raise InputError("special_curve", ["it is a branch of a flow; allowed are those of machines; take ss.continuation at each value"])
-    laws = machine_of(special.orbit.model).laws
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
-    if special.kind == "type-border":
-        hint = "type ss.continuation at each value; flips and folds are followed for any machine"
-        needs_one_body("special_curve", special.orbit.model, "a border of motion types is followed by the arcs of one contact", hint)
-    if special.kind in ("flip", "fold"):
-        problem, u = _multiplier_problem(both, special, origin, span)
-    elif special.kind == "type-border" and not any(law.dynamic for law in laws):
-        problem, u = _border_problem(both, branch, special, origin, span)
+    if special.kind in CONDITIONS:
+        problem, u = multiplier_problem(both, special, origin, span)
+    elif special.kind == "branch-point":
+        problem, u = crossing_problem(both, special, origin, span)
     else:
+        _check_border(special)
+        problem, u = type_border_problem(both, branch, special, origin, span)
+    found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
+    orbits, missing = _orbits(problem, [f.at for f in found.points])
+    values = np.array([problem.values(f.at) for f in found.points[: len(orbits)]])
+    accuracy = np.array([problem.accuracy(f) for f in found.points[: len(orbits)]])
+    return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, found.special, found.ended + missing)
+
+
+def _orbits(problem: CurveProblem, found: list[Array]) -> tuple[tuple[Any, ...], str]:
+    """The motions along a curve, up to the first that Newton's method does not find again: at the edge of what is admissible."""
+    orbits: list[Any] = []
+    for u in found:
+        try:
+            orbits.append(problem.orbit(u))
+        except (SolveError, InputError):
+            if not orbits:
+                raise
+            return tuple(orbits), f"; the motions of its last {len(found) - len(orbits)} points were not found again, and are left out"
+    return tuple(orbits), ""
+
+
+def _check_border(special: Special) -> None:
+    """`InputError` for a special point that is none of multipliers, unless it is a border of types that is an equation."""
+    at_each = "for others take ss.continuation at each value"
+    always = f"allowed are {', '.join(CONDITIONS)} and branch-point of any motion, and type borders of one contact under a set-valued law"
+    if is_flow(special.orbit.model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
+        raise InputError("special_curve", [f"it is a {special.kind}; {always}; {at_each}"])
+    hint = "type ss.continuation at each value; flips and folds are followed for any machine"
+    needs_one_body("special_curve", special.orbit.model, "a border of motion types is followed by the arcs of one contact", hint)
+    laws = machine_of(special.orbit.model).laws
+    if any(law.dynamic for law in laws):
         names = " and ".join(dict.fromkeys(law.name for law in laws))
-        raise InputError(
-            "special_curve",
-            [f"it is a {special.kind} under {names}; allowed are flips and folds of any law, "
-             "and type borders of set-valued laws, where they are sharp; for others take ss.continuation at each value"],
-        )  # fmt: skip
-    return _followed(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
+        raise InputError("special_curve", [f"it is a {special.kind} under {names}; {always}, where they are sharp; {at_each}"])
 
 
 def _default(make: Any, parameter: str) -> dict[str, float]:
@@ -202,179 +201,3 @@ def _default(make: Any, parameter: str) -> dict[str, float]:
     if parameter not in known:
         raise InputError("special_curve", [f"parameter = {parameter!r} is not a number of the branch's maker; known: {', '.join(known)}"])
     return {parameter: float(known[parameter])}
-
-
-# ---- flips and folds: the strobe map and its multipliers ----
-def _multiplier_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[_Problem, Array]:
-    orbit = special.orbit
-    at, period, rtol, sign = coordinates(orbit.model), orbit.period, orbit.rtol, 1.0 if special.kind == "flip" else -1.0
-    d, scales, memory = at.smooth, at.scales[: at.smooth], orbit.state[at.smooth :]
-
-    def residuals(U: Array, step: float = _SLOPE) -> Array:
-        shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * step
-        y, values = U[:, :d], origin + span * U[:, d:]
-        tried = (y[:, None, :] + shifts).reshape(-1, d)
-        model = both.robots(*np.repeat(values, 2 * d + 1, axis=0).T)
-        states = np.hstack([tried * scales, np.broadcast_to(memory, (len(tried), len(memory)))])
-        after = strobe_map(model, states, period, rtol).state
-        same = np.all(after[:, d:] == memory, axis=1)  # a curve ends where what the law remembers on the strobe changes
-        ends = np.where(same[:, None], after[:, :d] / scales, np.nan).reshape(len(U), 2 * d + 1, d)
-        J = np.swapaxes(ends[:, 1 : d + 1] - ends[:, d + 1 :], 1, 2) / (2 * step)
-        return np.column_stack([ends[:, 0] - y, np.linalg.det(J + sign * np.eye(d))])
-
-    def made(u: Array) -> PeriodicOrbit:
-        return PeriodicOrbit(both.robot(*(origin + span * u[d:])), period, np.append(u[:d] * scales, memory), 0.0, rtol)
-
-    again = lambda U: residuals(U, 2 * _SLOPE)  # noqa: E731
-    problem = _Problem(both, origin, span, residuals, made, lambda u: {}, 3e-8, None, again)
-    return problem, np.append(orbit.state[:d] / scales, [0.0, 0.0])
-
-
-# ---- borders of motion types: arcs whose switch times are unknown ----
-def _border_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[_Problem, Array]:
-    sequence, times, key = _vanishing(branch, special)
-    k, period = len(times), special.orbit.period
-
-    def parts(u: Array) -> tuple[Any, Array]:
-        return both.robot(*(origin + span * u[k:])), u[:k]
-
-    facing = 0.0
-
-    def turn(u: Array) -> float:
-        """Whether the force falls or grows where the border's condition holds: the border ends where that turns."""
-        model, t = parts(u)
-        return slope_of_gap(model, _instant(sequence, t, key) * float(model.period), key[2])
-
-    def one(u: Array, turning: bool) -> Array:
-        model, t = parts(u)
-        if turning:  # a dip of the force within rest has reached its beginning
-            T = float(model.period)
-            last = [float(gap(model, _instant(sequence, t, key) * T, key[2])), turn(u) * T]
-        else:
-            last = [_dip(model, sequence, t, key) if key[0] == "rest" else margins(model, sequence, t)[key]]
-        return np.append(misses(model, sequence, t), last)
-
-    def made(u: Array) -> PeriodicOrbit:
-        return periodic_orbit(parts(u)[0], period)
-
-    def watched(u: Array) -> dict[Any, float]:
-        found = {name: value for name, value in margins(parts(u)[0], sequence, u[:k]).items() if name != key and np.isfinite(value)}
-        return found | {_TURN: facing * turn(u)}
-
-    def meeting(u: Array, other: Any) -> Found:
-        found = newton(lambda U: np.array([one(v, True) for v in U]), u, 1e-14, most=20, reach=0.1)
-        if not found.good:
-            raise SolveError(f"the point where two borders meet was not found: {found.why}")
-        return found
-
-    u = np.append(times, [0.0, 0.0])
-    facing = float(np.sign(turn(u)))
-    return _Problem(both, origin, span, lambda U: np.array([one(v, False) for v in U]), made, watched, 1e-13, meeting), u
-
-
-_TURN = ("turn", 0, 0)
-
-
-def _instant(sequence: Sequence, times: Array, key: Margin) -> float:
-    """When the border's condition is asked, in drive periods: where rest begins, or where a slide ends."""
-    if key[0] == "rest" and len(times):
-        return float(times[key[1]])
-    return float(sequence.ends(times)[key[1]])
-
-
-def _dip(model: Any, sequence: Sequence, times: Array, key: Margin) -> float:
-    """The dip of the force's room in and shortly before rest, so that the border can be followed up to where it ends."""
-    T, i = float(model.period), key[1]
-    begin = float(times[i]) if len(times) else 0.0
-    return dip(model, (begin - 0.1) * T, float(sequence.ends(times)[i]) * T, key[2])
-
-
-def _vanishing(branch: Branch, special: Special) -> tuple[Sequence, Array, Margin]:
-    """The sequence on the side of the border where all arcs have length, its times at the border, and the margin that vanishes there."""
-    best: tuple[float, Sequence, Array, Margin] | None = None
-    for side in (-1.0, 1.0):
-        for distance in (1e-4, 1e-6):
-            value = special.value + side * distance * (float(np.ptp(branch.values)) or 1.0)
-            orbit = branch.at(value)
-            sequence, times = sequence_of(orbit)
-            found = margins(orbit.model, sequence, times)
-            name = min(found, key=lambda m: abs(found[m]))
-            if (
-                best is None
-                or len(sequence.modes) < len(best[1].modes)
-                or (len(sequence.modes) == len(best[1].modes) and found[name] < best[0])
-            ):
-                best = (found[name], sequence, times, name)
-    assert best is not None
-    return best[1], best[2], best[3]
-
-
-# ---- the curve itself ----
-def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: float, points: int) -> Curve:
-    n = len(guess)
-    first = _corrected(problem, guess, np.eye(n)[-1])
-    if not first.good:
-        raise SolveError(f"the special point could not be found again in two parameters: {first.why} (residual {first.residual:.1e})")
-    here, tangent = first.at, tangent_of(first.jacobian[:-1], sign * np.eye(n)[-1])
-    found, special, ended = [first], [], f"it was followed for {points} points"
-    seen = problem.watched(here)
-    while len(found) < points:
-        try:
-            ahead, why = _corrected(problem, here + step * tangent, tangent), ""
-        except InputError as error:
-            beyond = problem.values(here + 2 * step * tangent)
-            ahead, why = None, f"it left the admissible region: {problem.family.refusal(error, *beyond)}"
-        if ahead is None or not ahead.good or np.linalg.norm(ahead.at - here) > 2 * step:
-            step *= 0.5
-            if step < 1e-6:
-                ended = why or f"no step was small enough: {ahead.why if ahead else ''}"
-                break
-            continue
-        now = problem.watched(ahead.at)
-        lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
-        if lost and problem.meeting is not None:
-            found.append(problem.meeting(0.5 * (here + ahead.at), lost[0]))
-            special.append(_met(problem, found[-1]))
-            ended = "it met another border, beyond which its motion does not exist"
-            break
-        here, tangent, seen = ahead.at, tangent_of(ahead.jacobian[:-1], tangent), now
-        found.append(ahead)
-        first_name, name = problem.family.parameters
-        if sign * here[-1] >= 1.0 or sign * here[-1] < -1e-9:
-            ended = f"it came back to where {name} began" if sign * here[-1] < 0 else "it reached the end of the range"
-            break
-        if abs(here[-2]) > 5.0:
-            ended = f"{first_name} has moved by five times the branch's range"
-            break
-        step = min(0.1, 1.3 * step) if ahead.iterations <= 4 else step
-    orbits, missing = _orbits(problem, [f.at for f in found])
-    values = np.array([problem.values(f.at) for f in found[: len(orbits)]])
-    accuracy = np.array([problem.accuracy(f) for f in found[: len(orbits)]])
-    return Curve(kind, problem.family.parameters, problem.family, values, accuracy, orbits, special, ended + missing)  # type: ignore[arg-type]
-
-
-def _orbits(problem: _Problem, found: list[Array]) -> tuple[tuple[PeriodicOrbit, ...], str]:
-    """The motions along a curve, up to the first that Newton's method does not find again: at the edge of what is admissible."""
-    orbits: list[PeriodicOrbit] = []
-    for u in found:
-        try:
-            orbits.append(problem.orbit(u))
-        except (SolveError, InputError):
-            if not orbits:
-                raise
-            return tuple(orbits), f"; the motions of its last {len(found) - len(orbits)} points were not found again, and are left out"
-    return tuple(orbits), ""
-
-
-def _met(problem: _Problem, found: Found) -> Meeting:
-    orbit, accuracy = problem.orbit(found.at), problem.accuracy(found)
-    p, q = problem.values(found.at)
-    note = "two borders of motion types meet here"
-    return Meeting("triple-point", (float(p), float(q)), replace(orbit, notes=(note,)), (float(accuracy[0]), float(accuracy[1])))
-
-
-def _corrected(problem: _Problem, guess: Array, across: Array) -> Found:
-    def residuals(U: Array) -> Array:
-        return np.column_stack([problem.residuals(U), (U - guess) @ across])
-
-    return newton(residuals, guess, problem.tolerance, most=15, floor=1e-7, reach=0.2)

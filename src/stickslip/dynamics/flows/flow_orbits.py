@@ -23,6 +23,7 @@ __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flo
 
 Array = Any
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
+_REACH = 0.1  # of the size of the state: so long may a step be in any case
 _APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
 _SAME = 1e-6  # of its size: how well an orbit comes back that has been around
 _SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
@@ -287,12 +288,15 @@ def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle:
 
 
 def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, float, Any]:
-    """Newton's step of state and duration, and the mode of the next guess. It is no longer than the motion seen is large."""
+    """Newton's step of state and duration, and the mode of the next guess.
+
+    It is no longer than the motion seen is large; a forced motion that hardly moves may be further from its orbit.
+    """
     if not np.isfinite(done.monodromy).all():
         raise SolveError(_touches(done))
     n, A, miss, reach = len(y), done.monodromy - np.eye(len(y)), done.state - y, float((done.highest - done.lowest).max())
     if flow.period is not None:
-        step = np.linalg.lstsq(A, -miss, rcond=1e-12)[0]
+        step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
     plain = flow.plain
     along = derivative(plain.fields[mode], 0.0, y)[0]

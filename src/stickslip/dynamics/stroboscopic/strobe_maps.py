@@ -27,7 +27,7 @@ from stickslip.steadiness import way_of_machine
 
 __all__ = [
     "Coordinates", "Ends", "as_it_ends", "at_rest", "coordinates", "difference_jacobian", "flight",
-    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "strobe_map", "strobe_orbit",
+    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "state_at", "strobe_map", "strobe_orbit",
 ]  # fmt: skip
 
 Array = Any
@@ -436,6 +436,19 @@ def strobe_states(run: Any) -> Array:
         placed = [x] if knows_position(run.model) else []
         return np.column_stack([*placed, v, *([] if z is None else [z]), *held])
     return np.column_stack([*columns_of(run.model, x, v, z), *held])
+
+
+def state_at(run: Any, t: float) -> Array:
+    """The state within a run at one time, in the order of `coordinates`, without what laws remember."""
+    if is_flow(run.model):
+        found = run.at(t)
+        return np.array([found[name] for name in run.names])
+    if machine_of(run.model).is_single:
+        found = run.at(t)
+        places, inner = [found["x"]] if knows_position(run.model) else [], [] if found["z"] is None else np.ravel(found["z"]).tolist()
+        return np.array([*places, found["v"], *inner])
+    run, times = run.parted, np.array([t])
+    return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
 
 def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:

@@ -1,0 +1,64 @@
+"""Branch points in two parameters: they are followed as long as a symmetry, or an invariant motion, keeps the two branches together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.continuation.branch_points import MET
+from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.multiplier_curves import KNOWN
+from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.continuation.path_kinds import path_of
+from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.continuation.pseudo_arclength import Path
+from stickslip.dynamics.periodic.newton import Found
+
+__all__ = ["crossing_problem"]
+
+Array = Any
+_TOLERANCE = {True: 1e-8, False: 1e-11}  # of the equations: where runs have a tolerance, and where they are exact
+
+
+def crossing_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
+    """What the curve of a branch point solves, and where it begins.
+
+    The bordered system of `branch_points`, in which the second parameter is one more unknown: u = (inner unknowns, beta, two parameters).
+    """
+    path = path_of(both, special.orbit, origin, span)
+    n, memory, begin = path.at.smooth, path.remembered(special.orbit), path.scaled(special.orbit, origin)
+    left, _, right = np.linalg.svd(_slopes(path, begin[None, :], memory, False)[1][0])
+    border, C = left[:, -1], right[-2:]
+
+    def residuals(U: Array, worse: bool = False) -> Array:
+        missed, J = _slopes(path, np.delete(U, n, axis=1), memory, worse)
+        M = np.zeros((len(U), n + 2, n + 2))
+        M[:, :n, : n + 1], M[:, :n, n + 1], M[:, n:, : n + 1] = J, border, C
+        good = np.isfinite(M).all(axis=(1, 2))
+        g = np.full((len(U), 2), np.nan)
+        g[good] = np.linalg.solve(M[good], np.broadcast_to(np.eye(n + 2)[:, n:], (int(good.sum()), n + 2, 2)))[:, -1]
+        return np.hstack([missed + U[:, n : n + 1] * border, g])
+
+    def orbit(u: Array) -> Any:
+        v = np.delete(u, n)
+        missed = path.misses(v[None, :], memory)
+        return path.orbit(Found(v, float(abs(missed).max()), 0, np.empty((0, 0)), True, "", memory))
+
+    def apart(u: Array) -> str:
+        name = both.parameters[1]
+        together = abs(u[n]) <= max(MET, 100 * path.rtol)
+        return "" if together else f"the two branches come apart as {name} changes: no symmetry keeps them together"
+
+    known = np.append(np.zeros(n), np.full(2, KNOWN[path.has_tolerance]))
+    problem = CurveProblem(
+        both, origin, span, residuals, orbit, _TOLERANCE[path.has_tolerance], again=lambda U: residuals(U, True), known=known, apart=apart
+    )
+    return problem, np.insert(begin, n, 0.0)
+
+
+def _slopes(path: Path, U: Array, memory: Array, worse: bool) -> tuple[Array, Array]:
+    """What is missed, and its derivatives by the inner unknowns and the first parameter."""
+    n = path.at.smooth
+    missed, J = path.derivatives(U, memory, worse)
+    return missed, np.concatenate([J, path.differences(U, memory, worse, slice(n, n + 1))[1]], axis=2)

@@ -1,0 +1,166 @@
+"""Following a curve of special points in two parameters, and the points on it where another condition is met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
+from stickslip.dynamics.continuation.point_accuracy import Meeting
+from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
+from stickslip.dynamics.periodic.newton import Found, newton
+from stickslip.errors import InputError, SolveError
+
+__all__ = ["FollowedCurve", "followed_curve"]
+
+Array = Any
+_VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
+_ASIDE = 1e-4  # how far away the slope of a test is taken
+_KNOWN = 1e-10  # how well tests are known
+_AGAIN = 1e-6  # of the scaled plane: special points so near one another are one
+_ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is 1 is real, and nothing special
+_TRIPLE = ("triple-point", "two borders of motion types meet here")
+_BEYOND = "it met another border, beyond which its motion does not exist"
+_SMALLEST, _LARGEST = 1e-6, 0.1
+
+
+class FollowedCurve(NamedTuple):
+    """Points of a curve in order, special points on it, and why it ends."""
+
+    points: list[Found]
+    special: list[Meeting]
+    ended: str
+
+
+def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, step: float, most: int) -> FollowedCurve:
+    """The curve from a guess until it leaves the range."""
+    n = len(guess)
+    first = _corrected(problem, guess, np.eye(n)[-1])
+    if not first.good:
+        raise SolveError(f"the special point could not be found again in two parameters: {first.why} (residual {first.residual:.1e})")
+    here = _point(problem, first, sign * np.eye(n)[-1], None)
+    found, special = [first], list[Meeting]()
+    seen = problem.watched(here.u)
+    while len(found) < most:
+        ahead = _next(problem, here, step)
+        if isinstance(ahead, str):
+            return FollowedCurve(found, special, ahead)
+        there, step = ahead
+        if why := problem.apart(there.u):
+            return FollowedCurve(found, special, why)
+        now = problem.watched(there.u)
+        lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
+        if lost and problem.meeting is not None:
+            found.append(problem.meeting(0.5 * (here.u + there.u), lost[0]))
+            return FollowedCurve(found, [*special, _meeting(problem, found[-1], _TRIPLE, problem.accuracy(found[-1]))], _BEYOND)
+        for met, point in _between(problem, here, there):
+            if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
+                special.append(met)
+            if met.kind in _ENDS.get(kind, ()):
+                return FollowedCurve([*found, point.found], special, _turned_real(met))
+        here, seen = there, now
+        found.append(there.found)
+        if ended := _left(problem, here, sign):
+            return FollowedCurve(found, special, ended)
+        step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
+    return FollowedCurve(found, special, f"it was followed for {most} points")
+
+
+def _turned_real(met: Meeting) -> str:
+    return f"a resonance ({met.kind}) was met: beyond it the two multipliers whose product is 1 are real, and nothing turns"
+
+
+def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:
+    """Why a curve ends at a point; "" where it goes on."""
+    first, second = problem.family.parameters
+    if sign * here.u[-1] >= 1.0:
+        return "it reached the end of the range"
+    if sign * here.u[-1] < -1e-9:
+        return f"it came back to where {second} began"
+    return f"{first} has moved by five times the branch's range" if abs(here.u[-2]) > 5.0 else ""
+
+
+def _next(problem: CurveProblem, here: CurvePoint, step: float) -> tuple[CurvePoint, float] | str:
+    """The next point and the step that led to it; or why there is none."""
+    while True:
+        try:
+            ahead, why = _corrected(problem, here.u + step * here.tangent, here.tangent), ""
+        except InputError as error:
+            beyond = problem.values(here.u + 2 * step * here.tangent)
+            ahead, why = None, f"it left the admissible region: {problem.family.refusal(error, *beyond)}"
+        if ahead is not None and ahead.good and np.linalg.norm(ahead.at - here.u) <= 2 * step:
+            return _point(problem, ahead, here.tangent, here.facing), step
+        step *= 0.5
+        if step < _SMALLEST:
+            return why or f"no step was small enough: {ahead.why if ahead else ''}"
+
+
+def _point(problem: CurveProblem, found: Found, towards: Array, facing: Array) -> CurvePoint:
+    tangent = tangent_of(found.jacobian[:-1], towards)
+    tests, facing = problem.tests(found, tangent, facing) if problem.tests else ({}, None)
+    return CurvePoint(found, tangent, tests, facing)
+
+
+# ---- special points on the way ----
+def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tuple[Meeting, CurvePoint]]:
+    """Special points between two neighbours, in order."""
+    changed = [name for name, value in a.tests.items() if value * b.tests.get(name, np.nan) < 0.0]
+    places = [(name, point) for name in changed if (point := _root(problem, a, b, name)) is not None]
+    for name, point in sorted(places, key=lambda place: float((place[1].u - a.u) @ a.tangent)):
+        kind = problem.named(point.u, name) if problem.named else None
+        if kind is not None:
+            yield _meeting(problem, point.found, kind, _accuracy(problem, point, name)), point
+
+
+def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> CurvePoint | None:
+    """Where a test vanishes between two points; None where it jumps."""
+    length = float((b.u - a.u) @ a.tangent)
+    kept: dict[float, CurvePoint] = {0.0: a, length: b}
+
+    def value(s: float) -> float:
+        if s not in kept:
+            point = _beside(problem, a, s)
+            if point is None or name not in point.tests:  # no number here: take the nearest there is, so that the search goes on
+                return kept[min(kept, key=lambda k: abs(k - s))].tests[name]
+            kept[s] = point
+        return kept[s].tests[name]
+
+    brentq(value, 0.0, length, xtol=1e-14, rtol=1e-13, maxiter=60, disp=False)
+    best = min(kept.values(), key=lambda p: abs(p.tests[name]))
+    return best if abs(best.tests[name]) <= _VANISHED * max(abs(a.tests[name]), abs(b.tests[name])) else None
+
+
+def _beside(problem: CurveProblem, a: CurvePoint, s: float) -> CurvePoint | None:
+    """The point of a curve that lies s ahead of another, along the tangent there."""
+    found = _corrected(problem, a.u + s * a.tangent, a.tangent)
+    return _point(problem, found, a.tangent, a.facing) if found.good else None
+
+
+def _accuracy(problem: CurveProblem, p: CurvePoint, name: str) -> Array:
+    """By how much the two parameters may be wrong: across the curve, and along it by what is not known of the test that vanishes."""
+    across, aside = problem.accuracy(p.found), _beside(problem, p, _ASIDE) or _beside(problem, p, -_ASIDE)
+    if aside is None or name not in aside.tests or problem.tests is None:
+        return across + problem.span
+    h = float(np.linalg.norm(aside.u - p.u))
+    slope = abs(aside.tests[name] - p.tests[name]) / h
+    worse = problem.tests(p.found, p.tangent, p.facing, True)[0].get(name, np.nan)
+    unsure = abs(p.tests[name]) + abs(worse - p.tests[name]) + _KNOWN
+    along = unsure / slope if unsure < slope else 1.0
+    bend = abs(aside.tangent[-2:] - p.tangent[-2:]) / h
+    return across + problem.span * (abs(p.tangent[-2:]) * along + 0.5 * bend * along**2)
+
+
+def _meeting(problem: CurveProblem, found: Found, kind: tuple[str, str], accuracy: Array) -> Meeting:
+    orbit, (p, q) = problem.orbit(found.at), problem.values(found.at).tolist()
+    return Meeting(kind[0], (p, q), replace(orbit, notes=(kind[1],)), (float(accuracy[0]), float(accuracy[1])))
+
+
+def _corrected(problem: CurveProblem, guess: Array, across: Array) -> Found:
+    def residuals(U: Array) -> Array:
+        return np.column_stack([problem.residuals(U), (U - guess) @ across])
+
+    return newton(residuals, guess, problem.tolerance, most=15, floor=1e-7, reach=0.2)

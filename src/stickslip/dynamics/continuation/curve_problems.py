@@ -1,0 +1,91 @@
+"""What a curve of special points solves: equations, one fewer than unknowns, of which the last two are the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.periodic.newton import Found
+from stickslip.sealing import sealed
+
+__all__ = ["CurvePoint", "CurveProblem"]
+
+Array = Any
+_FLOOR = 1e-14  # of residuals: their own rounding
+
+
+class CurvePoint(NamedTuple):
+    """A point of a curve, its direction, what vanishes at special points of the curve, and a vector that keeps its side along the curve."""
+
+    found: Found
+    tangent: Array
+    tests: dict[str, float]
+    facing: Array = None
+
+    @property
+    def u(self) -> Array:
+        """Where it is in the scaled space."""
+        return self.found.at
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class CurveProblem:
+    """Unknowns u = (inner unknowns, two scaled parameters); `residuals` has one equation less.
+
+    Parameters
+    ----------
+    family, origin, span
+        The robots, and the parameters in their scales.
+    residuals : callable
+        Of a table of points, a row each.
+    orbit : callable
+        The motion at a point.
+    tolerance : float
+        Of the residuals.
+    watched : callable
+        Conditions that must stay positive, by name.
+    meeting : callable, optional
+        Where such a condition vanishes, from a guess.
+    again : callable, optional
+        The residuals by a worse method.
+    tests : callable, optional
+        What vanishes at special points of the curve, at a point with its direction: (numbers by name, vector that keeps its side),
+        from the point, the direction, that vector before, and whether by the worse method.
+    named : callable, optional
+        Kind of a point where the test of a name vanishes, and words for it; None where it is nothing special.
+    known : float or array
+        How well each equation is known.
+    apart : callable
+        Why the special point is none any more at a point; "" where it is one.
+    """
+
+    family: Family
+    origin: Array
+    span: Array
+    residuals: Callable[[Array], Array]
+    orbit: Callable[[Array], Any]
+    tolerance: float
+    watched: Callable[[Array], dict[Any, float]] = lambda u: {}
+    meeting: Callable[[Array, Any], Found] | None = None
+    again: Callable[[Array], Array] | None = None
+    tests: Callable[..., tuple[dict[str, float], Array]] | None = None
+    named: Callable[[Array, str], tuple[str, str] | None] | None = None
+    known: Any = _FLOOR
+    apart: Callable[[Array], str] = lambda u: ""
+
+    def values(self, u: Array) -> Array:
+        """The two parameters."""
+        return self.origin + self.span * u[..., -2:]
+
+    def accuracy(self, found: Found) -> Array:
+        """By how much the two parameters of a point may be wrong."""
+        unsure = np.full(len(found.at), max(found.residual, _FLOOR))
+        if self.again is not None:
+            unsure[:-1] += self.known + abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
+        moved = abs(np.linalg.pinv(found.jacobian)) @ unsure
+        return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(found.at)))

@@ -1,0 +1,133 @@
+r"""Folds, flips and Neimark-Sacker points in two parameters, and where two conditions on multipliers meet on their curves.
+
+With the derivative :math:`R` of the return map a fold is :math:`\det(R - I) = 0`, a flip :math:`\det(R + I) = 0`, and a pair of
+multipliers whose product is 1 has :math:`\det(R^{(2)} - I) = 0`, where :math:`R^{(2)}` is the second compound matrix, whose eigenvalues
+are the products of two multipliers. A multiplier is a double one where the derivative of :math:`\det(\lambda I - R)` vanishes there too.
+At a cusp the two parameters stand still along the curve of folds (Kuznetsov, Elements of Applied Bifurcation Theory, 2004, ch. 9).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.continuation.path_kinds import path_of
+from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.periodic.newton import Found
+
+__all__ = ["CONDITIONS", "KNOWN", "multiplier_problem"]
+
+Array = Any
+_TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
+KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
+_ONE = 1e-3  # how near to 1, -1 or the unit circle a multiplier is that is there: of a double one rounding leaves 1e-5
+_DOUBLE, _CUSP, _THIRD, _FOURTH = "double", "cusp", "third", "fourth"
+
+
+def _fold(R: Array) -> Array:
+    return np.linalg.det(R - np.eye(R.shape[-1]))
+
+
+def _flip(R: Array) -> Array:
+    return np.linalg.det(R + np.eye(R.shape[-1]))
+
+
+def _pair(R: Array) -> Array:
+    """Of the second compound matrix: minors of two rows and two columns."""
+    pairs = np.array(list(combinations(range(R.shape[-1]), 2)), int).reshape(-1, 2)
+    (p, q), (r, s) = (pairs.T[:, :, None], pairs.T[:, None, :])
+    products = R[..., p, r] * R[..., q, s] - R[..., p, s] * R[..., q, r]
+    return np.linalg.det(products - np.eye(len(pairs)))
+
+
+CONDITIONS: dict[str, Callable[[Array], Array]] = {"fold": _fold, "flip": _flip, "neimark-sacker": _pair}
+_OWN = {"fold": 1.0, "flip": -1.0}  # the multiplier that a curve keeps
+_WORDS = {
+    "cusp": "two curves of folds end here in a cusp",
+    "R1": "two multipliers are 1 (resonance 1:1): a Neimark-Sacker curve meets a curve of folds",
+    "R2": "two multipliers are -1 (resonance 1:2): a Neimark-Sacker curve meets a curve of flips",
+    "R3": "a pair of multipliers turns by a third of a turn (resonance 1:3)",
+    "R4": "a pair of multipliers turns by a quarter of a turn (resonance 1:4)",
+    "fold-flip": "one multiplier is 1 and another -1: a fold and a flip at once",
+    "fold-neimark-sacker": "a multiplier is 1 and a pair is on the unit circle: a fold and a Neimark-Sacker point at once",
+    "flip-neimark-sacker": "a multiplier is -1 and a pair is on the unit circle: a flip and a Neimark-Sacker point at once",
+}
+
+
+def multiplier_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
+    """What the curve of such a special point solves, and where it begins."""
+    path, kind = path_of(both, special.orbit, origin, span), special.kind
+    n, memory, condition = path.at.smooth, path.remembered(special.orbit), CONDITIONS[kind]
+
+    def residuals(U: Array, worse: bool = False) -> Array:
+        missed, J = path.derivatives(U, memory, worse)
+        return np.column_stack([missed, condition(path.returned(J))])
+
+    def orbit(u: Array) -> Any:
+        missed = path.misses(u[None, :], memory)
+        return path.orbit(Found(u, float(abs(missed).max()), 0, np.empty((0, 0)), True, "", memory))
+
+    def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
+        J = path.derivatives(found.at[None, :], memory, worse)[1][0]
+        told = _tests(kind, path.returned(J))
+        if kind == "fold":
+            told[_CUSP], facing = _standing(J, found.jacobian[:n, n:], tangent[n:], facing)
+        return told, facing
+
+    def named(u: Array, name: str) -> tuple[str, str] | None:
+        R = path.returned(path.derivatives(u[None, :], memory)[1][0])
+        met = _kind(kind, name, np.linalg.eigvals(R))
+        return None if met is None else (met, _WORDS[met])
+
+    exact = (_TOLERANCE[path.has_tolerance], np.append(np.zeros(n), KNOWN[path.has_tolerance]))
+    problem = CurveProblem(
+        both, origin, span, residuals, orbit, exact[0], again=lambda U: residuals(U, True), tests=tests, named=named, known=exact[1]
+    )
+    return problem, path.scaled(special.orbit, origin)
+
+
+def _tests(kind: str, R: Array) -> dict[str, float]:
+    """What vanishes at special points of a curve of such points, of a fold but the cusp."""
+    told = {name: float(condition(R)) for name, condition in CONDITIONS.items() if name != kind}
+    if kind in _OWN:
+        return told | {_DOUBLE: float(np.polyval(np.polyder(np.poly(R)), _OWN[kind]).real)}
+    pair = _on_the_circle(np.linalg.eigvals(R))
+    return told | ({} if pair is None else {_THIRD: pair.real + 0.5, _FOURTH: pair.real})
+
+
+def _standing(J: Array, by_parameters: Array, moved: Array, facing: Array) -> tuple[float, Array]:
+    """How fast the parameters move along a curve of folds, with a sign; and the normal of the curve, on the side of the one before."""
+    normal = np.linalg.svd(J)[0][:, -1] @ by_parameters
+    normal = normal if facing is None or normal @ facing >= 0.0 else -normal
+    return float(moved[0] * normal[1] - moved[1] * normal[0]), normal
+
+
+def _on_the_circle(multipliers: Array) -> complex | None:
+    """The multiplier of the complex pair nearest to the unit circle, moved onto it."""
+    turning = multipliers[multipliers.imag > 0.0]
+    if not len(turning):
+        return None
+    found = complex(turning[int(np.argmin(abs(abs(turning) - 1.0)))])
+    return found / abs(found)
+
+
+def _kind(kind: str, name: str, multipliers: Array) -> str | None:
+    """Which special point of a curve it is where a test vanishes."""
+    at = {sign: int(np.sum(abs(multipliers - sign) < _ONE)) for sign in (1.0, -1.0)}
+    pair = bool(np.any((abs(abs(multipliers) - 1.0) < _ONE) & (multipliers.imag > _ONE)))
+    if name in (_CUSP, _THIRD, _FOURTH):
+        return {_CUSP: "cusp", _THIRD: "R3", _FOURTH: "R4"}[name]
+    if kind == "neimark-sacker":
+        if at[-_OWN[name]] >= 2 or at[_OWN[name]] >= 2:
+            return {"fold": "R1", "flip": "R2"}[name]
+        return f"{name}-neimark-sacker" if pair and at[_OWN[name]] else None
+    if name == _DOUBLE:
+        return {1.0: "R1", -1.0: "R2"}[_OWN[kind]]
+    if name == "neimark-sacker":
+        return f"{kind}-neimark-sacker" if pair else None
+    return "fold-flip" if at[1.0] and at[-1.0] else None

@@ -1,0 +1,35 @@
+"""Which unknowns a motion is followed in: of a driven machine, of a flow, or of a limit cycle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.dynamics.continuation.cycle_paths import CyclePath
+from stickslip.dynamics.continuation.flow_paths import FlowPath
+from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.continuation.pseudo_arclength import Path
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
+from stickslip.flow import is_flow
+
+__all__ = ["path_of"]
+
+_TOLERANCE = 1e-12
+
+
+def path_of(family: Family, orbit: Any, origin: Any, span: Any, period: int | None = None) -> Path:
+    """The path of motions like this one.
+
+    Parameters
+    ----------
+    family : Family
+    orbit : PeriodicOrbit, LimitCycle or FlowOrbit
+    origin, span
+        Where the parameter is zero in its scale, and the size of that; arrays of several parameters.
+    period : int, optional
+        Drive periods after which the motions repeat; those of the orbit if not given.
+    """
+    same = (family, orbit.period if period is None else period, coordinates(orbit.model), origin, span, orbit.rtol, _TOLERANCE)
+    if is_flow(orbit.model):
+        return FlowPath(*same)
+    return CyclePath(*same, clock(orbit.model)) if isinstance(orbit, LimitCycle) else Path(*same)
