@@ -7,7 +7,7 @@ from typing import Any
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.spacing import logarithmic
-from stickslip.plot.special_kinds import name_once
+from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, publication, scaled
 
 __all__ = ["special_curve"]
@@ -52,7 +52,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
             ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, told))
             for met in curve.special:
                 at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
-                ax.plot(*at, "o", color=INK, markersize=3, label=name_once(met.kind, told))
+                ax.plot(*at, marker=marker_of(met.kind), linestyle="", color=INK, markersize=4, label=name_once(met.kind, told))
         for name, side in ((across, "x"), (up, "y")):
             getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
             logarithmic(ax, side, points[0][name].values)

@@ -191,7 +191,14 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
             values = _at(s.orbit, observable)
             face = COLOURS[6] if marker == "|" else "white"
             style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
-            ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=name_once(s.kind, told), **style)
+            ax.plot(
+                np.full(len(values), s.value * right),
+                np.asarray(values) * up,
+                marker=marker,
+                linestyle="",
+                label=name_once(s.kind, told),
+                **style,
+            )
 
 
 def _of_orbit(orbit: Any, observable: str) -> float:

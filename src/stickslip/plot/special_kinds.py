@@ -7,16 +7,20 @@ __all__ = ["marker_of", "name_of", "name_once"]
 _KINDS = {
     "flip": ("s", "flip"), "fold": ("D", "fold"), "neimark-sacker": ("o", "Neimark-Sacker"), "torus": ("o", "torus"),
     "grazing": ("v", "grazing"), "hopf": ("^", "birth of a limit cycle"), "type-border": ("|", "border of types"),
+    "branch-point": ("X", "branch point"), "cusp": ("<", "cusp"), "fold-flip": ("p", "fold-flip"),
+    "R1": ("$1$", "1:1 resonance"), "R2": ("$2$", "1:2 resonance"), "R3": ("$3$", "1:3 resonance"), "R4": ("$4$", "1:4 resonance"),
+    "fold-neimark-sacker": ("h", "fold-Neimark-Sacker"), "flip-neimark-sacker": ("8", "flip-Neimark-Sacker"),
+    "triple-point": ("*", "triple point"),
 }  # fmt: skip
 
 
 def marker_of(kind: str) -> str:
-    """The marker of a special point; a star for kinds without one of their own.
+    """The marker of a special point; a star where a kind has none of its own.
 
     Examples
     --------
     >>> marker_of("flip"), marker_of("cusp")
-    ('s', '*')
+    ('s', '<')
     """
     return _KINDS[kind][0] if kind in _KINDS else "*"
 
@@ -26,8 +30,8 @@ def name_of(kind: str) -> str:
 
     Examples
     --------
-    >>> name_of("type-border"), name_of("cusp")
-    ('border of types', 'cusp')
+    >>> name_of("type-border"), name_of("R2")
+    ('border of types', '1:2 resonance')
     """
     return _KINDS[kind][1] if kind in _KINDS else kind
 
