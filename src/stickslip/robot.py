@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,14 +12,14 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
 from stickslip.drives.together import Together, common_cycles
-from stickslip.errors import Problems
+from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves
 from stickslip.forces import check_law
 from stickslip.friction.law_adapter import law_of
 from stickslip.quantities import BODY_MASS, GRAVITY, INNER_MASS
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of
-from stickslip.tracks import Level, grip_of
+from stickslip.tracks import Level, folded_tilt, grip_of
 
 __all__ = ["Robot"]
 
@@ -99,6 +100,15 @@ class Robot(Frozen):
         object.__setattr__(self, "cycles", found)
         check_law(self.friction, problems)
         check_shape(self, problems)
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
+
+        Where a preset folded the incline into the friction law, law and track can only be replaced together, so that no incline is lost
+        or counted twice: ``replace(friction=law, track=ss.Incline(tilt=0.03))``.
+        """
+        _keep_the_incline(self, {**(changes or {}), **fields})
+        return super().replace(changes, **fields)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -223,18 +233,38 @@ def _check_masses(drive: Any, mass: Any, problems: Problems) -> None:
     problems.add(f"inner_mass is {masses} and drive is {drives}; {allowed}")
 
 
+def _keep_the_incline(robot: Robot, changes: dict[str, Any]) -> None:
+    """An error if a part that holds a folded incline, or that would count it twice, is replaced alone."""
+    tilt, track = folded_tilt(robot.track), changes.get("track")
+    if not _any(tilt != 0) or ("friction" in changes) == ("track" in changes):
+        return
+    if track is not None and (lacking(track, ("across", "along")) or not _any(track.along(robot.gravity) != 0)):
+        return
+    degrees = _steepest(tilt)
+    name, lost = ("friction", "would lose it") if track is None else ("track", "would add to it")
+    typed = [f'make the robot with incline="gravity" and then type replace({name}=...)']
+    typed += [f"or replace(friction=..., track=ss.Incline(tilt={math.radians(float(degrees)):.4g})) for an incline"]
+    typed += ["or replace(friction=..., track=ss.Level()) for a level track, also where the new law contains the incline"]
+    folded = f"the tilt of {degrees} degrees is folded into the friction law (Eq. 4.1), and another {name} {lost}"
+    raise InputError("Robot", [f"{folded}; allowed is to replace friction and track together; {', '.join(typed)}"])
+
+
 def _unfolded(robot: Robot) -> list[str]:
     """A remark if a law that is the same both ways took the place of one into which a tilt was folded."""
-    tilt = getattr(robot.track, "folded", 0.0)
+    tilt = folded_tilt(robot.track)
     if not _any(tilt != 0) or not _same_both_ways(robot.friction):
         return []
+    return [
+        f"the track is level: the tilt of {_steepest(tilt)} degrees was folded into the friction coefficients, which are now the same both "
+        'ways; for an incline make the robot with incline="gravity", or with track=ss.Incline(...)'
+    ]
+
+
+def _steepest(tilt: Any) -> str:
+    """The largest of some tilts [rad], in degrees."""
     import numpy as np
 
-    degrees = np.max(abs(np.degrees(np.asarray(tilt))))
-    return [
-        f"the track is level: its tilt of {degrees:.4g} degrees was folded into the friction law that this one took the place of; for a "
-        'tilt that stays, make the robot with incline="gravity"'
-    ]
+    return f"{np.max(abs(np.degrees(np.asarray(tilt)))):.4g}"
 
 
 def _same_both_ways(law: Any) -> bool:

@@ -7,17 +7,23 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Frozen
-from stickslip.maths import cos, pi, sin
-from stickslip.quantities import PHASE, TILT, Rule, quantity
+from stickslip.fields import Frozen, checked_number, everywhere
+from stickslip.maths import cos, is_symbol, pi, sin
+from stickslip.quantities import PHASE, TILT, Rule, example_of, quantity
 from stickslip.track_profiles import AroundTrack, FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
-__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold"]
+__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold", "folded_tilt"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Level(Frozen):
     """A horizontal track (or one whose incline was folded into the friction coefficients).
+
+    Parameters
+    ----------
+    folded : float, optional
+        The tilt that the friction coefficients of the robot already contain (Eq. 4.1) [rad]. It does not act on the robot; it is
+        known so that the friction law cannot be replaced without a word about the incline (`Robot.replace`).
 
     Examples
     --------
@@ -25,15 +31,19 @@ class Level(Frozen):
     (9.81, 0.0)
     """
 
-    #: The tilt [rad] that a preset folded into the friction of its robot; no number of the robot, only known for a remark.
+    #: The tilt [rad] that a preset folded into the friction of its robot; no number of the robot, so that the equations do not know it.
     folded: ClassVar[Any] = 0.0
+    #: What a file keeps of it beside its fields.
+    kept_in_files: ClassVar[tuple[str, ...]] = ("folded",)
 
-    @classmethod
-    def of_folded(cls, tilt: Any) -> Level:
-        """A level track that remembers the tilt which stands in the friction coefficients."""
-        track = cls()
-        object.__setattr__(track, "folded", tilt)
-        return track
+    def __init__(self, folded: Any = 0.0):
+        tilt = folded if is_symbol(folded) else _checked_tilt(folded)
+        if is_symbol(tilt) or not everywhere(tilt == 0):
+            object.__setattr__(self, "folded", tilt)
+
+    def mirrored(self) -> Level:
+        """The track with downhill and uphill exchanged."""
+        return Level(folded=0.0 - self.folded)
 
     def across(self, gravity: Any) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
@@ -42,6 +52,13 @@ class Level(Frozen):
     def along(self, gravity: Any) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
         return 0.0
+
+
+def _checked_tilt(folded: Any) -> Any:
+    problems, typed = Problems("Level"), f"folded={example_of(TILT)}"
+    tilt = checked_number("folded", folded, problems, TILT["rule"], TILT["allowed"], typed, TILT["unit"])
+    problems.check()
+    return tilt
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +157,12 @@ class VaryingFriction(VaryingInTime):
 def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
     """The factor on the friction of a track, as a function of time and of the drive's period; None where friction does not vary."""
     return getattr(track, "grip", None)
+
+
+def folded_tilt(track: Any) -> Any:
+    """The tilt that is folded into the friction on a track, or on the one inside it [rad]; 0 where there is none."""
+    inside = getattr(track, "track", None)
+    return getattr(track, "folded", 0.0) if inside is None else folded_tilt(inside)
 
 
 TRACKS = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ def dahl_without_stick_slip(study: Study) -> Claim:
         setup = Setup(law, load, mass, stiffness=SPRING, plain=True)
         found[name] = {q.key: q.value for e in (steady_friction(setup), stick_slip(setup)) for q in e.numbers}
     dahl, lugre = found["dahl"], found["lugre"]
-    rests = {name: _still(robot.replace(friction=law)) for name, law in _folded(own).items()}
+    rests = {name: _still(replace(robot, friction=law)) for name, law in _folded(own).items()}
     parts = (
         Part("Stribeck effect", verdict(dahl["fall"] == 0), _fall_text(dahl, lugre)),
         Part("stick-slip of a mass pulled by a spring", verdict(not dahl["stick_slip"] and lugre["stick_slip"]), _pulled_text(dahl, lugre)),
@@ -103,7 +104,7 @@ def bristle_is_slow(study: Study) -> Claim:
     robot = rig(EXPERIMENTS[0])
     own, T = robot.friction, float(robot.period)
     runs = {
-        law: solve(robot.replace(friction=friction), duration=PART * T, **_PLAIN)
+        law: solve(replace(robot, friction=friction), duration=PART * T, **_PLAIN)
         for law, friction in (("lugre", own), ("bristle", Bristle(own.mu_plus, own.mu_minus, own.sigma0)))
     }
     counts = {law: run.counts for law, run in runs.items()}

@@ -58,8 +58,8 @@ def piezo_rig(
     law : {"lugre", "coulomb", "coulomb-static"}
         "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
     incline : {"folded", "gravity"}
-        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. A law
-        that takes the folded one's place by ``replace(friction=...)`` is on a level track: say "gravity" for it.
+        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. Choose "gravity" to
+        replace the law: of a folded robot, law and track can only be replaced together, because the law contains the incline.
     gravity : float or array
         Acceleration of gravity [m/s^2].
     sigma0, sigma1, sigma2, v_s : float or array
@@ -96,7 +96,7 @@ def piezo_rig(
         drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
         friction=_friction(law, tilt if incline == "folded" else 0.0 * tilt, n),
         gravity=n["gravity"],
-        track=Level.of_folded(tilt) if incline == "folded" else Incline(tilt=tilt),
+        track=Level(folded=tilt) if incline == "folded" else Incline(tilt=tilt),
     )
 
 
