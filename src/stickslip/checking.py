@@ -15,7 +15,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
@@ -69,7 +69,7 @@ class Judge:
 
 @sealed
 @dataclass(frozen=True)
-class Check(Face):
+class Check(Drawn):
     """What the judges found; `print` shows it as a table.
 
     Parameters
@@ -102,6 +102,8 @@ class Check(Face):
     judges: tuple[Judge, ...]
     notes: tuple[str, ...]
     verdict: str
+
+    _drawn_by, _inches = "check", (4.4, 2.6)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and text."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
@@ -56,7 +56,7 @@ class Ranked:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Ranking(Face):
+class Ranking(Drawn):
     """Laws in the order in which the data support them, and the verdict.
 
     Parameters
@@ -81,6 +81,8 @@ class Ranking(Face):
     effective: float
     count: int
     supported: tuple[str, ...] = ()
+
+    _drawn_by = "ranking"
 
     @property
     def reason(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import Problems
-from stickslip.faces import Drawn, Face, rounded, sure
+from stickslip.faces import Drawn, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of
 from stickslip.optimising.uncertainty_samples import Spread, check_sample, checked_spread, sampled, sobol
@@ -25,7 +25,7 @@ _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Indices(Face):
+class Indices(Drawn):
     """Sobol indices: which part of the variance of a result comes from which number.
 
     Parameters
@@ -42,6 +42,8 @@ class Indices(Face):
     total: dict[str, float]
     first_interval: dict[str, tuple[float, float]]
     total_interval: dict[str, tuple[float, float]]
+
+    _drawn_by = "indices"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         ends = ((self.first_interval[n], self.total_interval[n]) for n in self.first)

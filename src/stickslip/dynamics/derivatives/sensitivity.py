@@ -17,7 +17,7 @@ from stickslip.dynamics.periodic.steady_motions import Closed, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine_adapter import is_machine
 from stickslip.number_names import numbers_meant
@@ -34,7 +34,7 @@ _ASIDE = 1e-3  # how far a number is moved to see whether the equations still co
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Sensitivity(Face):
+class Sensitivity(Drawn):
     """Derivatives of a motion by numbers of its machine.
 
     Parameters
@@ -69,6 +69,8 @@ class Sensitivity(Face):
     state: Array
     states: tuple[str, ...]
     notes: tuple[str, ...] = ()
+
+    _drawn_by, _inches = "sensitivity", (4.4, 2.8)
 
     def __getitem__(self, name: str) -> float:
         """dV/dp by the name of p."""
