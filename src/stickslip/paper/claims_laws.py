@@ -55,8 +55,8 @@ def dahl_without_stick_slip(study: Study) -> Claim:
         (
             f"{parts[0].evidence[0].upper()}{parts[0].evidence[1:]}.",
             f"{parts[1].evidence[0].upper()}{parts[1].evidence[1:]}.",
-            "Judged on friction that makes stick-slip by itself. The stop-and-go of the robot is another thing, made by its drive even "
-            f"without static friction: {parts[2].evidence}.",
+            "The claim is judged on stick-slip that friction alone causes. The stop-and-go motion of the robot is a different effect, "
+            f"which its drive causes even without static friction: {parts[2].evidence}.",
         ),
         "high: Dahl's force depends on the path alone, so it has one value in sliding",
         {**{f"{law}_{key}": value for law, numbers in found.items() for key, value in numbers.items()}, "share_still": rests},
