@@ -105,7 +105,7 @@ def quantity(
     Raises
     ------
     InputError
-        Of what is not text, no numbers, no rising range, or no unit that can be shown.
+        For arguments that are not text, numbers, an increasing range, or a unit that can be shown.
 
     Examples
     --------

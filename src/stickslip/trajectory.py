@@ -122,7 +122,7 @@ class Trajectory(Drawn, RunFiles):
     method : str
         Name of the solver.
     status : str
-        A sentence that says how the run ended.
+        How the run ended, in words.
     samples : int
         Instants per drive period in the columns, a tenth of all instants where there is no period.
     start : dict

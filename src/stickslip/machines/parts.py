@@ -27,7 +27,7 @@ class Body(Frozen):
     force : float or callable, optional
         Applied force, all but links and friction [N]: a number, or a function of time [s], its position [m] and its velocity [m/s].
     position : float, optional
-        Where a run begins that says nothing else [m].
+        Initial position [m], unless a run specifies another one.
     jumps : tuple of (instant, jump), optional
         Known jumps of its velocity: instants in [0, period) [s] and what is added to the velocity there [m/s].
     breaks : tuple of float, optional

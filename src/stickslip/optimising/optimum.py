@@ -78,7 +78,7 @@ class Optimum(Drawn):
     search : Search
         What was asked, and how the search went.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
     robust : float or None
         Where numbers were uncertain, the quantile of the quantity, or its worst value, over the sample.
     continued : float or None

@@ -76,7 +76,7 @@ class Propagated(Drawn):
     indices : Indices or None
         Sobol indices, if they were asked for.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
 
     Examples
     --------

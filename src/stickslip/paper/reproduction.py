@@ -125,7 +125,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     fast : bool
         A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (what is being done, how much of it is done, of how much).
+        True for a progress line, or a function that is called with (what is being done, how much of it is done, of how much).
 
     Returns
     -------

@@ -52,7 +52,7 @@ class Sensitivity(Drawn):
     states : tuple of str
         What these states are.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
 
     Examples
     --------
@@ -99,20 +99,20 @@ class Sensitivity(Drawn):
 
 @explains_arguments
 def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
-    """Derivatives of the mean velocity and of the state by numbers of a machine.
+    """Derivatives of the mean velocity and of the state with respect to numbers of a machine.
 
-    They are exact: small changes are carried along the motion by the derivatives of the equations, through every switch, impulse and stop,
-    and, of a periodic motion, closed by its monodromy matrix. Nothing is differenced.
+    They are exact: the variational equations are integrated along the motion through every switch, impulse and stop, and for a periodic
+    motion closed with its monodromy matrix. No finite differences are used.
 
     Parameters
     ----------
     of : Robot or machine, PeriodicOrbit, or Trajectory
-        A machine is asked for its periodic motion, as `periodic_orbit` finds it. Of a run it is the mean velocity after `settle` and the
-        state at the end, from the same start.
+        For a machine, the derivatives are those of its periodic motion (`periodic_orbit`). For a run, they are those of the mean
+        velocity after `settle` and of the final state, from the same initial state.
     wrt : str or sequence of str, optional
         Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers
-        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` stands for anything. If not given, every
-        number by itself whose change leaves the period what it is for all parts of the machine.
+        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` matches anything. If not given: every
+        number separately, if its change leaves the common period unchanged.
 
     Returns
     -------
