@@ -15,9 +15,10 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "paper-revisited.md"
 HEAD = """\
 # The paper revisited
 
-stickslip began as the code for a single paper, “Comparative Analysis of Friction in Vibration-Driven System and Its Dynamic Behaviors”. The paper studies a body
-on an incline with a mass that vibrates inside it, compares Coulomb friction with LuGre friction, and reports an experiment. This page lists which of its results
-can be confirmed. One command reproduces all of them, with figures 6 to 30 and all numbers in machine-readable form:
+stickslip began as the code for a single paper, “Comparative Analysis of Friction in Vibration-Driven System and Its Dynamic Behaviors”.
+The paper studies a body on an incline with a mass that vibrates inside it, compares Coulomb friction with LuGre friction, and reports an
+experiment. This page lists which of its results can be confirmed. One command reproduces all of them, with figures 6 to 30 and all
+numbers in machine-readable form:
 
 ```bash
 stickslip paper
@@ -30,7 +31,7 @@ The report also contains the paper's equations, derived from the code that solve
 
 | key | content |
 |---|---|
-| `table` | section 4: printed and computed mean velocities, types; `intervals`: start, length and sign of each phase of sliding or rest, in periods |
+| `table` | section 4: printed and computed mean velocities, types; `intervals`: start, length and sign of each slide and rest, in periods |
 | `cases` | Figures 11 to 30: velocities, types, and the kind of motion with multipliers and exponents |
 | `claims`, `errata` | verdicts with their evidence and numbers |
 | `equations` | number, title, LaTeX, and whether it was derived from the code (`traced`) |
@@ -39,11 +40,11 @@ The report also contains the paper's equations, derived from the code that solve
 | `coexistence` | section 5.4 from several initial states: the ranges in which two motions coexist (`ranges`) |
 | `figures`, `provenance`, `seconds`, `fast`, `report` | files, versions and tolerances, computing time, extent of the run |
 
-Format 3 adds `equations`, `coexistence` and `intervals` to format 2. In format 2 `period_two` and the rows of `round_values` were intervals and
-period numbers of runs on a grid; now they are periodic orbits.
+Format 3 adds `equations`, `coexistence` and `intervals` to format 2. In format 2 `period_two` and the rows of `round_values` were
+intervals and period numbers of runs on a grid; now they are periodic orbits.
 
-**The amplitudes are inferred.** The paper does not give the amplitudes of section 4 and of sections 5.2 to 5.4. They were found by scanning the amplitude
-for values that reproduce the printed numbers. Verdicts that depend on them say so.
+**The amplitudes are inferred.** The paper does not give the amplitudes of section 4 and of sections 5.2 to 5.4. They were found
+by scanning the amplitude for values that reproduce the printed numbers. Verdicts that depend on them say so.
 
 ## Four angles, two laws, one experiment
 
@@ -63,7 +64,8 @@ CLAIMS = """
 ERRATA = """
 ## Errata
 
-Errors in the printed paper and their corrections. “Checked” means that a computation agrees with the correction; the proofs are in the report.
+Errors in the printed paper and their corrections. “Checked” means that a computation agrees with the correction; the proofs are in the
+report.
 
 | equation or section | printed | right | checked |
 |---|---|---|---|
@@ -71,8 +73,8 @@ Errors in the printed paper and their corrections. “Checked” means that a co
 END = """
 ## Consequences for your own work
 
-- *Folding* an incline into the friction coefficients is exact for Coulomb friction, but a different model for LuGre friction; `incline="gravity"` models the
-  incline itself. See [equations of motion](theory/equations-of-motion.md).
+- *Folding* an incline into the friction coefficients is exact for Coulomb friction, but a different model for LuGre friction;
+  `incline="gravity"` models the incline itself. See [equations of motion](theory/equations-of-motion.md).
 - A motion that looks quasi-periodic may be an artefact of the step size. See [why not my RK4 script?](why-not-rk4.md)
 - At large static friction the initial state of a LuGre robot matters: it slides from one initial state and stays near rest from another.
 - The dynamics around Figure 23 are described in [period doubling and chaos](tutorials/doubling-and-chaos.md).

@@ -160,7 +160,7 @@ def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
 
 
 def folded_tilt(track: Any) -> Any:
-    """The tilt that is folded into the friction on a track, or on the one inside it [rad]; 0 where there is none."""
+    """The tilt that is folded into the friction on a track, or on the track inside it [rad]; 0 if there is none."""
     inside = getattr(track, "track", None)
     return getattr(track, "folded", 0.0) if inside is None else folded_tilt(inside)
 

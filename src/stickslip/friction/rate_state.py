@@ -39,7 +39,7 @@ class RateState(Law):
     mu0 : float
         Friction coefficient at the speed v0 [-].
     a : float
-        Direct effect: how much friction grows at once with the logarithm of the speed [-].
+        Direct effect: immediate increase of the friction coefficient with the logarithm of the velocity [-].
     b : float
         Evolution effect: how much of it is lost as the contacts get younger [-]; stick-slip needs b > a.
     Dc : float

@@ -135,7 +135,7 @@ def design(
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
-    """Which experiment determines the parameters best, or discriminates best between rival laws; and what none of them can determine.
+    """The experiment that best determines the parameters or discriminates between rival laws; and what none of them can determine.
 
     Parameters
     ----------

@@ -155,7 +155,7 @@ class Spring(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Rigid(Frozen):
-    """A rigid link: the two bodies move as one, and have a contact each.
+    """A rigid link: the two bodies move as one, each with its own contact.
 
     Examples
     --------
@@ -182,7 +182,7 @@ class Gait(Frozen):
 
     .. math:: x_j - x_{j+1} = l + \xi(\omega t - (j-1)\,\lambda), \qquad j = 1, 2, \dots
 
-    The distances follow their drive whatever that takes; what moves freely is the centre of mass.
+    The distances follow their drive exactly; only the centre of mass moves freely.
 
     Parameters
     ----------

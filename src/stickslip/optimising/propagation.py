@@ -26,14 +26,14 @@ _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 @sealed
 @dataclass(frozen=True, eq=False)
 class Indices(Drawn):
-    """Sobol indices: which part of the variance of a result comes from which number.
+    """Sobol indices: the fraction of the variance of a result that is due to each number.
 
     Parameters
     ----------
     first : dict of float
-        The part that each number makes alone.
+        Fraction due to each number alone.
     total : dict of float
-        The part that would be left if all others were known: more than `first` where numbers act together.
+        Fraction that would remain if all other numbers were known: larger than `first` if numbers interact.
     first_interval, total_interval : dict of (float, float)
         95 % intervals of the sample, by the bootstrap.
     """
@@ -68,11 +68,11 @@ class Propagated(Drawn):
     values : array (samples,)
         Its values; NaN where a case has none.
     inputs : dict of arrays (samples,)
-        The numbers that they belong to.
+        The corresponding numbers.
     nominal : float
-        Its value for the machine as it is.
+        Its value for the nominal machine.
     swings : dict of (float, float)
-        Its values where one number is at 5 and at 95 % of its own distribution and the others are as they are.
+        Its values with one number at the 5 % and 95 % quantiles of its distribution and the others at their nominal values.
     indices : Indices or None
         Sobol indices, if they were asked for.
     notes : tuple of str
@@ -109,7 +109,7 @@ class Propagated(Drawn):
         return int(np.isnan(self.values).sum())
 
     def quantile(self, q: float) -> float:
-        """The value below which a part q of the sample lies."""
+        """The q-quantile of the sample."""
         return float(np.nanquantile(self.values, q))
 
     _drawn_by = "tornado"

@@ -86,7 +86,7 @@ def indices(found: Parts, ax: Ax = None) -> Any:
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     >>> spread = {"friction.mu_plus": (0.15, "3%"), "friction.mu_minus": (0.21, "1%")}
     >>> ss.plot.indices(ss.propagate(robot, uncertain=spread, samples=64, indices=True).indices).get_xlabel()
-    'part of the variance'
+    'fraction of the variance'
     """
     order = sorted(found.total, key=lambda name: found.total[name])
     kinds = (("first: alone", found.first, found.first_interval), ("total: with the others", found.total, found.total_interval))
@@ -101,7 +101,7 @@ def indices(found: Parts, ax: Ax = None) -> Any:
             ax.axvline(end, color=INK, linewidth=0.5, zorder=1)
         rows(ax, order)
         ax.set_ylim(-0.6, len(order) - 0.4)
-        ax.set_xlabel("part of the variance")
+        ax.set_xlabel("fraction of the variance")
         legend_above(ax, ncols=2)
     return ax
 

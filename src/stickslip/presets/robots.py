@@ -165,8 +165,8 @@ def piezo_beam_rig(
 ) -> Robot:
     """The paper's robot from volts and hertz: the inner mass is the tip of a `PiezoBeam` (section 3.1).
 
-    The paper does not print its beam. The default one is ours, with the paper's inner mass. What there is to remark, such as a voltage
-    that the paper's hardware does not give, is in the robot's `notes`.
+    The paper does not specify its beam. The default beam is our choice, with the inner mass of the paper. Remarks, such as a voltage
+    beyond that of the paper's hardware, are in the robot's `notes`.
 
     Parameters
     ----------
