@@ -41,14 +41,14 @@ def timed(setup: str, work: str, repeat: int = 3) -> str:
 def batch(law: str, periods: int, rtol: float = 1e-4) -> str:
     """512 robots of one law."""
     return timed(
-        LAWS + f"robot = rig(tilt_deg=1.7, amplitude=A).replace(friction={law})\n",
+        LAWS + f"robot = rig(tilt_deg=0.0, amplitude=A).replace(friction={law})\n",
         f'ss.solve(robot, periods={periods}, keep="summary", rtol={rtol})',
     )
 
 
 def compiled(law: str) -> str:
     """The kernels of one law, in an empty cache folder."""
-    asked = f'robot = rig(tilt_deg=1.7, amplitude=A).replace(friction={law})\nss.solve(robot, periods=1, keep="summary")\n'
+    asked = f'robot = rig(tilt_deg=0.0, amplitude=A).replace(friction={law})\nss.solve(robot, periods=1, keep="summary")\n'
     return f"{EMPTY}{RIG}{LAWS}begin = process_time()\n{asked}print(process_time() - begin)"
 
 

@@ -81,7 +81,7 @@ def compiled(what: str) -> None:
     friction = COULOMB if law == "Coulomb" else ss.LuGre.example()
     tableau = None if law == "Coulomb" else tableaux.RODAS4
     record = count == "sixteen"
-    spare = ss.presets.piezo_rig(tilt_deg=1.0, amplitude=5e-4, law="coulomb").replace(friction=ss.Stribeck.example())
+    spare = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4, law="coulomb").replace(friction=ss.Stribeck.example())
     lanes.kernel_of(spare, None, record)
     lanes.kernel_of(spare.replace(friction=ss.Dahl.example()), tableaux.RODAS4, record)
     model = chain(friction, {"one": 1, "two": 2, "five": 5, "sixteen": 16}[count], 0.4)

@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--rtol", type=float, default=1e-4)
     asked = parser.parse_args()
     rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.linspace(1e-4, 8e-4, asked.cases))
-    robots = {name: rig.replace(friction=law) for name, law in laws().items()}
+    robots = {name: rig.replace(friction=law, track=ss.Level()) for name, law in laws().items()}
     for robot in robots.values():
         ss.solve(robot, periods=2, rtol=asked.rtol)
     best = dict.fromkeys(robots, np.inf)

@@ -424,3 +424,21 @@ _OF_FLOW = {
 def door_of(door, case):
     """What tries a door for a machine, or for a flow."""
     return _OF_FLOW.get(door, every_door[door]) if is_flow(case.machine) else every_door[door]
+
+
+#: Results that have no `plot()`, and why.
+without_picture = {
+    "Summary": "columns of many cases: to_xarray() gives a Dataset, which ss.plot.velocity_map and Dataset.plot draw",
+    "Record": "a function draws what is asked of it: ss.plot.record_spectrum, ss.plot.comparison, ss.plot.fitted",
+    "Certificate": "a proof about one motion: its periodic orbit draws itself",
+    "Hops": "four numbers of a run: ss.plot.contacts draws the run",
+    "Passage": "the two ends of a stretch: the run of the flow draws itself",
+    "Gradient": "derivatives in different units; ss.sensitivity(...).plot() draws relative ones",
+    "Derived": "an axis of a sweep, no result",
+    "Border": "a line of a map: ss.plot.motion_map draws the borders on the map",
+    "Waveform": "what is to be searched, no result",
+    "Observable": "a column to be, no result",
+    "ExportedLaw": "source text",
+    "DimensionlessRobot": "a machine",
+    "SwitchingFlow": "a machine",
+}

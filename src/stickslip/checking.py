@@ -15,7 +15,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
@@ -69,7 +69,7 @@ class Judge:
 
 @sealed
 @dataclass(frozen=True)
-class Check(Face):
+class Check(Drawn):
     """What the judges found; `print` shows it as a table.
 
     Parameters
@@ -102,6 +102,8 @@ class Check(Face):
     judges: tuple[Judge, ...]
     notes: tuple[str, ...]
     verdict: str
+
+    _drawn_by, _inches = "check", (4.4, 2.6)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and text."""
@@ -155,29 +157,29 @@ def check(
 ) -> Check:
     """Let several methods solve one robot and say how many digits of its mean velocity are certain.
 
-    The answer is the mean velocity over the second half of `periods`, or over a whole run that has no period. Beside it stand tighter
-    tolerances of the same solver, one of scipy's integrators on the same law in plain Python over a few periods, for Coulomb friction the
-    closed formula of the periodic motion, and classical Runge-Kutta with fixed steps. The last does not count: it shows what a
-    hand-written script would say.
+    The answer is the mean velocity over the second half of `periods`, or over a whole run that has no period. It is compared with
+    tighter tolerances of the same solver, with one of SciPy's integrators and the same law in plain Python over a few periods, for
+    Coulomb friction with the closed formula of the periodic motion, and with classical Runge-Kutta with fixed steps. The last does not
+    count: it shows what a hand-written script would give.
 
     Parameters
     ----------
     robot : Robot, mechanism or machine
-        One of them, no batch.
+        A single one, not a batch.
     periods : int
         Drive periods.
     rtol : float
-        The tolerance that is judged.
+        The tolerance that is assessed.
     start : dict
         As for `solve`.
     rk4_steps : tuple of int
-        Steps per period of the Runge-Kutta judges, which know robots without impulses or memory and are skipped elsewhere.
+        Steps per period of the Runge-Kutta runs, which are possible for robots without impulses or memory and are skipped for others.
     scipy : bool
-        Whether to ask scipy, which takes most of the time.
+        Whether to run SciPy's integrator, which takes most of the time.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (who is asked, how many were asked, how many there are).
+        True for a line on the terminal, or a function that is called with (name of the method, methods done, number of methods).
     duration : float, optional
-        How long a run of what has no period is [s]; its answer is the mean velocity over all of it, from its start.
+        Duration of the run of a model without a period [s]; the answer is then the mean velocity over the whole run.
 
     Returns
     -------

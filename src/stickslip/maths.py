@@ -128,7 +128,7 @@ def hypot(a: Any, b: Any) -> Any:
 
 
 def is_symbol(value: Any) -> bool:
-    """Whether something stands for a number that is not known yet, as in equations that are traced.
+    """Whether a value is a symbol, as in equations that are being traced.
 
     Examples
     --------

@@ -40,13 +40,13 @@ class Observable:
 
     @property
     def says(self) -> str:
-        """What the column holds."""
+        """Meaning of the column."""
         name = getattr(self.function, "__name__", "<lambda>")
         return f"{REDUCTIONS[self.reduce]} over the last motion period of {'an observable' if name == '<lambda>' else name}"
 
     @property
     def fingerprint(self) -> str:
-        """The same in every process for the same function: by its code, its constants and what it closes over."""
+        """An identifier that is the same in every process for the same function: from its code, constants and closure."""
         return f"{self.reduce} [{self.unit}] {hashlib.sha256(repr(_content(self.function)).encode()).hexdigest()[:16]}"
 
 
@@ -72,7 +72,7 @@ class Derived:
 
     @property
     def says(self) -> str:
-        """What the column holds."""
+        """Meaning of the column."""
         return f"derivative of {getattr(self.of, 'says', self.of)} by {self.by}, of the steady motion from rest"
 
     @property

@@ -88,11 +88,11 @@ def quantity(
     symbol : str
         Its letter in LaTeX, such as ``\mu_{+}``.
     example : float or tuple of float
-        An ordinary value: what messages say to type, and where its slider stands.
+        A typical value: the suggestion in messages, and the initial position of the slider.
     rule : Rule, optional
-        What it must be, such as ``stickslip.quantities.positive``; any finite number where nothing is said.
+        The allowed values, such as ``stickslip.quantities.positive``; any finite number if not given.
     allowed : str, optional
-        That in words, where those of the rule do not say enough.
+        The allowed values in words, if those of the rule are not sufficient.
     range : (float, float), optional
         The two ends of its slider.
     shown : str, optional
@@ -105,7 +105,7 @@ def quantity(
     Raises
     ------
     InputError
-        Of what is not text, no numbers, no rising range, or no unit that can be shown.
+        For arguments that are not text, numbers, an increasing range, or a unit that can be shown.
 
     Examples
     --------

@@ -11,14 +11,14 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
 from stickslip.drives.together import Together, common_cycles
-from stickslip.errors import Problems
+from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves
 from stickslip.forces import check_law
 from stickslip.friction.law_adapter import law_of
 from stickslip.quantities import BODY_MASS, GRAVITY, INNER_MASS
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of
-from stickslip.tracks import Level, grip_of
+from stickslip.tracks import Level, folded_tilt, grip_of, law_was_replaced, without_its_law
 
 __all__ = ["Robot"]
 
@@ -99,6 +99,20 @@ class Robot(Frozen):
         object.__setattr__(self, "cycles", found)
         check_law(self.friction, problems)
         check_shape(self, problems)
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
+
+        Where a preset folded the incline into the friction law, another law loses it, and `notes` says so;
+        ``replace(friction=law, track=ss.Incline(tilt=0.03))`` keeps it. A track with an incline would count it twice, and is refused.
+        """
+        given = {**(changes or {}), **fields}
+        if "track" in given and "friction" not in given:
+            _refuse_two_inclines(self, given["track"])
+        made = super().replace(changes, **fields)
+        if "friction" in given and "track" not in given and _any(folded_tilt(self.track) != 0):
+            return dataclasses.replace(made, track=without_its_law(made.track))
+        return made
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -223,18 +237,36 @@ def _check_masses(drive: Any, mass: Any, problems: Problems) -> None:
     problems.add(f"inner_mass is {masses} and drive is {drives}; {allowed}")
 
 
+def _refuse_two_inclines(robot: Robot, track: Any) -> None:
+    """An error if a track with an incline is given to a robot whose friction law contains one."""
+    tilt = folded_tilt(robot.track)
+    if not _any(tilt != 0) or law_was_replaced(robot.track):
+        return
+    if lacking(track, ("across", "along")) or not _any(track.along(robot.gravity) != 0):
+        return
+    allowed = "allowed is to replace friction and track together, or a track without an incline"
+    typed = 'make the robot with incline="gravity" and then type replace(track=...), or type replace(friction=..., track=...)'
+    folded = f"the tilt of {_steepest(tilt)} degrees is folded into the friction law (Eq. 4.1), and another track would add to it"
+    raise InputError("Robot", [f"{folded}; {allowed}; {typed}"])
+
+
 def _unfolded(robot: Robot) -> list[str]:
-    """A remark if a law that is the same both ways took the place of one into which a tilt was folded."""
-    tilt = getattr(robot.track, "folded", 0.0)
-    if not _any(tilt != 0) or not _same_both_ways(robot.friction):
+    """A remark if another law took the place of one into which a tilt was folded, or numbers that are the same both ways."""
+    tilt = folded_tilt(robot.track)
+    if not _any(tilt != 0) or not (law_was_replaced(robot.track) or _same_both_ways(robot.friction)):
         return []
+    return [
+        f"the track is level: the tilt of {_steepest(tilt)} degrees was folded into the friction law that this one took the place of; for "
+        'an incline make the robot with incline="gravity", or type replace(track=ss.Incline(...)); if this law contains it, '
+        "replace(track=ss.Level()) takes this note away"
+    ]
+
+
+def _steepest(tilt: Any) -> str:
+    """The largest of some tilts [rad], in degrees."""
     import numpy as np
 
-    degrees = np.max(abs(np.degrees(np.asarray(tilt))))
-    return [
-        f"the track is level: its tilt of {degrees:.4g} degrees was folded into the friction law that this one took the place of; for a "
-        'tilt that stays, make the robot with incline="gravity"'
-    ]
+    return f"{np.max(abs(np.degrees(np.asarray(tilt)))):.4g}"
 
 
 def _same_both_ways(law: Any) -> bool:

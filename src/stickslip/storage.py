@@ -142,7 +142,7 @@ def _model_attributes(model: Any) -> dict[str, str]:
     try:
         if type(law) in LAWS.values():
             return {"robot": model.to_toml()}
-        kept = {"robot": model.replace(friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
+        kept = {"robot": dataclasses.replace(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
     numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
@@ -240,9 +240,10 @@ def _model(attrs: dict[str, Any], laws: Sequence[type], machines: Sequence[type]
     kept = json.loads(attrs["law"])
     cls: Callable[..., Any] | None = next((law for law in laws if law.__name__ == kept["name"]), None)
     if cls is None:
-        return robot.replace(friction=(_UnknownDynamic if kept["dynamic"] else _UnknownSetValued)(kept["name"], kept["fields"]))
+        unknown = _UnknownDynamic if kept["dynamic"] else _UnknownSetValued
+        return dataclasses.replace(robot, friction=unknown(kept["name"], kept["fields"]))
     fields = {k: tuple(v) if isinstance(v, list) else v for k, v in kept["fields"].items()}
-    return robot.replace(friction=cls(**fields))
+    return dataclasses.replace(robot, friction=cls(**fields))
 
 
 def _own_machine(name: str, machines: Sequence[type]) -> Any:

@@ -79,7 +79,7 @@ def to_table(record: Any) -> dict[str, Any]:
             table[field.name] = _table_of_part(field.name, value, _every(type(record)))
         elif value is not None:
             table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
-    return table
+    return table | {name: _plain(getattr(record, name)) for name in getattr(record, "kept_in_files", ()) if name in vars(record)}
 
 
 def _table_of_part(part: str, record: Any, kinds: dict[str, Any]) -> dict[str, Any]:

@@ -7,17 +7,25 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Frozen
-from stickslip.maths import cos, pi, sin
-from stickslip.quantities import PHASE, TILT, Rule, quantity
+from stickslip.fields import Frozen, checked_number, everywhere
+from stickslip.maths import cos, is_symbol, pi, sin
+from stickslip.quantities import PHASE, TILT, Rule, example_of, quantity
 from stickslip.track_profiles import AroundTrack, FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
-__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold"]
+__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold", "folded_tilt", "law_was_replaced", "without_its_law"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Level(Frozen):
     """A horizontal track (or one whose incline was folded into the friction coefficients).
+
+    Parameters
+    ----------
+    folded : float, optional
+        The tilt that the friction coefficients of the robot already contain (Eq. 4.1) [rad]. It does not act on the robot; it is
+        known so that notes can say where it is lost (`Robot.replace`).
+    lost : bool
+        Whether another friction law took the place of the one that contained it.
 
     Examples
     --------
@@ -25,15 +33,23 @@ class Level(Frozen):
     (9.81, 0.0)
     """
 
-    #: The tilt [rad] that a preset folded into the friction of its robot; no number of the robot, only known for a remark.
+    #: The tilt [rad] that a preset folded into the friction of its robot; no number of the robot, so that the equations do not know it.
     folded: ClassVar[Any] = 0.0
+    #: Whether another law took the place of the one that contained it.
+    lost: ClassVar[bool] = False
+    #: What a file keeps of it beside its fields.
+    kept_in_files: ClassVar[tuple[str, ...]] = ("folded", "lost")
 
-    @classmethod
-    def of_folded(cls, tilt: Any) -> Level:
-        """A level track that remembers the tilt which stands in the friction coefficients."""
-        track = cls()
-        object.__setattr__(track, "folded", tilt)
-        return track
+    def __init__(self, folded: Any = 0.0, lost: bool = False):
+        tilt = folded if is_symbol(folded) else _checked_tilt(folded)
+        if is_symbol(tilt) or not everywhere(tilt == 0):
+            object.__setattr__(self, "folded", tilt)
+            if lost:
+                object.__setattr__(self, "lost", True)
+
+    def mirrored(self) -> Level:
+        """The track with downhill and uphill exchanged."""
+        return Level(folded=0.0 - self.folded, lost=self.lost)
 
     def across(self, gravity: Any) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
@@ -42,6 +58,13 @@ class Level(Frozen):
     def along(self, gravity: Any) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
         return 0.0
+
+
+def _checked_tilt(folded: Any) -> Any:
+    problems, typed = Problems("Level"), f"folded={example_of(TILT)}"
+    tilt = checked_number("folded", folded, problems, TILT["rule"], TILT["allowed"], typed, TILT["unit"])
+    problems.check()
+    return tilt
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +163,24 @@ class VaryingFriction(VaryingInTime):
 def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
     """The factor on the friction of a track, as a function of time and of the drive's period; None where friction does not vary."""
     return getattr(track, "grip", None)
+
+
+def folded_tilt(track: Any) -> Any:
+    """The tilt that is folded into the friction on a track, or on the track inside it [rad]; 0 if there is none."""
+    inside = getattr(track, "track", None)
+    return getattr(track, "folded", 0.0) if inside is None else folded_tilt(inside)
+
+
+def law_was_replaced(track: Any) -> bool:
+    """Whether a law took the place of one that contained the incline of a track, or of the track inside it."""
+    inside = getattr(track, "track", None)
+    return getattr(track, "lost", False) if inside is None else law_was_replaced(inside)
+
+
+def without_its_law(track: Any) -> Any:
+    """The same track, where another law takes the place of the one that contained its incline."""
+    inside = getattr(track, "track", None)
+    return Level(folded=track.folded, lost=True) if inside is None else track.replace(track=without_its_law(inside))
 
 
 TRACKS = {

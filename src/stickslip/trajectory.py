@@ -67,7 +67,10 @@ def _force_column(name: str) -> _Column:
             raise AttributeError(f"this run has no {name}: {why}")
         return self._forces[name]
 
-    return _Column(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+    column.__doc__ = (
+        f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}]."  # given as doc=, that of the class hides it
+    )
+    return _Column(column)
 
 
 @sealed
@@ -75,10 +78,31 @@ def _force_column(name: str) -> _Column:
 class Trajectory(Drawn, RunFiles):
     """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
-    The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
-    actuator_force, actuator_power`` are arrays over the same instants: `samples` in each drive period (ten times `samples`
-    over the whole run where the model has no period) and, exactly, every event (twice where v jumps). Units and meanings
-    stand in `stickslip.variables`. Columns from ``drive_force`` on exist where there is a drive.
+    Its columns are arrays over the same instants: `samples` in each drive period (ten times `samples` over the whole run where the model
+    has no period) and, exactly, every event (twice where v jumps).
+
+    ===============  =====  ===============================================================================
+    column           unit   meaning
+    ===============  =====  ===============================================================================
+    t                s      time
+    x                m      position of the body
+    v                m/s    velocity of the body
+    z                m      inner state of the friction law (mean bristle deflection)
+    mode             1      +1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)
+    acceleration     m/s^2  acceleration of the body
+    xi               m      position of the inner mass relative to the body
+    xi_rate          m/s    velocity of the inner mass relative to the body
+    xi_acceleration  m/s^2  acceleration of the inner mass relative to the body
+    friction_force   N      friction force on the body, positive against forward motion
+    slip             m/s    slip velocity of the contact
+    load             N      normal force that presses the contact
+    drive_force      N      inertial drive force on the whole system
+    actuator_force   N      force of the actuator on the body (Eq. 2.1)
+    actuator_power   W      mechanical power that the actuator delivers
+    ===============  =====  ===============================================================================
+
+    The columns of the inner mass (xi), of the drive and of the actuator exist where there is a drive, slip and load for machines with
+    several contacts. A machine that turns about an axis has rad instead of m, and N m instead of N.
 
     A `Robot` or a mechanism has one body on one contact, and a column is an array (time,). Of a machine of several x, v and
     acceleration are (time, body), mode and friction_force (time, contact), and z is (time, contact, state), NaN where a law has fewer
@@ -98,7 +122,7 @@ class Trajectory(Drawn, RunFiles):
     method : str
         Name of the solver.
     status : str
-        A sentence that says how the run ended.
+        How the run ended, in words.
     samples : int
         Instants per drive period in the columns, a tenth of all instants where there is no period.
     start : dict

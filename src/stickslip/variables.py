@@ -10,7 +10,7 @@ __all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
 
 @dataclass(frozen=True)
 class Variable:
-    """What a column holds, and as what type a sweep keeps it."""
+    """Meaning of a column, and the type in which a sweep stores it."""
 
     name: str
     symbol: str

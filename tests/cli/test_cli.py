@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import subprocess
 import sys
@@ -517,7 +518,12 @@ def test_init_sets_one_number_and_keeps_the_others_and_shows_how_an_incline_is_w
     assert call(capsys, "init", "q.toml", "--set", "amplitude=5e-4")[0] == 0
     text = (files / "q.toml").read_text(encoding="utf-8")
     wanted = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)
-    assert ss.Robot.from_toml(text) == wanted and "1.7 degrees folded in already" in text
+    assert ss.Robot.from_toml(text) == wanted and "1.7 degrees that the friction above contains already" in text
+    assert ss.Robot.from_toml(text).track.folded == wanted.track.folded and "--set incline=gravity" in text
+    assert call(capsys, "init", "l.toml", "--law", "dahl")[0] == 0
+    assert ss.Robot.from_toml((files / "l.toml").read_text(encoding="utf-8")).track == ss.Incline(tilt=math.radians(1.7)), "it is kept"
+    assert call(capsys, "init", "level.toml", "--set", "amplitude=5e-4", "--set", "tilt_deg=0")[0] == 0
+    text, wanted = (files / "level.toml").read_text(encoding="utf-8"), ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4)
     inclined = text.replace('kind = "level"', "").replace('# kind = "incline"', 'kind = "incline"').replace("# tilt =", "tilt =")
     assert ss.Robot.from_toml(inclined) == wanted.replace(track=ss.Incline(tilt=0.035))
     assert call(capsys, "init", "b.toml", "--preset", "piezo_beam_rig")[0] == 0
@@ -559,7 +565,7 @@ def test_a_law_of_ones_own_is_told_how_commands_and_study_files_take_it(files, c
     ]
     lines += ["    def sliding(self, v, load):", "        return ss.maths.where(v > 0, self.mu * load, -self.mu * load)"]
     lines += ["    def breakaway(self, load):", "        return -self.mu * load, self.mu * load"]
-    lines += ["def rig():", "    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=7e-4).replace(friction=Dry())"]
+    lines += ["def rig():", "    return ss.presets.piezo_rig(tilt_deg=0.0, amplitude=7e-4).replace(friction=Dry())"]
     (files / "dry_rig.py").write_text("\n".join(lines), encoding="utf-8")
     assert call(capsys, "run", "dry_rig.py:rig", "periods=5", "--data", "dry.nc")[0] == 0
     code, _, err = call(capsys, "report", "dry.nc")

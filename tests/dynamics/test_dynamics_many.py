@@ -131,7 +131,7 @@ def test_wrong_numbers_of_threads_are_told_what_to_type():
 def two_laws(amplitude):
     """A maker that changes the law along its parameter."""
     law = ss.TanhCoulomb.example() if amplitude < 5e-4 else ss.DeadBand.example()
-    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(friction=law)
+    return ss.presets.piezo_rig(tilt_deg=0.0, amplitude=amplitude).replace(friction=law)
 
 
 def two_tracks(amplitude):

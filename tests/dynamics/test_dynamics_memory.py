@@ -16,7 +16,7 @@ RESET = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.2
 
 
 def rig(law, amplitude=6e-4):
-    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(friction=law)
+    return ss.presets.piezo_rig(tilt_deg=0.0, amplitude=amplitude).replace(friction=law)
 
 
 def in_scales(robot, J):

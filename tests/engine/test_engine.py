@@ -72,7 +72,7 @@ class ElastoPlastic(PlainLuGre):
 def rig(law, amplitude=6e-4):
     like = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude)
     f = like.friction
-    return like.replace(friction=law(f.mu_plus, f.mu_minus, f.f_plus, f.f_minus))
+    return like.replace(friction=law(f.mu_plus, f.mu_minus, f.f_plus, f.f_minus), track=ss.Level())
 
 
 # ---- what a law may do ----

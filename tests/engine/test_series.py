@@ -100,7 +100,7 @@ class Curved(Rational):
 
 
 def rig(friction):
-    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=friction)
+    return ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=friction)
 
 
 def test_the_equations_say_which_machines_are_taken():

@@ -84,7 +84,7 @@ def test_a_law_is_copied_with_changes_and_compared(law):
 
 @pytest.mark.parametrize("name", ss.LAWS)
 def test_a_study_file_holds_every_law(name):
-    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=EVERY[name])
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=EVERY[name])
     assert ss.Robot.from_toml(robot.to_toml()).friction == EVERY[name]
 
 
@@ -158,7 +158,7 @@ class Leaning:
 def test_there_is_one_mirror_image_of_a_law():
     law = Leaning(mu=0.2, lean=0.05)
     assert check_law(law)["mirror symmetry"].value == 0.0
-    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law)
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=law)
     assert ss.mirrored(robot).friction == Leaning(0.2, -0.05)
     both = ss.Sum(law, ss.Viscous(0.1, 0.3))
     assert mirrored(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
@@ -195,7 +195,7 @@ class LuGre(ss.LuGre):
 
 
 BENT_LAW = LuGre(0.15, 0.21, 0.18, 0.24, sigma0=2e4, sigma1=20.0, sigma2=0.4, v_s=2e-3)
-BENT_ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=BENT_LAW)
+BENT_ROBOT = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=BENT_LAW)
 
 
 @pytest.mark.parametrize("method", ["auto", "radau"])
@@ -785,13 +785,13 @@ def test_a_law_of_ones_own_whose_breakaway_cannot_be_is_told_before_anything_run
             return limits(load)
 
     with pytest.raises(ss.InputError, match=re.escape(said)):
-        ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=Own(0.3))
+        ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4).replace(friction=Own(0.3))
 
 
 @pytest.mark.parametrize("sides", [(0.0, 0.4), (0.4, 0.0)])
 def test_friction_of_one_direction_only_is_a_law(sides):
     """Nothing holds at rest, and how near to rest friction is looked at is measured on its own side."""
-    law = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=ss.Viscous(*sides)).friction
+    law = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4).replace(friction=ss.Viscous(*sides)).friction
     assert (law.sliding(-0.1, 1.0), law.sliding(0.1, 1.0)) == (-0.1 * sides[1], 0.1 * sides[0])
 
 

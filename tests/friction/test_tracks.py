@@ -1,5 +1,6 @@
 """Tracks: gravity along and across, friction that varies in time, and the mirror image of a robot."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -30,7 +31,7 @@ every_track = pytest.mark.parametrize("track", EVERY.values(), ids=EVERY)
 
 
 def rig(track, law="coulomb"):
-    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law=law).replace(track=track)
+    return dataclasses.replace(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law=law), track=track)
 
 
 def test_every_kind_of_track_is_tested():
@@ -144,13 +145,27 @@ def test_a_tilt_that_was_folded_into_a_replaced_law_is_not_lost_without_a_word()
     def said(robot):
         return [note for note in robot.notes if "folded" in note]
 
-    robot = rigs["folded"].replace(friction=isotropic)
-    assert said(robot) and "its tilt of 3 degrees" in said(robot)[0] and 'incline="gravity"' in said(robot)[0]
+    replaced = rigs["folded"].replace(friction=isotropic)
+    assert "the tilt of 3 degrees" in said(replaced)[0] and replaced.track.folded == rigs["folded"].track.folded
+    varying = rigs["folded"].replace(track=ss.VaryingFriction(rigs["folded"].track, depth=0.3))
+    others = [  # also of what was written and read, mirrored, or is on a varying track, and of a law that differs both ways
+        ss.mirrored(ss.Robot.from_toml(rigs["folded"].to_toml())).replace(friction=ss.Coulomb(0.13, 0.23)),
+        ss.Robot.from_toml(rigs["folded"].replace(friction=ss.Coulomb(0.13, 0.23)).to_toml()),
+        ss.Chain((varying, varying), ss.Spring(1200.0)).replace({"modules.0.friction": isotropic}).modules[0],
+        ss.Chain((varying, varying), ss.Spring(1200.0)).replace({"modules.0.friction": ss.Coulomb(0.13, 0.23)}).modules[0],
+    ]
+    assert all(said(other) for other in others)
+    with pytest.raises(ss.InputError, match="would add to it"):
+        rigs["folded"].replace(track=ss.VaryingFriction(ss.Incline(0.05), depth=0.3))
+    assert replaced.replace(track=ss.Incline(0.05)) == rigs["folded"].replace(friction=isotropic, track=ss.Incline(0.05))
+    robot = dataclasses.replace(rigs["folded"], friction=isotropic)
+    assert said(robot) and "the tilt of 3 degrees" in said(robot)[0] and 'incline="gravity"' in said(robot)[0]
     assert robot.track == ss.Level() and said(ss.solve(robot, periods=3).model) == said(robot)
     assert said(robot.replace({"drive.amplitude": np.array([5e-4, 6e-4])}))
     silent = [
         rigs["folded"], rigs["gravity"].replace(friction=isotropic), rigs["folded"].replace({"friction.sigma0": 3e5}),
-        rigs["folded"].replace(friction=ss.Coulomb(0.13, 0.23)), robot.replace(track=ss.Level()),
+        rigs["folded"].replace(friction=isotropic, track=ss.Level()), robot.replace(track=ss.Level()),
+        replaced.replace(track=ss.Incline(0.05)),
         ss.presets.piezo_rig(tilt_deg=0, amplitude=7e-4).replace(friction=isotropic),
     ]  # fmt: skip
     assert [said(other) for other in silent] == [[]] * len(silent)

@@ -2,14 +2,16 @@
 
 import base64
 import html
+import inspect
 import re
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import every
 import stickslip as ss
-from stickslip.faces import Text, rounded
+from stickslip.faces import Face, Text, rounded
 
 ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
 
@@ -32,16 +34,35 @@ def results():
     }  # fmt: skip
 
 
-def test_every_result_has_a_face_and_most_a_picture(results):
+def test_every_result_has_a_face_and_a_picture(results):
     before = plt.get_fignums()
-    without = {"energy", "sensitivity", "ranking"}
     for name, result in results.items():
         shown = result._repr_html_()
         pictures = re.findall(r'src="data:image/png;base64,([^"]+)"', shown)
-        assert bool(pictures) == (name not in without), name
+        assert pictures, name
         assert all(base64.b64decode(picture).startswith(b"\x89PNG") for picture in pictures)
         assert "<b>" in shown and "nan" not in re.sub(r'src="[^"]+"', "", shown), name
     assert plt.get_fignums() == before  # a notebook would show those a second time
+
+
+def test_what_a_function_returns_draws_itself_or_says_why_not():
+    """Every class that a public function names as what it returns."""
+    functions = [f for f in (getattr(ss, name) for name in dir(ss)) if inspect.isfunction(f)]
+    returned = {cls for f in functions for cls in _named(f) if cls.__module__.startswith("stickslip.")}
+    without = {cls.__name__ for cls in returned if not callable(getattr(cls, "plot", None))}
+    assert len(returned) > 25 and without == every.without_picture.keys()
+    assert all(callable(getattr(cls, "plot", None)) for cls in _faces(Face))
+
+
+def _named(function):
+    """The classes in the annotation of what a function returns."""
+    words = re.findall(r"\w+", str(inspect.signature(function).return_annotation))
+    found = [inspect.unwrap(function).__globals__.get(word) for word in words]
+    return [cls for cls in found if inspect.isclass(cls)]
+
+
+def _faces(cls):
+    return [sub for one in cls.__subclasses__() for sub in (one, *_faces(one))]
 
 
 def test_a_face_says_what_the_result_holds(results):
@@ -54,7 +75,7 @@ def test_a_face_says_what_the_result_holds(results):
 
 
 def test_results_with_a_figure_draw_it(results):
-    for name in ("run", "chain", "motion", "motions", "orbit", "exponents", "branch", "verdict", "comparison", "propagated", "fit"):
+    for name in results.keys() - {"bench", "benches"}:  # whose figures have several axes
         axes = plt.subplots()[1]
         assert results[name].plot(ax=axes) is axes and axes.has_data() | bool(axes.texts), name
     plt.close("all")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from runs import coulomb_run, unit_robot
 from stickslip.batch import Labels
+from stickslip.datasets import COLUMNS
 from stickslip.dense_output import HarmonicArcs, PolynomialPieces, pieces_from_arrays
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
+from stickslip.variables import VARIABLES
 
 
 @pytest.fixture(scope="module")
@@ -137,3 +141,12 @@ def test_a_summary_gives_its_columns_by_name_and_as_a_dataset():
     assert data["drive.amplitude"].values.tolist() == [1, 2, 3] and data.mean_velocity.attrs["units"] == "m/s"
     with pytest.raises(AttributeError, match="mean_velocity"):
         many.mean_velocty  # noqa: B018
+
+
+def test_the_help_of_a_run_lists_every_column_with_its_unit_and_meaning():
+    told = [re.split(r"  +", line.strip(), maxsplit=2) for line in ss.Trajectory.__doc__.splitlines()]
+    listed = [tuple(row) for row in told if row[0] in COLUMNS]
+    assert listed == [(name, VARIABLES[name].unit, VARIABLES[name].long_name) for name in COLUMNS]
+    assert all(
+        f"[{VARIABLES[name].unit}]" in (getattr(ss.Trajectory, name).__doc__ or "") for name in ("t", "x", "v", "slip", "load", "xi")
+    )

@@ -212,3 +212,64 @@ def test_a_spectrum_of_several_is_drawn_one_by_one():
         ss.plot.spectrum(lines)
     assert ss.plot.spectrum(lines.sel(body="head")).get_yscale() == "log"
     assert ss.plot.spectrum(lines.sel(body="sledge")).get_yscale() == "linear"  # it never moves
+
+
+def test_the_bars_of_energy_add_up_to_the_line_of_its_change():
+    balance = ss.energy(ss.solve(ss.presets.two_modules(), periods=12))
+    ax = balance.plot()
+    assert ax.get_ylabel() == "work in a drive period (µJ)" and ax.get_xlabel() == "drive period"
+    heights = sum(np.array([bar.get_height() for bar in bars]) * np.sign([bar.get_y() + 0.5 * bar.get_height() for bar in bars])
+                  * np.sign([bar.get_height() for bar in bars]) for bars in ax.containers)  # fmt: skip
+    (line,) = [line for line in ax.lines if line.get_label() == "change of energy"]
+    assert heights == pytest.approx(line.get_ydata(), abs=1e-9 * max(abs(heights).max(), 1e6 * abs(balance.drive).max()))
+    assert [text.get_text() for text in balance.plot().get_legend().get_texts()][-1] == "damping"
+
+
+def test_the_balance_of_a_bench_that_nothing_drives_is_one_bar():
+    machine = every_machine["BlockOnBelt"][0]
+    assert ss.energy(ss.solve(machine, duration=4.0)).plot().get_ylabel() == "work (mJ)"
+
+
+def test_a_bar_of_sensitivity_is_the_relative_derivative():
+    found = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude", "friction.mu_plus"])
+    bars = {round(bar.get_y() + 0.5 * bar.get_height()): bar.get_width() for bar in found.plot().patches}
+    assert [bars[0], bars[1]] == pytest.approx(list(found.relative), rel=1e-12) and bars[0] > 0 > bars[1]
+    rest = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-4, law="coulomb"), wrt=["drive.amplitude"])
+    with pytest.raises(ss.InputError, match="no number has a relative derivative"):
+        rest.plot()
+
+
+def test_a_dot_of_check_is_the_difference_of_a_method_and_what_was_skipped_has_none():
+    found = ss.check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20, rk4_steps=(200,), scipy=False)
+    ax = found.plot()
+    dots = {float(y): float(x) for line in ax.lines for x, y in line.get_xydata()}
+    compared = [judge for judge in found.judges if np.isfinite(judge.difference)]
+    assert len(dots) == len(compared) and dots[0.0] == abs(compared[-1].difference) and ax.get_xscale() == "log"
+
+
+def test_indices_are_drawn_with_their_intervals():
+    from stickslip.optimising.propagation import Indices
+
+    found = Indices({"a": 0.7, "b": 0.1}, {"a": 0.9, "b": 0.2}, {"a": (0.6, 0.8), "b": (0.0, 0.2)}, {"a": (0.8, 1.0), "b": (0.1, 0.3)})
+    ax = found.plot()
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["b", "a"]
+    assert [list(bars.lines[0].get_xdata()) for bars in ax.containers] == [[0.1, 0.7], [0.2, 0.9]]
+
+
+def test_a_law_that_the_data_do_not_support_is_hollow():
+    from stickslip.identifying.ranking import Ranked, Ranking
+
+    rows = (Ranked("lugre", 3, 1.0, 0.0, 0.0, 0.9, float("nan")), Ranked("coulomb", 2, 2.0, 50.0, float("inf"), 0.1, float("nan")))
+    ax = Ranking(rows, True, "lugre is supported", 100.0, 100, ("lugre",)).plot()
+    bars = {bar.get_width(): bar.get_facecolor() for bar in ax.patches if bar.get_height() == 0.5}
+    assert set(bars) == {0.0, 50.0} and bars[50.0] == (1.0, 1.0, 1.0, 1.0)
+
+
+def test_a_parameter_that_is_not_determined_stands_at_the_right_edge():
+    from stickslip.identifying.designing import Design, Experiment
+
+    one = Experiment(({"amplitude": 4e-4},), {"mu0": 0.018, "sigma0": float("inf")}, float("nan"), {})
+    ax = Design({"mu0": 0.18, "sigma0": 4e5}, (one,), ()).plot()
+    dots = {line.get_label(): float(line.get_xdata()[0]) for line in ax.lines}
+    assert dots["mu0"] == pytest.approx(10.0) and dots["sigma0"] == ax.get_xlim()[1]
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["amplitude = 0.0004"]

@@ -316,7 +316,7 @@ def test_the_dimensionless_form_is_refused_where_a_subclass_has_other_equations(
     lugre = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
     assert ss.dimensionless(lugre).mu == lugre.mass_ratio
     parts = {f.name: getattr(lugre.friction, f.name) for f in dataclasses.fields(lugre.friction)}
-    for robot in (lugre.replace(friction=Softer(**parts)), lugre.replace(drive=Skewed(6e-4, omega=OMEGA))):
+    for robot in (dataclasses.replace(lugre, friction=Softer(**parts)), lugre.replace(drive=Skewed(6e-4, omega=OMEGA))):
         with pytest.raises(ss.InputError, match=r"are not those of Eq\. 5\.1"):
             ss.dimensionless(robot)
 

@@ -321,7 +321,7 @@ class Pushing(Rubber):
 
 
 def with_law(law):
-    return rig(1.7, 5.5e-4).replace(friction=law)
+    return rig(0.0, 5.5e-4).replace(friction=law)
 
 
 def test_a_users_own_law_is_asked_and_not_assumed():

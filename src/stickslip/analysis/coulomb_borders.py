@@ -72,9 +72,9 @@ def border_functions(alpha_plus: Array, alpha_minus: Array) -> dict[tuple[str, s
 def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> list[Border]:
     """The exact borders of the motion types of the robot with Coulomb friction, over the plane of a map.
 
-    The dataset's columns alpha_plus and alpha_minus say what the two axes do to the robot; between its points they are interpolated
-    (their logarithms by cubic splines), so the curves are much finer than the map. Under a dynamic law they belong to the robot's twin
-    with Coulomb friction at the kinetic coefficients, whose borders the law's own come near to as its bristles stiffen.
+    The columns alpha_plus and alpha_minus of the dataset give the effect of the two axes; between its points they are interpolated
+    (their logarithms by cubic splines), so the curves are much finer than the map. Under a dynamic law the borders are those of the same
+    robot with Coulomb friction at the kinetic coefficients, which the borders of the law approach as its bristles become stiffer.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
 from stickslip.dense_output import HarmonicArcs
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
@@ -26,7 +26,7 @@ NODES_ARC, NODES_STEP = 24, 10
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Energy(Face):
+class Energy(Drawn):
     r"""Energy balance in each period, :math:`W_d + W_g - W_f - W_c = \Delta E + \Delta U` with :math:`E = (M+m)\dot x^2/2`.
 
     A run without a period is one row; so is what a run has left over behind its last whole period.
@@ -72,6 +72,8 @@ class Energy(Face):
     settle: int
     friction_of: dict[str, Array] = field(default_factory=dict)
     damping_of: dict[str, Array] = field(default_factory=dict)
+
+    _drawn_by = "energy"
 
     def _facts(self) -> dict[str, Any]:
         works = {name: getattr(self, name) for name in ("drive", "gravity", "friction", "damping")}

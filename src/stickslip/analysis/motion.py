@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -310,7 +311,7 @@ def coulomb_twin(model: Any) -> Any:
         return model
     if not _has_kinetic(law):
         return None
-    return model.replace(friction=Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus))
+    return dataclasses.replace(model, friction=Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus))  # contains a folded incline, too
 
 
 def _has_kinetic(law: Any) -> bool:

@@ -134,7 +134,7 @@ def hops(run: Run, contact: str | None = None) -> Hops:
     Parameters
     ----------
     run : Trajectory
-        Of a machine with a contact that flies and lands, such as a `MovingTrack` that moves across.
+        The run of a machine with a contact that takes off and lands, such as a `MovingTrack` with a normal motion.
     contact : str, optional
         Name of the contact; the first one that can fly, if not given.
 

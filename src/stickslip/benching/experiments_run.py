@@ -51,9 +51,9 @@ def bench(
 ) -> Any:
     r"""The behaviour of a friction law by itself: the standard experiments of the friction literature, with numbers and curves.
 
-    Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss per
-    cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, ways and
-    forces are chosen from what is typical of the law, and stand in ``conditions`` of each experiment.
+    Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss
+    per cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, ways and
+    forces are chosen as typical of the law, and are listed in ``conditions`` of each experiment.
 
     The contact is moved as prescribed in the first four, by the law as it is written; the last three are mechanisms solved by
     `stickslip.solve`, whose kernels are compiled once for each law that has inner states.
@@ -61,7 +61,7 @@ def bench(
     Parameters
     ----------
     law : law, its class or its name, or a list of them
-        A class or a name stands for its example.
+        For a class or a name its example is taken.
     load : float
         Normal force [N].
     mass : float
@@ -72,7 +72,7 @@ def bench(
     experiments : list of str, optional
         Which of `EXPERIMENTS`; all of them if not given.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (what is done, how many are done, how many there are).
+        True for a progress line, or a function that is called with (what is done, how many are done, how many there are).
 
     Returns
     -------

@@ -122,7 +122,7 @@ class Bench(Drawn):
     experiments : tuple of Experiment
         Also by name: ``found["hysteresis"]``.
     notes : tuple of str
-        What the law says of itself, such as that it is an approximation.
+        Remarks of the law, such as that it is an approximation.
 
     Examples
     --------

@@ -336,6 +336,11 @@ def without_default(name: str) -> list[str]:
     return names_of(found(name).make)[0]
 
 
+def all_of(name: str) -> list[str]:
+    """All arguments of a preset, a study file or a function."""
+    return names_of(found(name).make)[1]
+
+
 def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:
     return (lambda arguments: make(**arguments)) if callable(make) else make.replace
 

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import Parser, parser, subject, without_default
+from stickslip.cli.arguments import Parser, all_of, parser, subject, without_default
 from stickslip.cli.docstrings import about, meanings
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.naming import axis_of, example_for
@@ -71,6 +71,8 @@ def _robot(asked: Any) -> Any:
     problems.check()
     preset, typed = asked.preset or "piezo_rig", [word.partition("=")[0] for word in asked.set]
     usual = [f"{name}={example_for(name):.6g}" for name in without_default(preset) if axis_of(name) and name not in typed]
+    if "friction" in changes and "incline" in all_of(preset) and "incline" not in typed:
+        usual.append("incline=gravity")  # another law would lose the incline that is folded into the preset's own
     return subject(preset, [*asked.set, *usual], solver=()).robot().replace(**changes)
 
 
@@ -109,9 +111,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
     if type(record) in names and len(kinds) > 1:
         lines.append(_remarked(f'kind = "{names[type(record)]}"', _others(where.rpartition(".")[2], kinds)))
     if type(record) is Level:
-        folded = f" (the friction has {math.degrees(record.folded):.4g} degrees folded in already)" if record.folded else ""
-        lines += [_remarked('# kind = "incline"', f"instead, for gravity along the track{folded}, with the next line:")]
-        lines += [_remarked("# tilt = 0.035", f"[rad] {meanings(Incline)['tilt']['meaning']}")]
+        lines += _of_level_track(record, meanings(Incline)["tilt"]["meaning"])
     known = kinds_of(type(record))
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
@@ -125,6 +125,16 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
             unit = f"[{words['unit']}] " if words["unit"] else ""
             lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + words["meaning"]))
     return lines + inner
+
+
+def _of_level_track(track: Any, tilt: str) -> list[str]:
+    """How gravity is made to act along a track that is level, which may stand for one that is not."""
+    if track.folded:
+        meaning = f"[rad] the {math.degrees(track.folded):.4g} degrees that the friction above contains already"
+        line = _remarked(f"folded = {track.folded!r}", meaning)
+        return [line, "# for gravity along the track instead: stickslip init --set incline=gravity"]
+    instead = _remarked('# kind = "incline"', "instead, for gravity along the track, with the next line:")
+    return [instead, _remarked("# tilt = 0.035", f"[rad] {tilt}")]
 
 
 def _assigned(tomli_w: Any, name: str, value: Any) -> str:

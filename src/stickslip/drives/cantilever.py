@@ -26,9 +26,10 @@ def cantilever_eigenvalues(tip_mass_ratio: Numbers, n: int) -> NDArray[np.float6
 
     .. math:: 1 + \cos b\cosh b + R\,b\,(\cos b\sinh b - \sin b\cosh b) = 0, \qquad R = \frac{m}{\rho A L}
 
-    None can be missed. The force that shakes the tip with amplitude 1, K - m omega^2, falls strictly with omega^2 between two
-    frequencies of the beam whose tip is pinned (tan b = tanh b), from +infinity to -infinity. So each of these intervals, and the first
-    one that begins at 0, holds exactly one root, and the i-th of them holds the i-th. The roots are bisected down to the last bit.
+    No root can be missed. The force that moves the tip with amplitude 1, K - m omega^2, decreases strictly with omega^2 from +infinity
+    to -infinity between two frequencies of the beam whose tip is pinned (tan b = tanh b). Each of these intervals, and the first one
+    that begins at 0, therefore contains exactly one root, and the i-th interval contains the i-th root. The roots are bisected down to
+    the last bit.
 
     Parameters
     ----------

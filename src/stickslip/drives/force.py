@@ -42,7 +42,7 @@ class Force(Frozen):
 
 @dataclass(frozen=True, eq=False, init=False)
 class ForceSum(Force):
-    r"""Forces that act at once; ``a + b`` makes one.
+    r"""Forces that act simultaneously; written ``a + b``.
 
     Its period is the smallest that all of them have in common.
 

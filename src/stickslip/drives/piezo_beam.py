@@ -205,7 +205,7 @@ class PiezoBeam(Frozen):
 
     @explains_arguments
     def notes(self, voltage: Any = None, frequency: Any = None) -> list[str]:
-        """What to know about this beam and, if they are given, about driving it with this voltage [V] and frequency [Hz]."""
+        """Remarks on this beam and, if given, on driving it with this voltage [V] and frequency [Hz]."""
         if voltage is None or frequency is None:
             return beam_notes.of_beam(self)
         return [*beam_notes.of_beam(self), *beam_notes.of_use(self, *given(voltage, frequency))]

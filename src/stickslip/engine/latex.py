@@ -20,7 +20,7 @@ __all__ = ["aligned", "latex", "written"]
 
 @explains_arguments
 def latex(model: LawOrModel) -> str:
-    r"""The equations of a friction law, or of a whole robot or machine, as LaTeX, derived from their own code.
+    r"""The equations of a friction law, robot or machine as LaTeX, derived from the code that solves them.
 
     Parameters
     ----------
@@ -32,15 +32,16 @@ def latex(model: LawOrModel) -> str:
     Returns
     -------
     str
-        An ``aligned`` block: the friction force R and the rates of the inner states for v > 0 and v < 0; for a set-valued law
-        the sliding forces and the interval of forces at rest. Memories of a law stand as m, what would hold the body as R_0.
-        Bodies and contacts have their names as index, or their numbers where the names are numbered; what is the same for several contacts
-        stands once, with the index i. A field of a class of your own may say its symbol: ``field(metadata={"symbol": "m_1"})``.
+        An ``aligned`` block: the friction force R and the rates of the inner states for v > 0 and v < 0; for a set-valued law the
+        sliding forces and the interval of forces at rest. Memories of a law are written as m, the force that would hold the body as R_0.
+        Bodies and contacts have their names as index, or their numbers where the names are numbered; lines that are the same for several
+        contacts are written once, with the index i. A field of a user-defined class may name its symbol: ``field(metadata={"symbol":
+        "m_1"})``.
 
     Raises
     ------
     InputError
-        If it is neither, or if what drives it is no formula, such as a record.
+        If it is neither, or if its drive is not a formula, such as a record.
 
     Examples
     --------

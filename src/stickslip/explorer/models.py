@@ -175,8 +175,8 @@ def _anisotropic(p: Values) -> dict[str, Any]:
 
 _COEFFICIENTS = {"mu_plus": MU_PLUS, "mu_minus": MU_MINUS, "f_plus": F_PLUS, "f_minus": F_MINUS}
 CONTACTS: dict[str, Part] = {
-    "isotropic": Part("the same both ways", {"mu0": MU0, "f0": F0}, _isotropic),
-    "anisotropic": Part("different both ways", _COEFFICIENTS, _anisotropic),
+    "isotropic": Part("the same in both directions", {"mu0": MU0, "f0": F0}, _isotropic),
+    "anisotropic": Part("different in the two directions", _COEFFICIENTS, _anisotropic),
 }
 #: Speeds at which the tabulated law reads the Stribeck curve off, in Stribeck velocities.
 _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)

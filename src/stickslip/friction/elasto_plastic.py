@@ -105,7 +105,7 @@ class ElastoPlastic(Law):
         return self.v_s
 
     def notes(self, load: Any) -> list[str]:
-        """What a user should know about these numbers: an elastic range that ends beyond sliding."""
+        """Remarks on the numbers, such as an elastic range that ends beyond sliding."""
         import numpy as np
 
         found = []

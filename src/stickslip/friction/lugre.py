@@ -86,7 +86,7 @@ class LuGre(Law):
         return self.v_s
 
     def notes(self, load: Any) -> list[str]:
-        """What a user should know about these numbers: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""
+        """Remarks on the numbers: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""
         return _passivity(self)
 
 

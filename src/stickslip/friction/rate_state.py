@@ -32,14 +32,14 @@ class RateState(Law):
               \dot\theta = -\frac{|v|\theta}{D_c}\ln\frac{|v|\theta}{D_c} \quad\text{(slip)},
 
     and the inner state of the law is :math:`\varphi`. The inverse hyperbolic sine makes the logarithm smooth through v = 0 (Rice and
-    Ben-Zion 1996). Friction is the same both ways. A run that does not say otherwise begins at the age of steady sliding at v0.
+    Ben-Zion 1996). Friction is the same in both directions. Unless specified otherwise, a run begins at the age of steady sliding at v0.
 
     Parameters
     ----------
     mu0 : float
         Friction coefficient at the speed v0 [-].
     a : float
-        Direct effect: how much friction grows at once with the logarithm of the speed [-].
+        Direct effect: immediate increase of the friction coefficient with the logarithm of the velocity [-].
     b : float
         Evolution effect: how much of it is lost as the contacts get younger [-]; stick-slip needs b > a.
     Dc : float

@@ -16,7 +16,7 @@ __all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]
 
 @dataclass(frozen=True, eq=False)
 class Sum(Law):
-    """Two laws that act on one contact at once; `a + b` makes one, and so does ``Sum(a, b)``.
+    """Two laws that act simultaneously on one contact; written `a + b` or ``Sum(a, b)``.
 
     Set-valued laws add to a set-valued law. A law with inner states takes any law that holds nothing at rest, such as `Viscous`.
     Two laws with inner states, or one and a law that sticks, have no sum here.

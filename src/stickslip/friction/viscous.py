@@ -18,7 +18,7 @@ class Viscous(Law):
 
     .. math:: R = c_\pm v + d_\pm v\,|v|
 
-    Seldom alone: add it to a law of dry friction, ``Coulomb(...) + Viscous(...)``.
+    It is usually added to a law of dry friction: ``Coulomb(...) + Viscous(...)``.
 
     Parameters
     ----------

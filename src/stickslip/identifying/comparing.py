@@ -165,8 +165,8 @@ def compare(
     robot : Robot
         The robot that was measured.
     laws : list, or dict of label -> law
-        Laws; or names: that of the robot's own law, or "coulomb" for Coulomb friction at the robot's kinetic coefficients (Eq. 2.4).
-        A whole robot may stand for a law.
+        Laws; or names: that of the robot's own law, or "coulomb" for Coulomb friction at the robot's kinetic coefficients (Eq. 2.4). A
+        complete robot may be given instead of a law.
     using : {"auto", "velocity", "position"}
     frequency : float, optional
         Drive frequency [Hz]; otherwise it is refined from the record.

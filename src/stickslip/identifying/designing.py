@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.identifying.fit_text import NOT_DETERMINED
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.sensed import of_records
@@ -57,7 +57,7 @@ class Experiment:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Design(Face):
+class Design(Drawn):
     """What experiments can tell about some parameters.
 
     Parameters
@@ -73,6 +73,8 @@ class Design(Face):
     values: dict[str, float]
     experiments: tuple[Experiment, ...]
     notes: tuple[str, ...]
+
+    _drawn_by, _inches = "design", (4.4, 2.6)
 
     @property
     def best(self) -> Experiment:
@@ -133,7 +135,7 @@ def design(
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
-    """Which experiment determines the parameters best, or discriminates best between rival laws; and what none of them can determine.
+    """The experiment that best determines the parameters or discriminates between rival laws; and what none of them can determine.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ class Fit(Face):
     records : tuple
         What was fitted: records, and mean velocities.
     penalty : float
-        Sum of squares of what is known beforehand.
+        Sum of squares of the priors.
     stopped : bool
         Whether the search was interrupted.
 
@@ -235,7 +235,7 @@ class Fit(Face):
 
     @property
     def correlations(self) -> NDArray[np.float64]:
-        """Correlations of the free parameters, in the order of `values`; NaN beside one that the data do not determine."""
+        """Correlations of the free parameters, in the order of `values`; NaN for parameters that the data do not determine."""
         size = np.sqrt(np.diag(self.covariance))
         known = np.isfinite(size)
         product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
@@ -252,18 +252,18 @@ class Fit(Face):
         name : str
         level : float
         method : {"auto", "covariance", "profile", "bootstrap"}
-            From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
-            parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
-            "auto" is by covariance where the sum of squares rises as a parabola would within two standard errors and to the interval's
-            ends, else by profile; also for a parameter that changes nothing near its value, but may farther away.
+            From the curvature at the optimum (immediate); by refitting the other parameters on either side, which accounts for a
+            likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1``; the same numbers
+            for any workers). "auto" uses the covariance if the sum of squares is parabolic within two standard errors and to the ends of
+            the interval, otherwise the profile; also for a parameter that changes nothing near its value, but may farther away.
         part : {"total", "statistical", "systematic"}
-            Statistical is what noise alone would leave if the sensors, and all that is known beforehand, were as they are fitted;
-            systematic is what these add. Lengths on either side add up in squares to the total.
+            The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
+            is what these add. The squares of the lengths on either side add up to that of the total.
 
         Returns
         -------
         tuple of float
-            It ends at a bound where the data do not end it before: at both, for a parameter that they do not determine.
+            It ends at a bound if the data do not limit it before: at both bounds for a parameter that they do not determine.
         """
         problems = Problems("interval")
         if name not in self.values:
@@ -326,17 +326,17 @@ class Fit(Face):
 
     @explains_arguments
     def bands(self, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:
-        """Bands of what the model gives in a record: of its curve, and of new measurements with the noise of the record.
+        """Bands of the model for a record: of its curve, and of new measurements with the noise of the record.
 
         Parameters
         ----------
         record : int
         level : float
-            Part of the curves, or measurements, inside.
+            Fraction of the curves, or of the measurements, inside the band.
         samples : xarray.Dataset, optional
-            From `sample`; without it numbers are spread as the covariance says.
+            From `sample`; if not given, numbers are drawn from the covariance.
         draws : int
-            Curves that are computed.
+            Number of curves that are computed.
         seed : int
 
         Returns
@@ -352,7 +352,7 @@ class Fit(Face):
     def next_experiment(
         self, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
     ) -> Design:
-        """Which experiment, done next and fitted together with the records so far, determines what these do not, or most of it.
+        """The next experiment that, fitted together with the present records, best determines the parameters that these do not determine.
 
         Parameters
         ----------
@@ -467,7 +467,7 @@ class Fit(Face):
     def report(self, path: str | Path) -> Path: ...
     @explains_arguments
     def report(self, path: str | Path | None = None) -> str | Path:
-        """The fit as text; with a path as one HTML file with data, fit, residuals, uncertainties and provenance (its path is returned)."""
+        """The fit as text; with a path, as an HTML file with data, fit, residuals, uncertainties and provenance (returns its path)."""
         if path is None:
             from stickslip.identifying.fit_text import told
 

@@ -70,32 +70,33 @@ def identify(
 ) -> Fit:
     """Fit the parameters of a robot, or of a friction law, to one or several records at once.
 
-    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. Of more than 20 000 samples of a
-    velocity those at neighbouring phases of the motion are averaged, in five parts of the record apart. The search begins at many
-    places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps, and from the best places of the
-    simpler laws inside the one that is fitted. Ctrl-C ends it with the best place so far, and a note.
+    Curves are compared at the sampling times of the record; the phase of the drive in each record is fitted too. If a velocity has more
+    than 20 000 samples, those at neighbouring phases of the motion are averaged, separately in five parts of the record. The search
+    starts from many points of a Sobol sequence, which are evaluated in batches. It continues by trust-region steps from the best of
+    them, and from the best fits of the simpler laws contained in the fitted one. Ctrl-C ends it with the best fit so far, and a note.
 
-    The sensor is part of the model: it shows ``gain * h(t - delay) + offset + drift * t`` of what the model gives, so that a zero which
-    is off or a gain of 1.02 widens the intervals instead of moving the numbers. A free offset takes the mean velocity away from what a
-    record tells: a speed measured otherwise is given beside it, as ``[record, ("normal", 2.1e-3, 2e-5)]``.
+    The sensor is part of the model: its reading is ``gain * h(t - delay) + offset + drift * t`` of the modelled quantity h, so that an
+    offset or a gain of 1.02 widens the intervals instead of shifting the numbers. With a free offset a record contains no information on
+    the mean velocity; a speed that was measured otherwise is given in addition, as ``[record, ("normal", 2.1e-3, 2e-5)]``.
 
     Parameters
     ----------
     records : Record, number, or a list of them
-        A number is a mean velocity [m/s]; beside records it says how sure it is: ``("normal", mean, sd)`` or ``(value, "1%")``.
+        A number is a mean velocity [m/s]; together with records it is given with its uncertainty: ``("normal", mean, sd)`` or ``(value,
+        "1%")``.
     make : callable or Robot or law
         A maker with its arguments, such as ``ss.presets.piezo_rig``; a robot, whose fields are then named with dots; or the class of a
         law (or a law), which is then fitted as force against motion.
     free : dict
-        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm; or what is known of
-        them: ``("normal", mean, sd)``, ``("uniform", low, high)``, ``(value, "1%")``. ``"amplitude[0]"`` is that of the first record
-        alone, ``"amplitude[:]"`` one for each record.
+        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm; or a prior: ``("normal",
+        mean, sd)``, ``("uniform", low, high)``, ``(value, "1%")``. ``"amplitude[0]"`` is that of the first record alone,
+        ``"amplitude[:]"`` one for each record.
     tied : dict, optional
         Arguments that follow from others: another's name, or a function of the dict of all of them.
     using : {"auto", "velocity", "position", "mean", "force"}
-        What is compared. "auto" takes force for a law, else velocity, else position.
+        The quantity that is compared. "auto" takes force for a law, else velocity, else position.
     noise : float, optional
-        Standard deviation of one value [SI]. Without it, its size is taken from the residuals.
+        Standard deviation of one value [SI]; if not given, it is estimated from the residuals.
     frequency : float, optional
         Drive frequency of the records [Hz]; otherwise it is refined from each record, and fitted along.
     load : float, optional
@@ -104,29 +105,29 @@ def identify(
         Drive periods at the start of each record that are not compared with steady motion; "auto" leaves out those that differ from the
         later ones by more than the noise, and a note says so.
     transient : bool
-        Fit the start too: each record is simulated from its first sample on, its velocity at the strobe time before that fitted along, its
-        bristles unbent there. Of forces over a motion that does not repeat, how far the bristles are bent at the first sample is fitted
+        Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
+        unbent bristles. Of forces over a motion that does not repeat, how far the bristles are bent at the first sample is fitted
         (``fit.sensor["start[0]"]``, from -1, as after a slow slide backwards, by 0, unbent, to 1); of logs of machines it always is.
     sensor : dict, optional
-        What the sensors add. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
-        forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Else the effects that are to be considered:
-        ``dict(offset=0.0, gain=("normal", 1.0, 0.02), drift=None)`` holds one, says what is known of another, and leaves a third free.
-        Names: offset and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal
-        force) and inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one
-        for each.
+        Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
+        forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
+        gain=("normal", 1.0, 0.02), drift=None)`` fixes the first, gives a prior for the second, and leaves the third free. Names: offset
+        and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
+        inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
     weights : array, or list of them, optional
         A weight for each sample (of one record, or of each): the square of its residual counts so many times. 0 leaves it out.
     loss : {"squares", "huber", "bisquare"}
-        What grows with residuals: their squares; or less where they are far beyond the bulk, so that outliers do not move the fit ("huber"
-        beyond 1.3 standard deviations of the bulk in proportion, "bisquare" beyond 4.7 no more). Intervals are those of such estimates.
+        Loss function: the squares of the residuals, or one that grows less for large residuals, so that outliers do not dominate the fit
+        ("huber": linearly beyond 1.3 standard deviations of the bulk; "bisquare": constant beyond 4.7). Intervals take the loss function
+        into account.
     starts : int
-        Places of the multistart.
+        Number of starting points of the search.
     seed : int
         Of the multistart.
     rtol : float
         Of the solver.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (done, in all).
+        True for a progress line, or a function that is called with (done, in all).
     **arguments
         Arguments of `make` that are known: one value, or a list with one for each record.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
@@ -56,7 +56,7 @@ class Ranked:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Ranking(Face):
+class Ranking(Drawn):
     """Laws in the order in which the data support them, and the verdict.
 
     Parameters
@@ -81,6 +81,8 @@ class Ranking(Face):
     effective: float
     count: int
     supported: tuple[str, ...] = ()
+
+    _drawn_by = "ranking"
 
     @property
     def reason(self) -> str:
@@ -118,10 +120,10 @@ class Ranking(Face):
 def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
     """Order fits of several laws to the same records by information criteria and by records that were held out.
 
-    A law is not supported if the residuals of its fit are correlated or larger than the noise, if a number of it sits at a bound, or if
-    its search was interrupted, however much better than others it fits; where no fit is without such a fault, no law fits. Correlated
-    residuals also say less than their number: all criteria count the independent ones, as those of the best fit are. If that leaves too
-    little, or criteria and held-out records disagree, the verdict is that these data cannot tell.
+    A law is not supported if the residuals of its fit are correlated or larger than the noise, if one of its numbers is at a bound, or
+    if its search was interrupted, however much better than the others it fits; if every fit has such a fault, no law fits. Correlated
+    residuals carry less information than their number suggests: all criteria count the independent ones, as estimated from the best fit.
+    If these are too few, or if criteria and held-out records disagree, the verdict is that the data cannot decide.
 
     Parameters
     ----------

@@ -14,16 +14,16 @@ __all__ = ["load"]
 
 @explains_arguments
 def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> Trajectory:
-    """Read a run that `Trajectory.save` wrote.
+    """Read a run saved by `Trajectory.save`.
 
     Parameters
     ----------
     path : str or Path
     laws : sequence of classes
-        Your own friction laws, for runs that used one. Without them such a run still has its motion (t, x, v, z, mode, strobe points);
-        its forces then say what to type.
+        User-defined friction laws of the run. Without them the run still has its motion (t, x, v, z, mode, strobe points); an error
+        explains how to obtain its forces.
     machines : sequence of classes
-        Your own machines of bodies and contacts, for runs of one; such a run is not read without its class.
+        User-defined machines; a run of such a machine cannot be read without its class.
 
     Returns
     -------

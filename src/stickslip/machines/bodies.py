@@ -57,7 +57,7 @@ class Bodies(Frozen):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the bodies are called, from head to tail."""
+        """Names of the bodies, from head to tail."""
         return tuple(f"body {i + 1}" for i in range(self.count))
 
     @classmethod

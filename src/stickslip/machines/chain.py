@@ -111,7 +111,7 @@ class Chain(Machine):
 
     @property
     def velocity_scale(self) -> Any:
-        """The largest velocity scale of the drives [m/s]; of a chain without one what its parts say."""
+        """The largest velocity scale of the drives [m/s]; for a chain without drives that of its parts."""
         return _largest(drive_of(drive).velocity_scale for drive in self._driven.values()) if self._driven else None
 
     @property

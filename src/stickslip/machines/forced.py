@@ -28,20 +28,20 @@ class Forced(Frozen):
         M\ddot x &= k s_r + c\dot s_r - C - F(t) - R + M g\sin\theta, \qquad s_r = s - x \\
         m\ddot s &= F(t) - k s_r - c\dot s_r + C + m g\sin\theta
 
-    The force is one between the two, so that the body feels its reaction; without `reaction` it comes from outside, as that of a magnet
-    beside the track does. C is what stops do. The spring is relaxed where a run begins that says nothing else, and from there stops are
-    counted.
+    The force acts between the two, so the body feels its reaction; without `reaction` it acts from outside, like that of a magnet next
+    to the track. C is the force of the stops. Unless a run specifies otherwise, the spring is relaxed at the start; the gaps of stops
+    are measured from there.
 
     Parameters
     ----------
     force : HarmonicForce, Pulses, RecordedForce or any force
-        F, forwards on the inner mass [N]; forces add up with +.
+        F, forwards on the inner mass [N]; forces are added with +.
     stiffness : float, optional
         k of the spring between body and inner mass [N/m]; 0 is not a spring.
     damping : float, optional
-        c of the damper beside it [N s/m].
+        c of the parallel damper [N s/m].
     stops : tuple of Stop, optional
-        What ends the way of the inner mass: where it is `gap` ahead of its rest position, or, with ``side=-1``, behind.
+        Stops that limit the displacement of the inner mass: at `gap` ahead of its rest position or, with ``side=-1``, behind it.
     reaction : bool, optional
         Whether the body feels the reaction of the force.
 
@@ -97,11 +97,11 @@ class Forced(Frozen):
         return tuple(getattr(self.force, "notes", None) or ())
 
     def machine(self, robot: Any) -> BodyAndMass:
-        """The machine of two bodies that a robot with this drive is."""
+        """The equivalent machine of two bodies."""
         return BodyAndMass(robot)
 
     def mirrored(self) -> Forced:
-        """The drive turned round."""
+        """The reversed drive."""
         stops = tuple(replace(stop, side=-stop.side) for stop in self.stops)
         return replace(self, force=self.force.mirrored(), stops=stops)
 

@@ -82,7 +82,7 @@ class Joint(Machine):
     motor_constant : float, optional
         K, torque of the motor for each ampere [N m/A]: what a record of its current is multiplied with.
     angle : float, optional
-        Where a run begins that says nothing else [rad].
+        Initial angle [rad], unless a run specifies another one.
     cycles : tuple of int, optional
         How many periods of torque and target make one period of the joint, in which samples come back too; the joint finds them itself.
         Zeros: they have no common period, and a run has a duration.

@@ -27,7 +27,7 @@ class Body(Frozen):
     force : float or callable, optional
         Applied force, all but links and friction [N]: a number, or a function of time [s], its position [m] and its velocity [m/s].
     position : float, optional
-        Where a run begins that says nothing else [m].
+        Initial position [m], unless a run specifies another one.
     jumps : tuple of (instant, jump), optional
         Known jumps of its velocity: instants in [0, period) [s] and what is added to the velocity there [m/s].
     breaks : tuple of float, optional
@@ -155,7 +155,7 @@ class Spring(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class Rigid(Frozen):
-    """A rigid link: the two bodies move as one, and have a contact each.
+    """A rigid link: the two bodies move as one, each with its own contact.
 
     Examples
     --------
@@ -182,7 +182,7 @@ class Gait(Frozen):
 
     .. math:: x_j - x_{j+1} = l + \xi(\omega t - (j-1)\,\lambda), \qquad j = 1, 2, \dots
 
-    The distances follow their drive whatever that takes; what moves freely is the centre of mass.
+    The distances follow their drive exactly; only the centre of mass moves freely.
 
     Parameters
     ----------

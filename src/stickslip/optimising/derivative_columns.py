@@ -30,9 +30,9 @@ _PART = 512  # machines that are followed together
 def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     """A derivative as a column of a sweep: ``observe={"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}``.
 
-    It is exact, by the tangent of the equations along the steady motion on which each machine settles from rest, as by `gradient`. NaN
-    stands where the motion does not repeat or a switch is touched. Beside a change of the sequence of modes it is the derivative on the
-    side on which the machine is; `gradient` of that machine tells of both.
+    It is exact, by the tangent of the equations along the steady motion on which each machine settles from rest, as by `gradient`. It is
+    NaN if the motion does not repeat or touches a switch. Next to a change of the sequence of modes it is the derivative on the side of
+    the machine; `gradient` of that machine gives both.
 
     Parameters
     ----------

@@ -68,15 +68,15 @@ class Gradient(dict[str, float]):
 def gradient(
     model: Model, of: str | Observable = "mean_velocity", wrt: str | Sequence[str] | None = None, rtol: float = RTOL_OF_SLOPES
 ) -> Gradient:
-    """Derivatives of a number of the steady motion by numbers of the machine.
+    """Derivatives of a result of the steady motion with respect to numbers of the machine.
 
-    The motion is the one that the machine settles on from rest. Derivatives are exact, by the tangent of the equations through every
-    switch (see `sensitivity`); those that are differences of two steps, extrapolated, say so in a note.
+    The motion is the one on which the machine settles from rest. Derivatives are exact, by the tangent of the equations through every
+    switch (see `sensitivity`); a note names those that are extrapolated differences.
 
     Parameters
     ----------
     model : Robot or machine
-        With a period, and under a law without chance.
+        With a period, and with a deterministic law.
     of : str or Observable
         "mean_velocity", "drive_power", "cost_of_transport", "friction_power", an extreme ("velocity_max", "velocity_min", "slip_max",
         "slip_min", "stop_force_max"), the state on the strobe ("state.v"), or the mean, the integral or an extreme of an observable of your
@@ -88,13 +88,13 @@ def gradient(
         given, every number by itself.
     rtol : float
         Tolerance of the runs under laws with inner states, 1e-6 to 1e-12. With 1e-9 derivatives of V are good to 1e-5 of how much V
-        changes; to 3e-5 under the steepest friction that was tried, a `TanhCoulomb` whose width is a thousandth of V.
+        changes; to 3e-5 for the steepest friction that was tested, a `TanhCoulomb` whose width is a thousandth of V.
 
     Returns
     -------
     Gradient
-        A dict by the names as they were given, with `value` and `notes`. Where the sequence of modes changes next to a number its
-        derivative is one-sided, and a note says on which side it holds.
+        A dict by the names as they were given, with `value` and `notes`. If the sequence of modes changes next to a value, the
+        derivative is one-sided, and a note names the side.
 
     Raises
     ------

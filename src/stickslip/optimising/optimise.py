@@ -73,8 +73,8 @@ def optimise(
     workers : int
         Threads. The result does not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (candidates tried, at most); it ends the search by returning False. So does
-        Ctrl-C, and the best so far is returned.
+        True for a progress line, or a function that is called with (candidates tried, at most); it ends the search by returning False.
+        So does Ctrl-C, and the best so far is returned.
 
     Returns
     -------

@@ -57,38 +57,38 @@ class Optimum(Drawn):
     model : Robot or machine
         The machine.
     of : str
-        The quantity that was made large or small.
+        The quantity that was maximised or minimised.
     values : dict
         Numbers of its motion from rest, and stroke [m], relative velocity [m/s] and relative acceleration [m/s^2] of its drives; also by
         ``best["mean_velocity"]``.
     varied : dict
-        The numbers that varied, as they were found; of a waveform those of its drive.
+        The optimal values of the varied numbers; for a waveform those of its drive.
     of_limit : float or None
-        The mean velocity as a part of the small-friction limit that `limit` names; None where none is known.
+        The mean velocity as a fraction of the small-friction limit named by `limit`; None if none is known.
     limit : str
-        Which limit that is, or why there is none.
+        The name of this limit, or the reason why there is none.
     active : tuple of str
-        The limits that it reaches, and the numbers that are at one of their bounds.
+        The active limits, and the numbers at one of their bounds.
     sensitivities : Gradient
-        Derivatives of the quantity by all numbers of the machine but those of waveforms, with notes on those that hold on one side only.
+        Derivatives of the quantity with respect to all numbers of the machine except those of waveforms, with notes on one-sided ones.
     tried : int
-        Candidates that were run.
+        Number of candidates that were simulated.
     given : dict
-        The same numbers as `values` of the machine that was given: what the best one costs more, and what it gains.
+        The same numbers as `values`, for the given machine: they show the gain and the additional cost of the best one.
     search : Search
-        What was asked, and how the search went.
+        The settings and the course of the search.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
     robust : float or None
-        Where numbers were uncertain, the quantile of the quantity, or its worst value, over the sample.
+        For uncertain numbers, the quantile of the quantity over the sample, or its worst value.
     continued : float or None
-        Mean velocity of the motion that is reached from that of the given machine as its numbers become those of the best one, slowly; a
-        note says where it is another one than that from rest. None where no way leads there, as from one kind of drive to another.
+        Mean velocity of the motion reached by slowly changing the numbers of the given machine into those of the best one; a note
+        reports if it differs from the motion from rest. None if there is no such path, as between different kinds of drive.
     given_model : Robot or machine, optional
         The machine that was given.
     cuts : dict of array (4, looks)
-        What one number does from bound to bound while the others stay: by the name of the number the part of the way between its bounds,
-        the number itself, the quantity (over the sample where numbers were uncertain), and 1 where every limit is kept, else 0.
+        The effect of one number between its bounds with the others fixed: by its name, the fraction of the range, the number itself, the
+        quantity (over the sample for uncertain numbers), and 1 where every limit is satisfied, else 0.
 
     Examples
     --------

@@ -51,7 +51,7 @@ def pareto(
     points : int
         Levels, 2 or more.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (searches done, in all); it ends them by returning False.
+        True for a progress line, or a function that is called with (searches done, in all); it ends them by returning False.
 
     Returns
     -------

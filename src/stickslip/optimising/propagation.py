@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import Problems
-from stickslip.faces import Drawn, Face, rounded, sure
+from stickslip.faces import Drawn, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of
 from stickslip.optimising.uncertainty_samples import Spread, check_sample, checked_spread, sampled, sobol
@@ -25,15 +25,15 @@ _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Indices(Face):
-    """Sobol indices: which part of the variance of a result comes from which number.
+class Indices(Drawn):
+    """Sobol indices: the fraction of the variance of a result that is due to each number.
 
     Parameters
     ----------
     first : dict of float
-        The part that each number makes alone.
+        Fraction due to each number alone.
     total : dict of float
-        The part that would be left if all others were known: more than `first` where numbers act together.
+        Fraction that would remain if all other numbers were known: larger than `first` if numbers interact.
     first_interval, total_interval : dict of (float, float)
         95 % intervals of the sample, by the bootstrap.
     """
@@ -42,6 +42,8 @@ class Indices(Face):
     total: dict[str, float]
     first_interval: dict[str, tuple[float, float]]
     total_interval: dict[str, tuple[float, float]]
+
+    _drawn_by = "indices"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         ends = ((self.first_interval[n], self.total_interval[n]) for n in self.first)
@@ -66,15 +68,15 @@ class Propagated(Drawn):
     values : array (samples,)
         Its values; NaN where a case has none.
     inputs : dict of arrays (samples,)
-        The numbers that they belong to.
+        The corresponding numbers.
     nominal : float
-        Its value for the machine as it is.
+        Its value for the nominal machine.
     swings : dict of (float, float)
-        Its values where one number is at 5 and at 95 % of its own distribution and the others are as they are.
+        Its values with one number at the 5 % and 95 % quantiles of its distribution and the others at their nominal values.
     indices : Indices or None
         Sobol indices, if they were asked for.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
 
     Examples
     --------
@@ -107,7 +109,7 @@ class Propagated(Drawn):
         return int(np.isnan(self.values).sum())
 
     def quantile(self, q: float) -> float:
-        """The value below which a part q of the sample lies."""
+        """The q-quantile of the sample."""
         return float(np.nanquantile(self.values, q))
 
     _drawn_by = "tornado"

@@ -13,7 +13,10 @@ from stickslip.paper.words import listed, percent, plain
 
 __all__ = ["sinusoidal_tip", "sum_of_modes"]
 
-OURS = "The paper prints neither beam nor patches; this one is ours, with the paper's tip mass and a first resonance at {hertz} Hz"
+OURS = (
+    "The paper gives no data of the beam or the patches; this beam is our choice, with the paper's tip mass and a first resonance at "
+    "{hertz} Hz"
+)
 #: Frequencies [Hz] around the drive's and below the second resonance at which the sum of modes is compared.
 FREQUENCIES = np.concatenate([np.linspace(5, 30, 26), np.linspace(36, 60, 25)])
 #: Slope [rad] above which linear theory is off by more than about 1 per cent (docs, the piezo beam).
@@ -36,8 +39,8 @@ def sum_of_modes(study: Study) -> Claim:
         (
             "With Eq. 3.1 set right the modes are orthogonal, the tip mass counted: of the first five, the products over the beam differ "
             f"from the unit matrix by at most {plain(products, 1)}.",
-            "Without damping the problem has a closed solution without modes. What the sum lacks of it, at most, at "
-            f"{len(FREQUENCIES)} frequencies from 5 to 60 Hz: by "
+            "Without damping the problem has a closed solution without modes. The largest error of the sum at "
+            f"{len(FREQUENCIES)} frequencies from 5 to 60 Hz, with "
             + listed(f"{n} mode{'s' * (n > 1)}: {percent(m)}" for n, m in misses.items())
             + ".",
             "As printed, with u_xx where u_tt belongs, Eq. 3.1 does not separate with Eq. 3.4: Y″/Y of the first mode would have to be one "
@@ -84,7 +87,7 @@ def sinusoidal_tip(study: Study) -> Claim:
         "meets the demand of the driving force given in (2.2)",
         verdict(all(p.verdict == CONFIRMED for p in parts[:2])),
         (
-            "On a clamp at rest it is so: from rest under samples of a sine of "
+            "For a clamp at rest the claim holds: from rest under samples of a sine of "
             f"{plain(VOLTAGE, 2)} V at {plain(OMEGA / (2 * np.pi), 4)} Hz the hundredth period has "
             f"harmonics of {plain(distortion, 1)} of the first, and the amplitude of Eq. 3.7 to {plain(abs(amplitude / expected - 1), 1)}.",
             "Its amplitude depends on the frequency, though: at the five frequencies of section 5.2, which takes one A for all, a constant "

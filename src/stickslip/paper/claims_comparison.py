@@ -134,7 +134,7 @@ def four_types(study: Study) -> Claim:
         verdict(all(p.verdict == CONFIRMED for p in parts)),
         (
             f"The exact types are {listed(r.type for r in study.table)}, as printed, at the inferred amplitudes.",
-            "The type is that of the exact Coulomb motion, which needs no threshold. A LuGre body never rests, and its word depends on "
+            "The type is that of the exact Coulomb motion, which needs no threshold. A LuGre body never rests, and its label depends on "
             "thresholds: " + "; ".join(f"at {r.experiment.tilt_deg}° {_words(r.lugre_words)}" for r in study.table) + ".",
         ),
         f"high for the four types; at 1.7° the motion is close to the border of type III (margin {plain(study.table[0].margin, 2)})",
@@ -221,7 +221,7 @@ def closer_in_shape(study: Study) -> Claim:
         UNDECIDED,
         (
             "The measured curves are printed as pictures only and are not available as numbers.",
-            "What can be said: while the Coulomb body rests, the LuGre body keeps moving at up to "
+            "The following can be said: while the Coulomb body rests, the LuGre body keeps moving at up to "
             + listed(f"{speed(slow, 3)} at {tilt}° ({percent(slow / fast, 2)} of its peak)" for tilt, (slow, fast) in found.items())
             + "; a vibrometer with a precision of 0.001 mm/s would see that, as the paper reports of its measurement.",
         ),

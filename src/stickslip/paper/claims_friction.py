@@ -89,7 +89,7 @@ def only_three_and_four(study: Study) -> Claim:
             Part(
                 f"A = {millimetres(A)}",
                 verdict(ok),
-                f"exact: {', '.join(f'{t} at {m:g}' for m, t in at.items())} (LuGre words: {listed(words)}); from 0.05 to 0.21: "
+                f"exact: {', '.join(f'{t} at {m:g}' for m, t in at.items())} (LuGre labels: {listed(words)}); from 0.05 to 0.21: "
                 f"{told(stretches(_along_mu0(A), 0.05, 0.21), _six)}",
             )
         )
@@ -140,7 +140,7 @@ def all_types_by_kinetic(study: Study) -> Claim:
     all_four = A[[len(set(row) & set(FOUR)) == 4 for row in plane.tolist()]]
     static = batch(rig(CASES[-1], amplitude=AMPLITUDE_5, mu0=dense, f0=0.21, law="coulomb-static"), settle="auto").motion_type
     words = batch(rig(CASES[-1], amplitude=AMPLITUDE_5, mu0=dense, f0=0.21), periods=200).motion_type
-    rows = {"Eq. 2.4": types, "break-away at f₀ = 0.21": set(static.tolist()) & set(FOUR), "LuGre words": set(words.tolist()) & set(FOUR)}
+    rows = {"Eq. 2.4": types, "break-away at f₀ = 0.21": set(static.tolist()) & set(FOUR), "LuGre labels": set(words.tolist()) & set(FOUR)}
     parts = tuple(
         Part(f"{name}, A = 0.6 mm", verdict(len(kinds) < 4), f"types {listed(t for t in FOUR if t in kinds)} along 0.03 ≤ μ₀ ≤ 0.21")
         for name, kinds in rows.items()
@@ -160,7 +160,7 @@ def all_types_by_kinetic(study: Study) -> Claim:
             f"The borders are closed formulas; at {agree} of {len(dense)} coefficients the exact solver gives the same type.",
             f"Figures 22 to 26 show {listed(figures)}.",
             _where(A, all_four),
-            "That amplitude and frequency give all four is confirmed above, that the static coefficient does is not.",
+            "That amplitude and frequency give all four types is confirmed above; that the static coefficient does is not.",
         ),
         "high for the exact types, whose borders are formulas; the amplitude is inferred, but a wide range of others does the same",
         {

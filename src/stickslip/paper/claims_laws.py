@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ def dahl_without_stick_slip(study: Study) -> Claim:
         setup = Setup(law, load, mass, stiffness=SPRING, plain=True)
         found[name] = {q.key: q.value for e in (steady_friction(setup), stick_slip(setup)) for q in e.numbers}
     dahl, lugre = found["dahl"], found["lugre"]
-    rests = {name: _still(robot.replace(friction=law)) for name, law in _folded(own).items()}
+    rests = {name: _still(replace(robot, friction=law)) for name, law in _folded(own).items()}
     parts = (
         Part("Stribeck effect", verdict(dahl["fall"] == 0), _fall_text(dahl, lugre)),
         Part("stick-slip of a mass pulled by a spring", verdict(not dahl["stick_slip"] and lugre["stick_slip"]), _pulled_text(dahl, lugre)),
@@ -54,8 +55,8 @@ def dahl_without_stick_slip(study: Study) -> Claim:
         (
             f"{parts[0].evidence[0].upper()}{parts[0].evidence[1:]}.",
             f"{parts[1].evidence[0].upper()}{parts[1].evidence[1:]}.",
-            "Judged on friction that makes stick-slip by itself. The stop-and-go of the robot is another thing, made by its drive even "
-            f"without static friction: {parts[2].evidence}.",
+            "The claim is judged on stick-slip that friction alone causes. The stop-and-go motion of the robot is a different effect, "
+            f"which its drive causes even without static friction: {parts[2].evidence}.",
         ),
         "high: Dahl's force depends on the path alone, so it has one value in sliding",
         {**{f"{law}_{key}": value for law, numbers in found.items() for key, value in numbers.items()}, "share_still": rests},
@@ -103,7 +104,7 @@ def bristle_is_slow(study: Study) -> Claim:
     robot = rig(EXPERIMENTS[0])
     own, T = robot.friction, float(robot.period)
     runs = {
-        law: solve(robot.replace(friction=friction), duration=PART * T, **_PLAIN)
+        law: solve(replace(robot, friction=friction), duration=PART * T, **_PLAIN)
         for law, friction in (("lugre", own), ("bristle", Bristle(own.mu_plus, own.mu_minus, own.sigma0)))
     }
     counts = {law: run.counts for law, run in runs.items()}

@@ -57,9 +57,9 @@ def all_types_by_static(study: Study) -> Claim:
             verdict(figures["exact"][1]),
             _figures_text(found, "exact", figures["exact"][0]),
         ),
-        Part("the four figures, LuGre words", verdict(figures["lugre"][1]), _figures_text(found, default, figures["lugre"][0])),
+        Part("the four figures, LuGre labels", verdict(figures["lugre"][1]), _figures_text(found, default, figures["lugre"][0])),
         Part(
-            "the four figures, LuGre words, each from a start of its own",
+            "the four figures, LuGre labels, each from a separate initial state",
             verdict(_any_start(study.coexistence)),
             f"at most {_most_of_any(study.coexistence)} of the four at any of {len(study.coexistence.fine)} amplitudes",
         ),
@@ -76,14 +76,14 @@ def all_types_by_static(study: Study) -> Claim:
         (
             f"Scan of {n} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} by {len(found['f0'])} static coefficients "
             "from 0.18 to 1: at none of these amplitudes do the four printed ones show the four types, neither exactly nor by the LuGre "
-            "words at the default thresholds.",
+            "labels at the default thresholds.",
             f"At f₀ = 1 {_still(found, study.coexistence)}. Rest and presliding are none of the four.",
             *_coexisting(study.coexistence),
-            "Read more widely, some f₀ for each type at one well-chosen amplitude, it can be had: with break-away at f₀ the exact "
+            "In a wider reading (any f₀ for each type, at one well-chosen amplitude) the claim holds: with break-away at f₀ the exact "
             "motion passes through "
             f"IV, III, I and II {_span(wide['exact'], n)}.",
         ),
-        "moderate: no amplitude is printed, and the word for a LuGre motion depends on thresholds that the paper does not state",
+        "moderate: no amplitude is printed, and the label of a LuGre motion depends on thresholds that the paper does not state",
         {
             "most_types_in_the_figures": {k: v[0] for k, v in figures.items()},
             "amplitudes": n,
@@ -115,7 +115,7 @@ def _still(found: dict[str, Any], both: Coexistence) -> str:
     last, n = found["printed"][-1], len(found["amplitude"])
     rest = (found["exact"][:, last] == "rest").sum()
     return (
-        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so that every stop is for ever"
+        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so that every stop is final"
         + "".join(f". The LuGre body {_both(r)}" for r in both.ranges if r.f0 == 1.0)
     )
 
@@ -148,7 +148,7 @@ def _coexisting(both: Coexistence) -> tuple[str, ...]:
         "one near rest"
         + (f", besides f₀ = 1 {listed(others)}" if others else "")
         + f". The exact motion is the same from every start at {cases - int((both.exact > 1e-9).sum())} of {cases} pairs.",
-        f"Even with a start of its own for each of the four figures, at most {_most_of_any(both)} of the four types appear at any of "
+        f"Even with a separate initial state for each of the four figures, at most {_most_of_any(both)} of the four types appear at any of "
         f"{len(both.fine)} amplitudes.",
     )
 

@@ -119,7 +119,7 @@ def _fits(share: float) -> dict[str, int]:
             robot = rig(e, amplitude=A, law=law)
             names = [n for n in ("mu_plus", "mu_minus", "f_plus", "f_minus") if getattr(robot.friction, n) is not None]
             friction = dataclasses.replace(robot.friction, **{n: share * getattr(robot.friction, n) for n in names})
-            many = batch(robot.replace(friction=friction), periods=60, settle=40, rtol=1e-5)
+            many = batch(dataclasses.replace(robot, friction=friction), periods=60, settle=40, rtol=1e-5)
             digit = 2 * ROUNDING if (e.name, law) == ("P1", "lugre") else ROUNDING
             good &= abs(many.mean_velocity - printed) <= digit
             good &= (many.motion_type == e.type) if law == "coulomb" else True
@@ -214,7 +214,7 @@ def third_ratio() -> Erratum:
     velocity = {}
     for name, k3 in (("printed", printed), ("right", right)):
         other = dataclasses.replace(law, mu_minus=k3 * law.mu_plus, f_minus=k2 * k3 * law.mu_plus)
-        velocity[name] = batch(robot.replace(friction=other), periods=200).mean_velocity
+        velocity[name] = batch(dataclasses.replace(robot, friction=other), periods=200).mean_velocity
     dimensional = batch(robot, periods=200).mean_velocity
     error = {name: abs(v / dimensional - 1) for name, v in velocity.items()}
     text = "; ".join(

@@ -178,13 +178,13 @@ def _static(found: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
         "evidence-static-friction",
         [
             partial(_type_panel, found, found["exact"], "Exact motion, break-away at $f_0$"),
-            partial(_type_panel, found, words, "LuGre words, from rest"),
+            partial(_type_panel, found, words, "LuGre labels, from rest"),
             partial(_both_panel, both),
         ],
         height=2.9,
         columns=3,
         title="Motion types by the static coefficient",
-        caption="Left and middle: from rest, by type (LuGre words at the default thresholds). Right: LuGre motion from "
+        caption="Left and middle: from rest, by type (LuGre labels at the default thresholds). Right: LuGre motion from "
         f"{len(STARTS)} starts, v = {listed(plain(v, 2) for v in STARTS)} times Aμω: where all lead to one motion, and where one "
         "start slides while another stays near rest. Dotted: the coefficients of Figures 27 to 30, with their numbers; line: the inferred "
         "0.6 mm. No horizontal line meets the four types at the four dotted ones.",

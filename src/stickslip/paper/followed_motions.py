@@ -19,7 +19,7 @@ _ASIDE = 1e-4
 _LOSES = ("flip", "fold", "neimark-sacker")
 _WHY = {
     "flip": "doubles its period", "fold": "turns back at a fold", "neimark-sacker": "turns into a torus",
-    "half": "falls together with the motion of half its period", "range": "was followed no further", "lost": "could not be followed",
+    "half": "merges with the motion of half its period", "range": "was followed no further", "lost": "could not be followed",
 }  # fmt: skip
 
 
@@ -32,7 +32,7 @@ class End:
     value : float
         Of the parameter.
     kind : str
-        "flip", "fold", "neimark-sacker", "half" (it falls together with the motion of half its period), "range" (it goes on), or "lost".
+        "flip", "fold", "neimark-sacker", "half" (it merges with the motion of half its period), "range" (it goes on), or "lost".
     accuracy : float or None
         Of the value: that of the branch's special point, or by how much it moves when the tolerance is a hundredth; 0 where nothing was
         looked for, None where it is not known.

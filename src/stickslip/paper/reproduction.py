@@ -125,7 +125,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     fast : bool
         A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (what is being done, how much of it is done, of how much).
+        True for a progress line, or a function that is called with (what is being done, how much of it is done, of how much).
 
     Returns
     -------
@@ -222,7 +222,7 @@ def _provenance(runs: Runs, fast: bool) -> dict[str, str]:
         "table and the figures, "
         "10⁻⁶ for scans (10⁻⁵ where only types are needed)",
         "Start and window": "from rest (v = z = 0); mean velocity over drive periods 100 to 200",
-        "Thresholds of LuGre words": f"slip ratio {made['settings']['slip_ratio']:g}, dwell {made['settings']['dwell']:g} of a period, "
+        "Thresholds of LuGre labels": f"slip ratio {made['settings']['slip_ratio']:g}, dwell {made['settings']['dwell']:g} of a period, "
         "unless said otherwise",
         "Parameters": "m = 9.48 g, M = 62.59 g, g = 9.81 m/s², ω = 65.4π s⁻¹, μ₀ = 0.18, f₀ = 0.21, σ₀ = 4·10⁵ N/m, σ₁ = 100 N s/m, σ₂ "
         "= 0.04 N s/m, "

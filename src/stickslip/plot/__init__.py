@@ -9,7 +9,10 @@ from stickslip.plot.contacts import contacts, pattern
 from stickslip.plot.continued_motions import continuation
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, convergence, spectrum
+from stickslip.plot.energy_balance import energy
 from stickslip.plot.flow_runs import states
+from stickslip.plot.influence import indices, sensitivity
+from stickslip.plot.judged import check, design, ranking
 from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.optima import front, optimum
 from stickslip.plot.records import autocorrelation, comparison, fitted, record_spectrum, residuals
@@ -18,7 +21,8 @@ from stickslip.plot.style import publication
 from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
-    "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation",
-    "convergence", "fitted", "forces", "front", "line_cut", "motion_map", "optimum", "pattern", "phase", "publication", "record_spectrum",
-    "residuals", "special_curve", "spectrum", "states", "tornado", "velocity", "velocity_map",
+    "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "check", "comparison", "contacts",
+    "continuation", "convergence", "design", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map", "optimum",
+    "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve", "spectrum", "states",
+    "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

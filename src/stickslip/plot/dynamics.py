@@ -188,7 +188,7 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
 
 @explains_arguments
 def spectrum(lines: Grid, ax: Ax = None) -> Any:
-    """The lines of a motion over the order of the drive's frequency; harmonics of the drive stand out from lines between them.
+    """The line spectrum of a motion over frequency / drive frequency; harmonics of the drive are marked differently from other lines.
 
     Parameters
     ----------

@@ -46,8 +46,8 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     x, y : str, optional
         Which axis goes where; by default the first across and the second up.
     borders : bool or "twin"
-        Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they part. Under another
-        law they are those of its twin with Coulomb friction, and are drawn where "twin" asks for them.
+        Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they separate. Under
+        another law they are the borders of the same robot with Coulomb friction, and are drawn on request ("twin").
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 

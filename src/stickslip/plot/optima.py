@@ -28,18 +28,19 @@ _MOTION = {"relative_acceleration": "acceleration", "relative_velocity": "veloci
 
 @explains_arguments
 def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
-    """What the numbers that varied do beside the best machine, or its drive beside that of the machine that was given.
+    """The effect of the varied numbers around the best machine, or its drive together with that of the given machine.
 
-    Of numbers there is a line for each, from its lower to its upper bound while the others stay: thin where a limit is not kept, with a
-    star at the best machine. Of one number alone the axis is the number, and what is beyond a limit is shaded. Of a drive it is the
-    relative acceleration over a period, or, where that is infinite, the relative velocity; the shade is beyond its limit.
+    For each number a line shows the result from its lower to its upper bound with the others fixed; the line is thin where a limit is
+    exceeded, and a star marks the best machine. For a single number the horizontal axis is that number, and the region beyond a limit is
+    shaded. For a drive the relative acceleration over a period is shown, or the relative velocity if the acceleration is infinite; the
+    region beyond its limit is shaded.
 
     Parameters
     ----------
     found : Optimum
         From `stickslip.optimise`.
     of : {"numbers", "drive"}, optional
-        What is drawn; by default the drive where a waveform was searched.
+        What to draw; by default the drive if a waveform was optimised.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -50,7 +51,7 @@ def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
     Raises
     ------
     InputError
-        Where no number varied, or the machine has no drive.
+        If no number was varied, or the machine has no drive.
 
     Examples
     --------
@@ -154,7 +155,7 @@ def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
         ax.set_ylim(-reach, reach)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.set_xlim(0.0, 1.0)
-    ax.set_xlabel("part of the drive period")
+    ax.set_xlabel("fraction of the drive period")
     ax.set_ylabel(named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
     legend_above(ax, ncols=3 if len(curves) == 1 else 2, columnspacing=1.0)
     return ax

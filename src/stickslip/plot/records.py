@@ -182,7 +182,7 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     >>> record = ss.virtual_rig(robot, noise=1e-4, seed=1)
     >>> fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb")
     >>> ss.plot.autocorrelation(fit).get_xlabel()
-    'samples later'
+    'lag (samples)'
     """
     with publication():
         ax = axes(ax)
@@ -195,7 +195,7 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
         ax.axhspan(-2 / np.sqrt(n), 2 / np.sqrt(n), color=INK, alpha=0.12, linewidth=0)
         ax.axhline(0.0, color=INK, linewidth=0.6)
         ax.vlines(lags, 0.0, rho, color=COLOURS[1], linewidth=0.8)
-        ax.set(xlabel="samples later", ylabel="correlation of residuals", xlim=(0, lags[-1] + 1))
+        ax.set(xlabel="lag (samples)", ylabel="correlation of residuals", xlim=(0, lags[-1] + 1))
     return ax
 
 
@@ -203,7 +203,7 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """Residuals of one record: noise if the law is right, structured if it is not.
 
-    The line is the mean at each phase of the drive, with two standard errors on either side: of the noise of a right law it is zero.
+    The line is the mean at each phase of the drive, with two standard errors on either side; it is zero if the law is right.
 
     Parameters
     ----------

@@ -151,12 +151,12 @@ def velocity(
 ) -> Any:
     """Velocity of the body over the last drive periods; intervals of sticking are shaded.
 
-    Of a machine of several bodies there is one curve for each, and no shade.
+    For a machine of several bodies there is one curve for each body and no shading.
 
     Parameters
     ----------
     run : Trajectory or list of Trajectory
-        Of several runs the first one's rest is shaded.
+        For several runs, the sticking intervals of the first are shaded.
     periods : float, optional
         How many drive periods to show; 3 if not given.
     ax : matplotlib Axes, optional
@@ -207,10 +207,10 @@ def phase(
 ) -> Any:
     """Phase portrait: velocity against the displacement without its drift, with the strobe points marked.
 
-    The mean motion over the periods shown is taken out, as the paper does ("subtracting the rigid displacements"), so that a
-    periodic motion gives a closed curve with one strobe point for each of its drive periods. Without a drive there are no strobe
-    points, and the displacement is that from the spring's far end, so that a limit cycle is a closed curve. Of a machine of several
-    bodies there is one curve for each.
+    The mean motion over the periods shown is subtracted, as in the paper ("subtracting the rigid displacements"), so that a periodic
+    motion gives a closed curve with one strobe point for each of its drive periods. Without a drive there are no strobe points, and the
+    displacement is that from the spring's far end, so that a limit cycle is a closed curve. For a machine of several bodies there is one
+    curve for each body.
 
     Parameters
     ----------

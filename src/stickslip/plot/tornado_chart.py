@@ -18,8 +18,8 @@ Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate r
 def tornado(found: Bands, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
-    The grey band is what all of them make together: nine cases in ten of the sample. At the right stand first and total Sobol index, if
-    they were asked for.
+    The grey band is the effect of all of them together: the central 90 % of the sample. First and total Sobol indices are shown at the
+    right, if they were computed.
 
     Parameters
     ----------
@@ -53,14 +53,14 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
             for end, colour, word in zip(found.swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
                 label = word if i == 0 else None
                 ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
-        ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="nine in ten of all", zorder=0)
+        ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
         ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
         ax.set_yticks(range(len(order)), order)
         ax.tick_params(axis="y", length=0)
         ax.set_xlabel(named(found.of.replace("_", " "), known.unit if known else "", letter))
         _indices(ax, found, order)
         handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
-        order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("nine"))
+        order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
         legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
 

@@ -75,8 +75,8 @@ def worm(
 ) -> Chain:
     r"""A peristaltic worm: masses at distances along which a wave runs from head to tail.
 
-    The numbers are ours. Of three masses with a lag of a third of a period one always holds, and the worm goes three amplitudes in a
-    period, as long as its inertia does not tear it loose:
+    The numbers are our choice. With three masses and a lag of a third of a period one mass is always at rest, and the worm moves by
+    three amplitudes per period, as long as its inertia does not make this mass slip:
 
     .. math:: V = 3 a f \quad\text{for}\quad \mu_- \ge 2\mu_+, \quad \tfrac32 a\omega^2 \le (\mu_- - 2\mu_+) g
 

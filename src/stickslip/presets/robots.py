@@ -58,8 +58,8 @@ def piezo_rig(
     law : {"lugre", "coulomb", "coulomb-static"}
         "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
     incline : {"folded", "gravity"}
-        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. A law
-        that takes the folded one's place by ``replace(friction=...)`` is on a level track: say "gravity" for it.
+        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. Choose "gravity" to
+        replace the law: a law that takes the place of the folded one is on a level track, and ``notes`` says so.
     gravity : float or array
         Acceleration of gravity [m/s^2].
     sigma0, sigma1, sigma2, v_s : float or array
@@ -96,7 +96,7 @@ def piezo_rig(
         drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
         friction=_friction(law, tilt if incline == "folded" else 0.0 * tilt, n),
         gravity=n["gravity"],
-        track=Level.of_folded(tilt) if incline == "folded" else Incline(tilt=tilt),
+        track=Level(folded=tilt) if incline == "folded" else Incline(tilt=tilt),
     )
 
 
@@ -165,8 +165,8 @@ def piezo_beam_rig(
 ) -> Robot:
     """The paper's robot from volts and hertz: the inner mass is the tip of a `PiezoBeam` (section 3.1).
 
-    The paper does not print its beam. The default one is ours, with the paper's inner mass. What there is to remark, such as a voltage
-    that the paper's hardware does not give, is in the robot's `notes`.
+    The paper does not specify its beam. The default beam is our choice, with the inner mass of the paper. Remarks, such as a voltage
+    beyond that of the paper's hardware, are in the robot's `notes`.
 
     Parameters
     ----------

@@ -37,8 +37,8 @@ def stick_slip_stage(
 ) -> MovingTrack:
     r"""A piezo stick-slip stage: a sawtooth motion carries a slider forwards slowly; it slips during the fast return.
 
-    The numbers are ours: those of an ordinary stage that walks 5 micrometres a thousand times a second, of no particular make. Under
-    Coulomb friction, where the slider still moves with :math:`t_f a_-/a_+ \le t_s`, a cycle is
+    The numbers are our choice, typical of a stage with a thousand steps of 5 micrometres per second. Under Coulomb friction, where the
+    slider still moves with :math:`t_f a_-/a_+ \le t_s`, a cycle is
 
     .. math:: \frac{L}{t_s}(t_s+t_f) - \frac{a_- t_f^2}{2}\Bigl(1+\frac{a_-}{a_+}\Bigr), \qquad a_\mp = \frac{\mu N \pm q}{m}
 
@@ -95,7 +95,7 @@ def conveyor(
 ) -> MovingTrack:
     r"""A vibratory conveyor: a trough vibrates along an inclined line and conveys a part.
 
-    The numbers are ours: those of an ordinary feeder at mains frequency. The throw index says how strongly it lifts,
+    The numbers are our choice, typical of a feeder at mains frequency. The throw index measures the vertical acceleration,
 
     .. math:: \Gamma = \frac{A\omega^2\sin\beta}{g\cos\theta},
 

@@ -44,8 +44,8 @@ def read(
 ) -> Record:
     r"""Read a measured record: CSV, TSV, TXT, JSON, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX; or a data frame.
 
-    Separator, decimal mark, headings and units are found out. Units are never guessed: a channel without one is read with
-    ``unit=None`` and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.
+    Separator, decimal mark, headings and units are recognised. Units are never guessed: a channel without one is read with ``unit=None``
+    and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.
 
     Parameters
     ----------
@@ -57,17 +57,17 @@ def read(
     columns : sequence of str, optional
         Headings of all columns of a table, with units: ``["t [ms]", "v [mm/s]"]``.
     roles : dict, optional
-        What channels are for, by name: one of "velocity" (of the body), "absolute velocity" (of the inner mass), "position", "force",
-        "load", "drive", "acceleration", "pressure", "voltage". Otherwise it follows from name and unit, where these leave no doubt.
+        Roles of the channels, by name: one of "velocity" (of the body), "absolute velocity" (of the inner mass), "position", "force",
+        "load", "drive", "acceleration", "pressure", "voltage". Otherwise the role follows from name and unit, if these are unambiguous.
     rate : float, optional
         Samples per second of a file without a time axis [Hz].
     scale : dict, optional
-        Sensitivities of sensors by channel, for numbers that are volts: ``{"LDV": "25 mm/s/V"}`` or ``{"acc": "100 mV/g"}`` (in which g is
-        gravity); or plain factors, ``{"F": 4.7}``, after which the unit is the one that the file or `units` says.
+        Sensitivities of sensors by channel, for numbers that are volts: ``{"LDV": "25 mm/s/V"}`` or ``{"acc": "100 mV/g"}`` (in which g
+        is gravity); or plain factors, ``{"F": 4.7}``, after which the unit is that of the file or of `units`.
     separator, decimal : str, optional
-        Of a text file, where they are not found out rightly.
+        For a text file in which they are not recognised correctly.
     byte_order : {"little", "big"}, optional
-        Of a binary UFF58 file that names the wrong one.
+        For a binary UFF58 file that specifies the wrong one.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def read(
     Raises
     ------
     InputError
-        The file cannot be read or is damaged beyond use. Smaller damage is told in `Record.notes`.
+        The file cannot be read or is damaged beyond use. Smaller damage is reported in `Record.notes`.
 
     Examples
     --------

@@ -40,7 +40,7 @@ class Record:
     notes : tuple of str
         What a user should know: units that are missing, gaps, damaged lines.
     source : dict
-        Where it comes from: path, format, size and hash of the file, and what else the file says.
+        Its origin: path, format, size and hash of the file, and other information in the file.
     synthetic : bool
         True if no sensor was involved.
 
@@ -207,13 +207,13 @@ class Record:
     def save(self, path: str | Path) -> Path:
         """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
 
-        A synthetic record says so in its first line, and is one when it is read. Where names and units do not tell what the channels
-        are for, lines before the table do.
+        A synthetic record is labelled in its first line, and remains labelled when it is read. Where names and units do not tell what
+        the channels are for, lines before the table do.
 
         Parameters
         ----------
         path : str or Path
-            Ends in ``.csv``. An existing file is replaced, at the end and at once.
+            Ends in ``.csv``. An existing file is replaced in a single step at the end.
 
         Raises
         ------

@@ -85,7 +85,7 @@ def outside_addresses(text: str) -> list[str]:
 
 
 def write(path: str | Path, text: str) -> Path:
-    """Write a page; returns its path. An existing file is replaced, at the end and at once."""
+    """Write a page; returns its path. An existing file is replaced in a single step at the end."""
     path = as_path(path, "report", "report.html")
     with moved_into_place(path, unwritable("report")) as beside:
         beside.write_text(text, encoding="utf-8")

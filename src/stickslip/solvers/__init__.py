@@ -41,12 +41,12 @@ def solve(
     observe: dict[str, Any] | None = None,
     **options: Any,
 ) -> Trajectory | Summary:
-    r"""Simulate a robot or a mechanism, or every one of a batch, from its start.
+    r"""Simulate a robot or a mechanism, or each one of a batch, from its initial state.
 
     Parameters
     ----------
     model : Robot or PulledMass, BlockOnBelt, ForcedOscillator, a machine of several bodies, or a SwitchingFlow
-        What to solve. If any of its numbers is an array it is a batch, and the result has that shape.
+        The model. If any of its numbers is an array, the model is a batch, and the result has the shape of the batch.
     periods : int, optional
         Drive periods to simulate, 200 if neither this nor `duration` is given.
     settle : int or "auto", optional
@@ -55,25 +55,27 @@ def solve(
     rtol : float
         Relative tolerance for dynamic laws, 1e-3 to 1e-12. Exact arcs do not need it.
     start : dict
-        Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, of a law that remembers, its whole numbers ``memory``; what is
-        left out is zero. Arrays broadcast with the batch. Where a law has several of ``z`` or of ``memory`` their shape is (batch, count):
-        the last axis holds them, and one number stands for all of them. Of a `SwitchingFlow` its states by name, or a list of them.
+        Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, for a law with memory, its integers ``memory``; values that
+        are not given are zero. Arrays broadcast with the batch. If a law has several of ``z`` or of ``memory``, their shape is (batch,
+        count), with the values along the last axis; a single number applies to all of them. Of a `SwitchingFlow` its states by name, or
+        a list of them.
     workers : int
         Threads for a batch. The result does not depend on it.
     keep : {"trajectory", "summary"}, optional
-        What to return: everything that happened (one case), or the numbers. By default a trajectory for one case.
+        The result: the complete trajectory (one case), or its numbers. By default a trajectory for one case.
     samples : int
-        Instants per period in the columns of a trajectory; a model that has no period gets ten times as many in all.
+        Instants per period in the columns of a trajectory; for a model without a period, ten times this number over the whole run.
     method : str
         One of `METHODS`.
     slip_ratio, dwell : float
-        When a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
+        Thresholds below which a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with (cases begun, cases in all).
+        True for a progress line, or a function that is called with (cases begun, cases in all).
     duration : float, optional
-        How long to simulate [s], instead of `periods`. A model that has no period needs it. A batch of periodic models cannot take it.
+        How long to simulate [s], instead of `periods`. Required for a model without a period, not allowed for a batch of periodic
+        models.
     observe : dict of Observable, optional
-        Columns of your own for a batch, by name: see `observable`.
+        User-defined columns for a batch, by name: see `observable`.
     **options
         Options of the method: ``steps`` per period for "rk4". Of a `SwitchingFlow` ``mode``, in which it begins; the first if not given.
 
@@ -85,9 +87,9 @@ def solve(
     Raises
     ------
     InputError
-        Everything that is wrong with the arguments, at once.
+        All errors of the arguments, reported together.
     SolveError
-        A single trajectory that could not be finished. In a batch this is a status of the case.
+        If a single trajectory could not be completed; in a batch the status of the case says so.
 
     Examples
     --------

@@ -51,25 +51,25 @@ def sweep(
     observe: dict[str, Any] | None = None,
     **axes: Any,
 ) -> xr.Dataset:
-    """Solve a robot over a grid of its numbers, or over any other design.
+    """Solve a robot on a grid of its numbers, or on any other design.
 
-    Every keyword that holds several values becomes a dimension of that name, in the order in which they are written; single values
-    stay single and are kept as coordinates. A case that cannot be solved, such as one with NaN for a number, marks its own cell with a
-    status, and the sweep goes on.
+    Every keyword that holds several values becomes a dimension of that name, in the order in which they are written; single values stay
+    single and are kept as coordinates. A case that cannot be solved, such as one with a NaN, is marked by its status, and the sweep
+    continues.
 
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from the keywords, such as a preset; or a robot, whose fields are then named with dots:
+        A function that makes a robot from the keyword arguments, such as a preset; or a robot, whose fields then have dotted names:
         ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
     *designs : stickslip.designs.Design
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
     periods, duration, settle, rtol, method, slip_ratio, dwell
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
-        its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. Robots with Coulomb
-        friction and a harmonic drive do not even wait for that: their periodic motion is known by formula.
+        its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. For robots with Coulomb
+        friction and a harmonic drive the periodic motion is computed from a closed formula instead.
     observe : dict of Observable, optional
-        Columns of your own by name: see `observable`.
+        User-defined columns by name: see `observable`.
     workers : int
         Threads. The results do not depend on it.
     start : dict
@@ -80,18 +80,18 @@ def sweep(
     out : path, optional
         A study folder: the results are written there tile by tile, and memory does not grow with the number of cases.
     resume : bool
-        Go on with the study that is in `out`. The same study is finished with the same bits; another one is refused.
+        Continue the study in `out`. The results are bit-identical to those of an uninterrupted run; a different study is refused.
     shard : (i, n) or "i/n", optional
         Compute only part i (from 1) of n, for the jobs of a batch queue; `merge` puts them together. Needs `out`.
     tile : int, optional
         Cases that are computed and written together.
     client : dask.distributed.Client, optional
-        Where to compute instead of here: each tile is a task.
+        Compute there instead of locally: each tile is a task.
     retries : int
         How often a tile is tried again when a worker is lost.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is finished by then is returned,
-        the rest has the status "not computed".
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
+        returned; the remaining cases have the status "not computed".
     **axes
         Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis; words such as ``law=["coulomb", "lugre"]`` too.
 
@@ -99,13 +99,13 @@ def sweep(
     -------
     xarray.Dataset
         mean_velocity, motion_type, pattern, period, margin, fractions, extremes, drive_power, cost_of_transport and status, with units
-        and names. With `out` it reads from the folder what is looked at.
+        and names. With `out` the data are read from the folder on access.
 
     Raises
     ------
     InputError
-        Everything that is wrong with the arguments, at once, before the work begins. Also an error that every case makes, after it:
-        then the law or the maker is wrong. With `out` the folder is complete by then, and `open_study` reads it.
+        All errors of the arguments, reported together before the computation. Also an error that occurs in every case, which means that
+        the law or the maker is wrong; with `out` the folder is then complete, and `open_study` reads it.
 
     Examples
     --------

@@ -28,7 +28,7 @@ _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
 @explains_arguments
 def export(study: Any, path: str | Path) -> Path:
-    """Write the results of a sweep, a batch or a run to one file; the ending of its name says in which format.
+    """Write the results of a sweep, a batch or a run to one file; the file extension selects the format.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def export(study: Any, path: str | Path) -> Path:
     Returns
     -------
     Path
-        Where it was written. An existing file is replaced, at the end and at once.
+        Where it was written. An existing file is replaced in a single step at the end.
 
     Examples
     --------

@@ -32,10 +32,10 @@ BURSTS = (10.0, 1000.0)
 def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     """Check a law against the claims for which the built-in laws are tested.
 
-    That its numbers are finite; that a contact at rest stays at rest; that sliding friction opposes motion; that a closed cycle
-    costs energy; that plus and minus are exchanged when one looks from the other side; that the formula survives a change of units
-    (where the docstring gives them in brackets, as in ``[N/m]``); and that numbers, arrays and the engine's symbols give the same.
-    How much energy the law gives back beyond what it got, starting fresh, is measured: a passive law gives none.
+    That its numbers are finite; that a contact at rest stays at rest; that sliding friction opposes motion; that a closed cycle costs
+    energy; that plus and minus are exchanged when one looks from the other side; that the formula survives a change of units (where the
+    docstring gives them in brackets, as in ``[N/m]``); and that numbers, arrays and the engine's symbols give the same. The energy that
+    the law returns beyond what it received, from its initial state, is measured: it is zero for a passive law.
 
     Parameters
     ----------

@@ -49,13 +49,13 @@ def attractors(
 ) -> xr.Dataset:
     """Attractors along a parameter: those reached from a grid of initial states, and continuations of those at the previous value.
 
-    An attractor goes on as the motion that attracts its last strobe state. Where that is the continuation of another one too, or
-    nothing, it has ended; what no other one continues to is new. Shares count the grid only.
+    An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, or if
+    there is none, the attractor ends; an attractor that continues no other one is new. Shares count the grid only.
 
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, or a robot whose numbers are named with dots.
+        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     parameter : str
         The keyword that varies.
     values : array
@@ -63,14 +63,14 @@ def attractors(
     starts : dict, optional
         The grid of starts as `basins` takes it: v [m/s], z [m], x [m], memory; single values or lists.
     settle : int
-        Drive periods to run before looking.
+        Drive periods to discard.
     rtol : float
         Tolerance for dynamic laws.
     workers : int
         Threads for the starts of one value. The results do not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress` after each value; return False to stop. Attractors then are
-        not there at the values that are missing.
+        True for a progress line, or a function that is called with a `Progress` after each value; return False to stop. Attractors are
+        then missing at the values that were not computed.
     **fixed
         The other arguments of `make`.
 
@@ -78,8 +78,8 @@ def attractors(
     -------
     xarray.Dataset
         Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s], period (drive periods until it
-        repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson),
-        the strobe state (v, z, ...); over the parameter: unsolved, the number of starts that lead nowhere (-1: not computed).
+        repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
+        strobe state (v, z, ...); over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
 
     Examples
     --------

@@ -129,13 +129,13 @@ def basins(
     model : Robot
         One robot.
     settle : int
-        Drive periods to run before looking.
+        Drive periods to discard.
     rtol : float
         Tolerance for dynamic laws.
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. Starts that are not computed then
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. Starts that are not computed then
         belong to no attractor, and are in no share.
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``

@@ -50,13 +50,13 @@ def bifurcation(
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, or a robot whose numbers are named with dots.
+        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     parameter : str
         The keyword that varies.
     values : array
         Its values, rising.
     settle, points : int
-        Drive periods that are left out, and that are kept.
+        Drive periods that are discarded, and that are recorded.
     follow : bool
         True: go up through the values, each case beginning where the last one ended, and down again, so that hysteresis shows. False:
         every case begins at `start` and all run in one batch, which is much faster.
@@ -67,8 +67,8 @@ def bifurcation(
     workers : int
         Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN, with
-        the period -1.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then is NaN,
+        with the period -1.
     **fixed
         The other arguments of `make`.
 

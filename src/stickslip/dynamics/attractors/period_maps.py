@@ -51,13 +51,13 @@ def chaos_map(
 ) -> xr.Dataset:
     """A map over one or two parameters of period number, largest Lyapunov exponent and mean velocity.
 
-    Where the strobe point comes back the exponent is that of the motion's multipliers; elsewhere it is measured by two neighbours, as
-    in `largest_exponents`.
+    If the strobe point returns, the exponent follows from the multipliers of the motion; otherwise it is measured with two neighbouring
+    motions, as in `largest_exponents`.
 
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, or a robot whose numbers are named with dots.
+        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     settle, periods : int
         Drive periods to run before looking (most cases are found to repeat sooner), and to average the exponent over.
     start : dict, array or orbit, optional
@@ -67,7 +67,7 @@ def chaos_map(
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then has the
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then has the
         period -1.
     **arguments
         Arguments of `make`; one or two of them are lists or arrays.

@@ -212,12 +212,12 @@ def continuation(
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, such as a preset; or a robot, whose numbers are then named with dots
+        A function that makes a robot from keyword arguments, such as a preset; or a robot, whose numbers then have dotted names
         (``parameter="drive.amplitude"``).
     parameter : str
         The keyword that varies.
     start, stop : float
-        Where it begins and ends.
+        First and last value of the parameter.
     period : int
         Drive periods after which the motions repeat.
     guess : optional

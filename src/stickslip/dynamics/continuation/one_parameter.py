@@ -27,7 +27,7 @@ class Family:
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, or a robot whose numbers are named with dots.
+        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     parameters : tuple of str
         The keywords that vary.
     fixed : dict

@@ -113,7 +113,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
     stop : float
-        Its last value. The curve may turn; it also ends where the first parameter has moved by five times the branch's range.
+        Its last value. The curve may turn back; it also ends when the first parameter has moved by five times the range of the branch.
     step : float
         First step, in the scaled plane.
     points : int

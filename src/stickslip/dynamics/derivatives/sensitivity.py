@@ -17,7 +17,7 @@ from stickslip.dynamics.periodic.steady_motions import Closed, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine_adapter import is_machine
 from stickslip.number_names import numbers_meant
@@ -34,7 +34,7 @@ _ASIDE = 1e-3  # how far a number is moved to see whether the equations still co
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Sensitivity(Face):
+class Sensitivity(Drawn):
     """Derivatives of a motion by numbers of its machine.
 
     Parameters
@@ -52,7 +52,7 @@ class Sensitivity(Face):
     states : tuple of str
         What these states are.
     notes : tuple of str
-        What else is to be said.
+        Remarks.
 
     Examples
     --------
@@ -69,6 +69,8 @@ class Sensitivity(Face):
     state: Array
     states: tuple[str, ...]
     notes: tuple[str, ...] = ()
+
+    _drawn_by, _inches = "sensitivity", (4.4, 2.8)
 
     def __getitem__(self, name: str) -> float:
         """dV/dp by the name of p."""
@@ -97,20 +99,20 @@ class Sensitivity(Face):
 
 @explains_arguments
 def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
-    """Derivatives of the mean velocity and of the state by numbers of a machine.
+    """Derivatives of the mean velocity and of the state with respect to numbers of a machine.
 
-    They are exact: small changes are carried along the motion by the derivatives of the equations, through every switch, impulse and stop,
-    and, of a periodic motion, closed by its monodromy matrix. Nothing is differenced.
+    They are exact: the variational equations are integrated along the motion through every switch, impulse and stop, and for a periodic
+    motion closed with its monodromy matrix. No finite differences are used.
 
     Parameters
     ----------
     of : Robot or machine, PeriodicOrbit, or Trajectory
-        A machine is asked for its periodic motion, as `periodic_orbit` finds it. Of a run it is the mean velocity after `settle` and the
-        state at the end, from the same start.
+        For a machine, the derivatives are those of its periodic motion (`periodic_orbit`). For a run, they are those of the mean
+        velocity after `settle` and of the final state, from the same initial state.
     wrt : str or sequence of str, optional
         Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers
-        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` stands for anything. If not given, every
-        number by itself whose change leaves the period what it is for all parts of the machine.
+        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` matches anything. If not given: every
+        number separately, if its change leaves the common period unchanged.
 
     Returns
     -------

@@ -44,7 +44,7 @@ class Lyapunov(Drawn):
     steps : int
         How many units they were averaged over.
     note : str
-        What else is to be said.
+        Remarks.
 
     Examples
     --------

@@ -50,9 +50,9 @@ def lyapunov(
     """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm).
 
     Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
-    a body that comes to rest forgets its velocity, and a controller at a sample what it held: the exponent is -inf, and `note` says so. The
-    0 of the cyclic position is left out.
-    Directions that shrink below rounding within a period, as stiff bristles do, have an equal part each of what the volume leaves over.
+    a body that comes to rest loses the memory of its velocity, and a controller that of its state at a sample: the exponent is -inf, and
+    `note` says so. The 0 of the cyclic position is left out. Directions that contract below rounding error within a period, as those of
+    stiff bristles do, share the remaining rate of volume contraction equally.
 
     Parameters
     ----------
@@ -67,8 +67,8 @@ def lyapunov(
     rtol : float
         Tolerance of the run.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress` of drive periods; return False to stop: the averages until
-        then are returned.
+        True for a progress line, or a function that is called with a `Progress` of drive periods; return False to stop: the averages
+        until then are returned.
 
     Returns
     -------
@@ -215,16 +215,16 @@ def largest_exponents(
     workers: int = 1,
     progress: Report | None = None,
 ) -> tuple[Array, Array]:
-    """The largest exponent of every case of a batch, by two neighbours that are brought together after every drive period.
+    """The largest exponent of every case of a batch, from two neighbouring motions that are rescaled after every drive period.
 
-    This is the second method beside `lyapunov`, and the one for maps: all cases run in one batch.
+    This is an independent check on `lyapunov`, and the method for maps: all cases run in one batch.
 
     Parameters
     ----------
     model : Robot
         One robot or a batch.
     periods, settle : int
-        Drive periods to average over, and to run before.
+        Drive periods to average over, and to discard before.
     start : array (cases, coordinates), optional
         Strobe states to begin with; rest if not given.
     rtol : float
@@ -234,7 +234,7 @@ def largest_exponents(
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then is NaN.
 
     Returns
     -------

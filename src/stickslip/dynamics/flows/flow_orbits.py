@@ -42,13 +42,13 @@ class FlowOrbit(Repeating):
     duration : float
         Its period in time.
     multipliers : array
-        The largest first; of a flow that does not depend on time the 1 along the orbit is left out.
+        The largest first; for an autonomous flow the multiplier 1 along the orbit is left out.
     residual : float
-        How far it is from itself.
+        Distance between its end and its beginning.
     passage : Passage
         Once around.
     notes : tuple of str
-        What else is to be said: of a forced flow, that nothing moves in it.
+        Remarks, such as that the orbit of a forced flow is an equilibrium.
     model : SwitchingFlow
         The flow.
 
@@ -76,7 +76,7 @@ class FlowOrbit(Repeating):
 
     @property
     def period(self) -> int:
-        """Periods of the forcing until it repeats; 1 without a forcing."""
+        """Number of forcing periods after which it repeats; 1 without forcing."""
         return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
 
     @property
@@ -91,7 +91,7 @@ class FlowOrbit(Repeating):
 
     @property
     def monodromy(self) -> Array:
-        """The derivative of the state after the motion by the state before it."""
+        """The derivative of the state after the motion with respect to the state before it."""
         return self.passage.monodromy
 
     @property

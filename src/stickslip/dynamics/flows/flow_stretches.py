@@ -104,8 +104,8 @@ def passage(
     InputError
         For a mode that is not known, or a field, guard or reset that does not give numbers.
     SolveError
-        Where switches accumulate: the flow chatters, or comes to rest in infinitely many ever shorter jumps (Zeno); and after 10 000
-        switches, if `switches` does not say how many.
+        If switches accumulate: the flow chatters, or comes to rest in infinitely many jumps of decreasing length (Zeno); and after 10
+        000 switches, if `switches` does not say how many.
 
     Examples
     --------

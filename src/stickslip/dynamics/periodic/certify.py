@@ -96,12 +96,13 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
     Returns
     -------
     Certificate
-        `proved` is False, with the reason in `why`, where a condition cannot be told from equality, as on the border of two motion types.
+        `proved` is False, with the reason in `why`, if a condition cannot be distinguished from equality, as on the border of two motion
+        types.
 
     Raises
     ------
     InputError
-        Of a model whose arcs are not closed formulas, or where python-flint is not installed.
+        If the arcs of the model are not closed formulas, or python-flint is not installed.
 
     Notes
     -----

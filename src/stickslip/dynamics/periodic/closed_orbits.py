@@ -81,7 +81,7 @@ class ClosedMotion(Repeating):
     @property
     @abstractmethod
     def monodromy(self) -> Array:
-        """The derivative of the state after the motion by the state before it."""
+        """The derivative of the state after the motion with respect to the state before it."""
 
 
 def stability_of(multipliers: Array) -> str:

@@ -46,8 +46,8 @@ def shared(
     workers : int
         Threads.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; parts that had not ended when it returned False are missing
-        from the results.
+        True for a progress line, or a function that is called with a `Progress`; parts that had not ended when it returned False are
+        missing from the results.
     size : int
         Cases in a part.
 

@@ -25,7 +25,7 @@ _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", 
 
 @explains_arguments
 def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> xr.Dataset:
-    """The states of a run at one phase of every drive period.
+    """The states of a run at a given phase of every drive period.
 
     Parameters
     ----------
@@ -192,10 +192,10 @@ def spectrum(
     body: int | str | None = None,
     contact: int | str | None = None,
 ) -> xr.Dataset:
-    """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
+    """The line spectrum of a steady motion: amplitude and phase at harmonics of the drive, and at subharmonics if it repeats later.
 
-    The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is
-    found, a Hann window is laid over the last `periods` drive periods.
+    The window covers complete motion periods without a taper, so a periodic motion gives exact lines without leakage. If no period is
+    found, a Hann window is applied to the last `periods` drive periods.
 
     Parameters
     ----------
