@@ -134,7 +134,7 @@ def design(found: Plan, ax: Ax = None) -> Any:
 
     Parameters
     ----------
-    found : Design
+    found : stickslip.identifying.Design
         From `stickslip.design`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
