@@ -176,7 +176,11 @@ def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
 
 
 def _of_samples(fit: Fit, samples: xr.Dataset, draws: int, rng: Any) -> Any:
+    import xarray as xr
+
     names = list(_named(fit))
+    if not isinstance(samples, xr.Dataset):
+        raise InputError("bands", [f"samples = {samples!r}; allowed is what fit.sample() returns; type samples=fit.sample()"])
     if missing := [name for name in names if name not in samples]:
         raise InputError("bands", [f"samples have no {', '.join(missing)}; type samples=fit.sample() of this fit"])
     flat = np.stack([np.asarray(samples[name]).ravel() for name in names], axis=1)

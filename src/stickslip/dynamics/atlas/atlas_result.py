@@ -53,7 +53,7 @@ class Atlas(Drawn):
     --------
     >>> import stickslip as ss
     >>> found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.19]}, tilt_deg=1.7, law="coulomb")
-    >>> found.regions, found.at(amplitude=6.4e-4, mu0=0.18)
+    >>> found.regions, found.at(amplitude=5.9e-4, mu0=0.18)
     ({'I': 0.5, 'III': 0.5}, ('III',))
     """
 

@@ -15,6 +15,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
+from stickslip.sealing import sealed
 
 __all__ = ["Cell", "Plane", "plane_over"]
 
@@ -24,6 +25,7 @@ _COUNTS = (24, 16)  # values where an axis is given by its two ends
 _WIDTH = 2.0  # of the scatter of the starts, in scales
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Plane:
     """Two numbers, their values, and how machines are made and started there.

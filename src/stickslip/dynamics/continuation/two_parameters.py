@@ -136,7 +136,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
 
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
     >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[0], "q", stop=0.5).special]
+    >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
     [('cusp', '(0, 1)')]
     """
     fixed = dict(branch.family.fixed)
