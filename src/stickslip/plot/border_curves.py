@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.spacing import logarithmic
@@ -11,6 +13,8 @@ from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, publication, scaled
 
 __all__ = ["special_curve"]
+
+_STAYS = 1e-6  # of a parameter: a change that is not shown
 
 
 @explains_arguments
@@ -56,5 +60,13 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
         for name, side in ((across, "x"), (up, "y")):
             getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
             logarithmic(ax, side, points[0][name].values)
+            _widened(ax, side, np.concatenate([each[name].values for each in points]) * sides[name][0])
         legend_above(ax)
     return ax
+
+
+def _widened(ax: Any, side: str, values: Any) -> None:
+    """Room beside a curve along which a parameter stays what it is: its rounding errors are not to fill the figure."""
+    middle = float(np.median(values))
+    if np.ptp(values) <= _STAYS * abs(middle):
+        getattr(ax, f"set_{side}lim")(*sorted((0.9 * middle, 1.1 * middle)))
