@@ -75,6 +75,8 @@ def _traced(compared: _Compared) -> tuple[str, float, str]:
         with _patience():
             judge = TracedRun(compared.machine, compared.run, TRACED)
             apart = trace_differs(compared.run, judge)
+            if np.isnan(apart):
+                return "no judge", np.nan, "nothing shows that the traced equations are those of plain Python"
             judge.run(1 if compared.machine.period is None else PERIODS)
             if judge.status.startswith(("failed", "too many")):
                 return "no judge", np.nan, judge.status

@@ -336,11 +336,12 @@ def trace_differs(run: Any, judge: TracedRun, looks: int = 40) -> float:
     """How much accelerations by the traced equations differ from those of plain Python, in the middle of the instants of a run (median).
 
     While bodies are pressed against one another a mode says so that the columns of a run do not hold: these instants are left out.
+    nan where no instant can be asked; so of machines with controllers, whose states are not in a run's columns.
     """
     eq, m = judge.eq, judge.mechanics
-    found = [0.0]
+    found: list[float] = []
     if m.controllers.count:
-        return 0.0  # their states are not in a run's columns
+        return math.nan
     for t in np.linspace(0.0, float(run.t[-1]), looks + 2)[1:-1]:
         if _pressed(run, m, t):
             continue
@@ -356,7 +357,7 @@ def trace_differs(run: Any, judge: TracedRun, looks: int = 40) -> float:
         found.append(
             float(np.max(abs(told - plain)) / max(np.max(abs(plain)), 1e-3 * float(machine_of(run.model).velocity_scale) / judge.period))
         )
-    return float(np.median(found))
+    return float(np.median(found)) if found else math.nan
 
 
 def _pressed(run: Any, mechanics: Any, t: float) -> bool:
