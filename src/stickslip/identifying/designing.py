@@ -54,6 +54,11 @@ class Experiment:
     separation: float
     visible: dict[str, float]
 
+    @property
+    def words(self) -> str:
+        """The settings, those done together joined."""
+        return " + ".join(map(in_words, self.settings))
+
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,10 +104,9 @@ class Design(Drawn):
     def __str__(self) -> str:
         lines = []
         for e in self.experiments[:_TOLD]:
-            where = " + ".join(map(in_words, e.settings))
             errors = ", ".join(f"{n} {self._sure(n, v)}" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
-            lines.append(f"{where}: {errors}{apart}")
+            lines.append(f"{e.words}: {errors}{apart}")
         return "\n".join([*lines, *self.notes])
 
     def _sure(self, name: str, error: float) -> str:
@@ -115,7 +119,7 @@ class Design(Drawn):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("experiment", *(f"error of {name}" for name in self.values))
         told = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
-        return [[head, *((" + ".join(map(in_words, e.settings)), *row) for e, row in zip(self.experiments, told, strict=False))]]
+        return [[head, *((e.words, *row) for e, row in zip(self.experiments, told, strict=False))]]
 
     __repr__ = __str__
 

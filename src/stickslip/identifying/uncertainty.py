@@ -18,10 +18,8 @@ if TYPE_CHECKING:
 
 _LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
 _LEVEL = 0.95  # of the intervals that are looked at for a parabola
-_USUAL, _WIDER = (
-    2.0,
-    1.1,
-)  # standard errors of white noise where that is done, and how much farther the interval reaches to be looked at too
+_USUAL = 2.0  # standard errors of white noise where that is done
+_WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
 _FOLLOWS = 3  # places there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search

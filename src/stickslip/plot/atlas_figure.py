@@ -10,6 +10,7 @@ from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.maps import TYPE_COLOURS, name_region, outlined, scaled
 from stickslip.plot.spacing import edges, logarithmic, places
+from stickslip.plot.special_kinds import marker_of, name_of
 from stickslip.plot.style import COLOURS, INK, axes, legend_above, publication
 
 __all__ = ["atlas"]
@@ -29,7 +30,6 @@ _FILLS = (
     "#A98467",
     "#D9D9D9",
 )
-_MARKS = {"fold": "^", "flip": "D", "neimark-sacker": "p", "grazing": "o", "type-border": "s", "triple-point": "*", "hopf": "h"}
 _FINE, _LETTERS = 240, 3  # places of a side; letters of a region's name for which there is room inside
 _COLUMNS = {3: 16, 2: 30}  # of the legend, by the letters of its longest entry
 _MISSING = "not computed"
@@ -102,12 +102,12 @@ def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
     """Marks of special points of motions that attract, but for those of kinds whose borders are lines; handles for the legend."""
     lines = {border.kind for border in found.borders}
     handles = []
-    for i, (kind, mark) in enumerate(_MARKS.items()):
+    for i, kind in enumerate(sorted({s.kind for s in found.found})):
         shown = [s.values for s in found.found if s.kind == kind and s.stable and (kind not in lines or not _on_a_line(found, s))]
         if shown:
             x, y = np.array(shown).T
-            style = {"color": COLOURS[i % 7] if kind != "triple-point" else INK, "markersize": 5 if mark == "*" else 2.6}
-            handles += ax.plot(x * across.factor, y * up.factor, mark, linestyle="", zorder=7, label=kind.replace("-", " "), **style)
+            style = {"color": COLOURS[i % 7], "markersize": 3.4, "linestyle": "", "zorder": 7}
+            handles += ax.plot(x * across.factor, y * up.factor, marker=marker_of(kind), label=name_of(kind), **style)
     return handles
 
 

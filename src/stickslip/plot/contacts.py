@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 from stickslip.arguments import Ax, Kind, Run, explains_arguments
 from stickslip.plot.runs import only_run, span, time_axis
-from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, prefix, publication
+from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, name_rows, prefix, publication
 
 __all__ = ["MODES", "contacts", "pattern"]
 
@@ -61,9 +61,8 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
         shown = _bars(ax, rows, bars, start, time)
         struck = {name: struck for name, (_, struck) in stops.items()}
         marks = _marks(ax, rows, (struck, landings(run, start, end), _lost(run, start, end)), start, time)
-        ax.set_yticks(range(len(rows)), rows)
+        name_rows(ax, rows)
         ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.tick_params(axis="y", length=0)
         time_axis(ax, run, (start, end), time, seconds)
         legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
         return ax
@@ -97,9 +96,8 @@ def pattern(motion: Moving, ax: Ax = None) -> Any:
     with publication():
         ax = _axes(ax, len(rows))
         shown = _bars(ax, rows, bars, 0.0, 1.0)
-        ax.set_yticks(range(len(rows)), rows)
+        name_rows(ax, rows)
         ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.tick_params(axis="y", length=0)
         ax.set_xlabel("drive periods")
         ax.margins(x=0)
         legend_above(ax, handles=shown, ncols=len(shown), columnspacing=1.2, handlelength=1.6)

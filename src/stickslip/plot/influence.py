@@ -8,9 +8,9 @@ import numpy as np
 
 from stickslip.arguments import Ax, Kind, explains_arguments
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, publication
+from stickslip.plot.style import COLOURS, INK, axes, legend_above, name_rows, publication
 
-__all__ = ["indices", "rows", "sensitivity"]
+__all__ = ["indices", "sensitivity"]
 
 Slopes = Annotated[Any, Kind(lambda v: hasattr(v, "relative"), "what ss.sensitivity returns; type ss.sensitivity(robot)")]
 Parts = Annotated[
@@ -59,7 +59,7 @@ def sensitivity(found: Slopes, ax: Ax = None) -> Any:
             if places:
                 ax.barh(places, [relative[known[i]] for i in places], 0.62, color=colour, label=word, zorder=2)
         ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
-        rows(ax, known)
+        name_rows(ax, known)
         ax.set_xlabel("change of the mean velocity (% for 1 %)")
         legend_above(ax, ncols=2, handlelength=1.2)
     return ax
@@ -99,14 +99,8 @@ def indices(found: Parts, ax: Ax = None) -> Any:
             ax.errorbar(x, np.arange(len(order)) + aside, xerr=beside, label=word, zorder=3, **style)
         for end in (0.0, 1.0):
             ax.axvline(end, color=INK, linewidth=0.5, zorder=1)
-        rows(ax, order)
+        name_rows(ax, order)
         ax.set_ylim(-0.6, len(order) - 0.4)
         ax.set_xlabel("fraction of the variance")
         legend_above(ax, ncols=2)
     return ax
-
-
-def rows(ax: Any, names: list[str]) -> None:
-    """Names of rows at the left, without ticks."""
-    ax.set_yticks(range(len(names)), names)
-    ax.tick_params(axis="y", length=0)

@@ -9,8 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, Kind, explains_arguments
 from stickslip.errors import InputError
-from stickslip.plot.influence import rows
-from stickslip.plot.style import COLOURS, INK, SHADE, axes, legend_above, publication
+from stickslip.plot.style import COLOURS, INK, SHADE, axes, legend_above, name_rows, publication
 
 __all__ = ["check", "design", "ranking"]
 
@@ -66,7 +65,7 @@ def check(found: Checked, ax: Ax = None) -> Any:
                 ax.annotate("none", (floor, i), (5, 0), textcoords="offset points", va="center", fontsize=7, color=INK)
         ax.set_xscale("log")
         ax.set_xlim(left=floor / 3)
-        rows(ax, [f"{judge.name}\n{judge.setting}" for judge in judges])
+        name_rows(ax, [f"{judge.name}\n{judge.setting}" for judge in judges])
         ax.set_ylim(-0.6, len(judges) - 0.4)
         ax.set_xlabel("difference in mean velocity (m/s)")
         legend_above(ax, ncols=3, columnspacing=1.2)
@@ -119,7 +118,7 @@ def ranking(found: Ranks, ax: Ax = None) -> Any:
         ax.set_xticks([0.0, *(10.0**k for k in range(1, math.ceil(math.log10(end))))])
         ax.minorticks_off()
         ax.set_xlim(-0.3, end)
-        rows(ax, [row.label for row in laws])
+        name_rows(ax, [row.label for row in laws])
         ax.set_ylim(-0.6, len(laws) - 0.4)
         ax.set_xlabel("ΔAICc above the best law")
         legend_above(ax, ncols=4, columnspacing=1.0, handlelength=1.2)
@@ -164,13 +163,8 @@ def design(found: Plan, ax: Ax = None) -> Any:
             ax.plot(x, range(len(shown)), marker, color=COLOURS[k % 7], markersize=4.5, label=name, linewidth=0, zorder=3, clip_on=False)
         ax.set_xscale("log")
         ax.set_xlim(0.5 * min(everything), max(2 * max(everything), 2 * _TOLD) if max(everything) < _MOST else _MOST)
-        rows(ax, [_in_words(e) for e in shown])
+        name_rows(ax, [e.words for e in shown])
         ax.set_ylim(-0.6, len(shown) - 0.4)
         ax.set_xlabel("expected standard error (% of the value)")
         legend_above(ax, ncols=4, columnspacing=1.0, handlelength=1.2)
     return ax
-
-
-def _in_words(experiment: Any) -> str:
-    """The settings of an experiment, those done together joined."""
-    return " + ".join(", ".join(f"{n} = {f'{v:.4g}' if isinstance(v, float) else v}" for n, v in s.items()) for s in experiment.settings)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.quantities import LINES, SUBSCRIPTS
 
-__all__ = ["COLOURS", "WIDTH", "axes", "labelled", "legend_above", "named", "prefix", "publication", "scaled", "symbols"]
+__all__ = ["COLOURS", "WIDTH", "axes", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled", "symbols"]
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
@@ -83,6 +83,12 @@ def axes(ax: Any = None, height: float = 2.1) -> Any:
     import matplotlib.pyplot as plt
 
     return plt.subplots(figsize=(WIDTH, height))[1]
+
+
+def name_rows(ax: Any, names: Sequence[str]) -> None:
+    """Names of rows at the left, without ticks."""
+    ax.set_yticks(range(len(names)), names)
+    ax.tick_params(axis="y", length=0)
 
 
 def legend_above(ax: Any, *entries: Any, **options: Any) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from stickslip.arguments import Ax, Kind, explains_arguments
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, legend_above, name_rows, named, publication, scaled
 from stickslip.variables import VARIABLES
 
 __all__ = ["tornado"]
@@ -55,8 +55,7 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
                 ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
         ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
         ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
-        ax.set_yticks(range(len(order)), order)
-        ax.tick_params(axis="y", length=0)
+        name_rows(ax, order)
         ax.set_xlabel(named(found.of.replace("_", " "), known.unit if known else "", letter))
         _indices(ax, found, order)
         handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
@@ -70,7 +69,6 @@ def _indices(ax: Any, found: Any, order: list[str]) -> None:
     if found.indices is None:
         return
     side = ax.secondary_yaxis("right")
-    side.set_yticks(range(len(order)), [f"{found.indices.first[name]:.2f} / {found.indices.total[name]:.2f}" for name in order])
-    side.tick_params(axis="y", length=0)
+    name_rows(side, [f"{found.indices.first[name]:.2f} / {found.indices.total[name]:.2f}" for name in order])
     side.spines["right"].set_visible(False)
     side.set_ylabel("first / total")
