@@ -165,16 +165,20 @@ def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
     return getattr(track, "grip", None)
 
 
+def _innermost(track: Any) -> Any:
+    """A track, or the one inside it."""
+    inside = getattr(track, "track", None)
+    return track if inside is None else _innermost(inside)
+
+
 def folded_tilt(track: Any) -> Any:
     """The tilt that is folded into the friction on a track, or on the track inside it [rad]; 0 if there is none."""
-    inside = getattr(track, "track", None)
-    return getattr(track, "folded", 0.0) if inside is None else folded_tilt(inside)
+    return getattr(_innermost(track), "folded", 0.0)
 
 
 def law_was_replaced(track: Any) -> bool:
     """Whether a law took the place of one that contained the incline of a track, or of the track inside it."""
-    inside = getattr(track, "track", None)
-    return getattr(track, "lost", False) if inside is None else law_was_replaced(inside)
+    return getattr(_innermost(track), "lost", False)
 
 
 def without_its_law(track: Any) -> Any:

@@ -13,7 +13,6 @@ from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
-from stickslip.dynamics.periodic.newton import Found
 
 __all__ = ["crossing_problem"]
 
@@ -41,9 +40,7 @@ def crossing_problem(both: Family, special: Special, origin: Array, span: Array)
         return np.hstack([missed + U[:, n : n + 1] * border, g])
 
     def orbit(u: Array) -> Any:
-        v = np.delete(u, n)
-        missed = path.misses(v[None, :], memory)
-        return path.orbit(Found(v, float(abs(missed).max()), 0, np.empty((0, 0)), True, "", memory))
+        return path.orbit_at(np.delete(u, n), memory)
 
     def apart(u: Array) -> str:
         name = both.parameters[1]

@@ -69,8 +69,7 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         return np.column_stack([missed, condition(path.returned(J))])
 
     def orbit(u: Array) -> Any:
-        missed = path.misses(u[None, :], memory)
-        return path.orbit(Found(u, float(abs(missed).max()), 0, np.empty((0, 0)), True, "", memory))
+        return path.orbit_at(u, memory)
 
     def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
         J = path.derivatives(found.at[None, :], memory, worse)[1][0]

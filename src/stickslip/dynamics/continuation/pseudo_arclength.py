@@ -255,6 +255,10 @@ class Path:
         model = self.robot(found.at)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
+    def orbit_at(self, u: Array, memory: Array) -> Any:
+        """The motion at a place that was found in more unknowns than its own."""
+        return self.orbit(Found(u, float(abs(self.misses(u[None, :], memory)).max()), 0, np.empty((0, 0)), True, "", memory))
+
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""
         J = found.jacobian[:-1]
