@@ -30,7 +30,7 @@ class PointOfBorder:
     Parameters
     ----------
     kind : str
-        "fold", "flip", "neimark-sacker", "grazing", "type-border", or "triple-point", where two borders meet.
+        That of a `Special`, such as "fold" or "grazing", or of a point on a curve, such as "cusp" or "triple-point".
     values : (float, float)
         The two numbers there.
     accuracy : (float, float)
@@ -59,7 +59,7 @@ class Border:
     Parameters
     ----------
     kind : str
-        What its points are: "flip", "fold" or "type-border".
+        What its points are, as of the `Special` that it was followed from: "flip", "fold", "type-border" and others.
     values : tuple of (float, float)
         Its points in order.
     accuracy : tuple of (float, float)

@@ -220,8 +220,9 @@ class _Making:
                 self.without_curve.add(change.told)
             for done in _explained_by(self.plane, outcome, left):
                 left.remove(done)
-            if _explained_by(self.plane, outcome, [change]) or len(outcomes) >= most:
-                return bool(_explained_by(self.plane, outcome, [change]))
+            explained = bool(_explained_by(self.plane, outcome, [change]))
+            if explained or len(outcomes) >= most:
+                return explained
         return False
 
     # ---- what was not reached ----
