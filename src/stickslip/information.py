@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.one_thread import in_one_thread
+
 __all__ = ["Information", "decomposed"]
 
 #: Singular values of derivatives, each parameter on a scale of its own, that are this small beside the largest count as zero: derivatives
@@ -145,6 +147,7 @@ def _without_traces(rows: Any, lost: Any) -> Any:
     return rows - np.where(abs(share) < PART * np.linalg.norm(rows, axis=1, keepdims=True), share, 0.0) @ lost
 
 
+@in_one_thread
 def decomposed(rows: Any) -> tuple[Any, Any]:
     """Singular values, one for each parameter, and their directions."""
     _, values, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"), full_matrices=True)

@@ -145,8 +145,9 @@ def check(robots, rng):
 
 
 #: A value has some ten roundings, a coefficient those of up to 16 recurrences, and h to the m-th power m more; each may count as what a
-#: rounding of a number that is given does, or as one of the coefficient and its neighbours, from which it follows.
-ROUNDINGS, EPS = 100, 2.0**-52
+#: rounding of a number that is given does, or as one of the coefficient and its neighbours, from which it follows. Of 270 draws 267 stay
+#: below 8; a power of .5 at rest, whose slope is rounded off there, makes 310.
+ROUNDINGS, EPS = 500, 2.0**-52
 
 
 def test_coefficients_are_those_of_a_second_method():

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.one_thread import in_one_thread
 from stickslip.sealing import sealed
 
 __all__ = ["Found", "multistart", "polished", "searched", "starting_places"]
@@ -128,6 +129,7 @@ def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, An
     return kept
 
 
+@in_one_thread
 def polished(problem: Any, place: Any, rough: bool = False) -> Found:
     """Trust-region steps from a place to the nearest least sum of squares; who interrupts them gets the best place so far."""
     from scipy.optimize import least_squares
