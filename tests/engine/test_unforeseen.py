@@ -15,6 +15,9 @@ from stickslip.maths import exp, sqrt, tanh, where
 from stickslip.solvers import stepping
 
 TOLERATED = 1e-10  # of A mu, after six periods: the twin's own steps leave 1e-13 in each of a few hundred
+#: Of a root of the speed, which is rounded off within 1e-12 of v_s: what lies there is known to a rounding of the velocity scale. With 30
+#: digits draw 135 ends 1.6e-9 from the exact solver, from which the twin is 1.4e-9 and Radau 2.9e-9 off.
+OF_ROOTS = 1e-8
 
 NARROW = ss.Robot(
     body_mass=0.0046, inner_mass=8.2e-5, drive=ss.Harmonic(4.13e-5, omega=1455.0), track=ss.Incline(-6e-5),
@@ -73,15 +76,19 @@ def test_exact_means_exact_for_every_set_valued_law_and_drive():
     """300 robots drawn over every set-valued law and drive, exponents .5 to 3, against SciPy and, where that is not as exact, a third."""
     for i in range(300):
         robot = drawn.robot(i)
-        x, allowed = exact(robot), TOLERATED * drawn.unit(robot)
+        x, allowed = exact(robot), (OF_ROOTS if (exponent(robot) or 2.0) < 1 else TOLERATED) * drawn.unit(robot)
         if abs(x - exact(robot, method="dop853", rtol=1e-12)) > allowed:
             assert abs(x - third(robot)) <= allowed, (i, robot)
 
 
 def third(robot):
     """The twin, or, where a peak at rest may be narrower than the twin's steps, Radau."""
-    narrow = hasattr(getattr(robot.friction, "first", robot.friction), "exponent")
-    return exact(robot, method="radau", rtol=1e-12) if narrow else series_twin.run(robot, 6)
+    return exact(robot, method="radau", rtol=1e-12) if exponent(robot) else series_twin.run(robot, 6)
+
+
+def exponent(robot):
+    """That of a Stribeck curve, alone or in a sum; None of other laws."""
+    return getattr(getattr(robot.friction, "first", robot.friction), "exponent", None)
 
 
 # ---- powers of the speed, and its side ----

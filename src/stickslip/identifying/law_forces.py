@@ -165,6 +165,8 @@ def _switched(law: LawAdapter, v: float, N: Any, z: Any, mode: Any, came: float 
         fallen = np.asarray(guard) <= 0
         if before is not None:
             fallen = fallen & (np.asarray(before[i]) > 0)
+        if not fallen.any():
+            continue
         mode = tuple(np.where(fallen, new, old) for new, old in zip(new_mode, mode, strict=True))
         if new_z is not None:
             z = np.where(fallen, _wide(new_z, z.shape[1]), z)
