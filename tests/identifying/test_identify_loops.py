@@ -104,4 +104,5 @@ def test_a_law_without_bristles_tells_the_sum_of_the_cylinders_frictions_and_no_
     ((formula, value, _),) = fit.combinations
     assert formula == "mu_plus + mu_minus" and fit.determined[0].holds
     assert 0.85 * half < value / 2 < 1.02 * half
-    assert fit.sensor["gain"][0] == 1.0 and any("cannot be told from what the law lacks" in note for note in fit.notes)
+    gain, given_up = fit.sensor["gain"][0], any("cannot be told from what the law lacks" in note for note in fit.notes)
+    assert gain == 1.0 if given_up else abs(gain - 1.0) < 0.002  # a tenth of what is known of it beforehand
