@@ -1,0 +1,359 @@
+"""Edge states: the motion on the border between the basins of two attractors, by repeated bisection, refined where it is periodic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.attractors.basins import Attractor, settled_points
+from stickslip.dynamics.attractors.motion_features import Features, features_of
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit, states_of
+from stickslip.dynamics.stroboscopic.periodicity import LONGEST
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, strobe_map
+from stickslip.errors import InputError, Problems, SolveError
+from stickslip.faces import Drawn
+from stickslip.fields import checked_number
+from stickslip.flow import is_flow
+from stickslip.quantities import between
+from stickslip.sealing import sealed
+from stickslip.variables import unit_of
+
+__all__ = ["EdgeState", "edge_state"]
+
+Array = Any
+_PARTS = 16  # into so many a segment is cut at once: its inner points are one batch
+_NARROW, _WIDE = 1e-10, 1e-5  # of the pair that straddles the border, in scales: how near it is brought, and how far it may come apart
+_JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
+_ROUNDS = 4  # how often a start that is on neither motion yet is run on, each time twice as long
+_BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit
+_ASIDE = (1e-6, 1e-4)  # in scales: how far beside the orbit the starts are that must lead to the two motions
+_OTHER = 2
+_KINDS = {
+    "saddle": "a periodic orbit with one unstable multiplier",
+    "repeller": "a periodic orbit whose only multiplier is unstable",
+    "not periodic": "an edge track without a period up to 32",
+    "jump": "a jump of the strobe map, which belongs to no motion",
+}
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class EdgeState(Drawn):
+    """The state on the border between the basins of two attractors, and what motion it is.
+
+    Parameters
+    ----------
+    model : Robot, machine or SwitchingFlow
+        What moves.
+    kind : str
+        "saddle": a periodic orbit with one unstable multiplier; "repeller": the same where it is the only one; "not periodic": an edge track
+        without a period up to 32; "jump": the strobe map jumps at the border, so that no motion stays on it.
+    state : array (coordinates,)
+        The strobe state, in the order of `names`.
+    accuracy : float
+        By how much it may be wrong, in the scales of its coordinates: of a periodic orbit from the residual of Newton's method and what the
+        map makes of it, otherwise the distance of the pair between which the border is.
+    orbit : PeriodicOrbit, FlowOrbit or None
+        The motion, where it is periodic.
+    miss : float
+        How far from the orbit the edge track still was, in scales, which Newton's method did not see; NaN without an orbit.
+    sides : tuple of str
+        The motions to which starts on its two sides lead.
+    track : array (n, coordinates)
+        The strobe states of the edge track, from the first bisection on.
+    notes : tuple of str
+        What limits the result.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.05}, ("x",))
+    >>> edge = ss.edge_state(cubic, {"x": -1.0}, {"x": 1.0})
+    >>> edge.kind, round(float(edge.state[0]), 6), [round(float(m), 6) for m in edge.multipliers]  # a root of h + (r - 1) x = x^3
+    ('repeller', -0.102123, [1.468713])
+    """
+
+    model: Any
+    kind: str
+    state: Array
+    accuracy: float
+    orbit: Any
+    miss: float
+    sides: tuple[str, str]
+    track: Array
+    notes: tuple[str, ...] = ()
+
+    _drawn_by = "edge_state"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers of the state."""
+        return coordinates(self.model).names
+
+    @property
+    def strobe_state(self) -> Array:
+        """The state with all that is held beside it."""
+        return self.state
+
+    @property
+    def multipliers(self) -> Array:
+        """Floquet multipliers of the orbit, the largest first; none where it is not periodic."""
+        return np.empty(0) if self.orbit is None else self.orbit.multipliers
+
+    @property
+    def period(self) -> int:
+        """Drive periods until it repeats; 0 where it does not."""
+        return 0 if self.orbit is None else self.orbit.period
+
+    def _facts(self) -> dict[str, Any]:
+        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
+        told = {"edge state": f"{self.kind}: {_KINDS[self.kind]}", "strobe state": f"{state} (± {self.accuracy:.1e} of the scales)"}
+        if self.orbit is not None:
+            told |= {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
+            told |= {"multipliers": ", ".join(f"{m:.6g}" for m in self.multipliers)}
+        return {**told, "on one side": self.sides[0], "on the other side": self.sides[1]}
+
+    def __repr__(self) -> str:
+        return "<EdgeState: " + "; ".join(f"{name}: {value}" for name, value in self._facts().items()) + ">"
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""
+
+    model: Any
+    at: Coordinates
+    settle: int
+    rtol: float
+    motions: Features | None = None
+
+    def settled(self, states: Array, settle: int) -> tuple[Features, Array, Array]:
+        """Features of the motions after some periods, which starts could be solved, and the last strobe states."""
+        points, ways, good = settled_points(spread_over(self.model, len(states)), states, settle, self.rtol, 1, None)
+        return features_of(float(self.model.period), points, ways, self.at, self.rtol), good > 0, points[:, -1]
+
+    def sides(self, states: Array) -> Array:
+        """The number of the motion to which each state leads; what is on neither yet is run on."""
+        found, here, states = np.full(len(states), _OTHER), np.arange(len(states)), np.array(states)
+        for k in range(_ROUNDS):
+            motions, good, ends = self.settled(states[here], self.settle * 2**k)
+            found[here] = [self._side(motions, i) if good[i] else _OTHER for i in range(len(here))]
+            states[here] = ends
+            here = here[(found[here] == _OTHER) & good]
+            if not len(here):
+                break
+        return found
+
+    def _side(self, motions: Features, i: int) -> int:
+        known = self.motions
+        assert known is not None
+        return next((k for k in (0, 1) if motions.same(i, int(known.period[k]), known.means[k])), _OTHER)
+
+
+@explains_arguments
+def edge_state(
+    model: Model,
+    first: Any,
+    second: Any,
+    *,
+    periods: int = 100,
+    settle: int = 200,
+    rtol: float = 1e-10,
+) -> EdgeState:
+    """The edge state between two attractors: the motion on the border of their basins, by bisection and edge tracking.
+
+    The line between two starts that lead to different motions is cut until two states very close to one another straddle the border
+    (Battelino, Grebogi, Ott, Yorke and Yorke 1988; Skufca, Yorke and Eckhardt 2006). Both are followed, and cut again whenever they have come
+    apart. They approach a motion that attracts what lies on the border. Where it comes back, Newton's method finds the periodic orbit, whose
+    multipliers say what it is; it counts only if starts beside it, along its unstable direction, lead to the two motions.
+
+    Parameters
+    ----------
+    model : Robot, machine or SwitchingFlow
+        With a period; a map by ``SwitchingFlow.of_map``.
+    first, second : Attractor, dict, array, Trajectory or orbit
+        Two attractors of `basins`, or two starts that lead to different motions.
+    periods : int
+        Drive periods that the border is followed at most.
+    settle : int
+        Drive periods after which it is first asked to which motion a start leads; what is on neither then is run on, up to 15 times as long.
+    rtol : float
+        Tolerance for dynamic laws.
+
+    Returns
+    -------
+    EdgeState
+        `kind`, `state`, `accuracy`, `orbit`, `multipliers`, `sides`, `track`.
+
+    Raises
+    ------
+    InputError
+        Where both starts lead to one motion.
+    SolveError
+        Where a start could not be solved.
+
+    References
+    ----------
+    Battelino, Grebogi, Ott, Yorke, Yorke, *Multiple coexisting attractors, basin boundaries and basic sets*, Physica D 32 (1988) 296.
+    Skufca, Yorke, Eckhardt, *Edge of chaos in a parallel shear flow*, Physical Review Letters 96 (2006) 174101.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> duffing = lambda t, y, n: (y[1], y[0] - y[0] ** 3 - n.d * y[1] + n.F * ss.maths.cos(t))
+    >>> flow = ss.SwitchingFlow({0: duffing}, {}, 2 * ss.maths.pi, {"d": 0.5, "F": 0.1}, ("x", "v"))
+    >>> edge = ss.edge_state(flow, {"x": -1.0}, {"x": 1.0})
+    >>> edge.kind, edge.period, bool(edge.multipliers[0] > 1 > edge.multipliers[1])
+    ('saddle', 1, True)
+    """
+    needs_model("edge_state", model, flows=True)
+    problems = Problems("edge_state")
+    problems.whole("periods", periods, 1, example=100)
+    problems.whole("settle", settle, 1, example=200)
+    checked_number("rtol", rtol, problems, between(1e-14, 1e-3), "a tolerance from 1e-14 to 1e-3", "rtol=1e-10")
+    problems.check()
+    at = coordinates(model)
+    ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
+    judge = _with_motions(_Judge(model, at, int(settle), rtol), ends)
+    return _tracked(judge, _narrowed(judge, ends), int(periods))
+
+
+def _with_motions(judge: _Judge, ends: Array) -> _Judge:
+    """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
+    motions, good, _ = judge.settled(ends, judge.settle * (2**_ROUNDS - 1))
+    if not good.all():
+        which = " and ".join(name for name, fine in zip(("first", "second"), good, strict=True) if not fine)
+        raise SolveError(f"edge_state: the run from the {which} start could not be solved; give a start nearer to the attractor")
+    if motions.same(0, int(motions.period[1]), motions.means[1]):
+        told = f"both starts lead to one motion, {_named(judge.model, motions, 0)}; allowed are two that lead to different ones"
+        raise InputError("edge_state", [f"{told}; type ss.basins(model).attractors to see which motions there are"])
+    return replace(judge, motions=motions)
+
+
+def _named(model: Any, motions: Features, i: int) -> str:
+    """A motion by its period and its mean velocity."""
+    period, V = int(motions.period[i]), motions.mean_velocity[i]
+    way = "" if is_flow(model) else f", V = {V:.7g} {unit_of('v', model)}"
+    return (f"period {period}" if period else "no period up to 32") + way
+
+
+def _narrowed(judge: _Judge, ends: Array) -> Array:
+    """Two states very near to one another of which only the first leads to the first motion: array (2, coordinates)."""
+    scales = judge.at.scales
+    pair = np.array(ends)
+    while True:
+        apart = float(np.max(abs(pair[1] - pair[0]) / scales))
+        parts = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1, None]
+        inner = pair[0] + parts * (pair[1] - pair[0])
+        if apart <= _NARROW or np.all((inner == pair[0]) | (inner == pair[1])):
+            return pair
+        sides = np.concatenate([[0], judge.sides(inner), [1]])
+        states = np.vstack([pair[:1], inner, pair[1:]])
+        meets = np.flatnonzero((sides[:-1] == 0) & (sides[1:] == 1))
+        leaves = np.flatnonzero((sides[:-1] == 0) & (sides[1:] != 0))
+        k = int(meets[0] if len(meets) else leaves[0])
+        pair = states[[k, k + 1]]
+
+
+def _tracked(judge: _Judge, pair: Array, periods: int) -> EdgeState:
+    """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
+    track = [pair.mean(axis=0)]
+    tried = np.inf
+    for _ in range(periods):
+        apart = judge.at.distance(*pair)
+        ahead = strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
+        after = float(judge.at.distance(*ahead))
+        if not after <= _JUMP or (after > _WIDE and judge.sides(ahead).tolist()[0] != 0):
+            return _jump(judge, track, float(apart), after)
+        pair = _narrowed(judge, ahead) if after > _WIDE else ahead
+        track.append(pair.mean(axis=0))
+        period, back = _nearest_return(judge.at, track)
+        if back < min(_BACK, 0.5 * tried):
+            tried = back
+            found = _as_orbit(judge, track, period)
+            if found is not None:
+                return found
+    return _without_period(judge, track, pair)
+
+
+def _nearest_return(at: Coordinates, track: list[Array]) -> tuple[int, float]:
+    """After how many periods the end of a track came back most nearly, and how nearly; a shorter period wins unless it misses by far more."""
+    misses = [float(at.distance(track[-1], track[-1 - p])) for p in range(1, min(LONGEST, len(track) - 1) + 1)]
+    if not misses:
+        return 1, np.inf
+    best = min(misses)
+    return next((p, miss) for p, miss in enumerate(misses, 1) if miss <= 4 * best)
+
+
+def _as_orbit(judge: _Judge, track: list[Array], period: int) -> EdgeState | None:
+    """The periodic orbit that a track approaches, if there is one whose sides lead to different motions.
+
+    One with more unstable directions than one does not attract what lies on the border: the track only passes it.
+    """
+    try:
+        orbit = periodic_orbit(judge.model, period, guess=track[-1])
+    except (SolveError, InputError):
+        return None
+    state, at = orbit.strobe_state, judge.at
+    miss = float(at.distance(track[-1], state))
+    if miss > 10 * _BACK or not np.isfinite(orbit.monodromy).all() or np.count_nonzero(abs(orbit.multipliers) > 1.0) != 1:
+        return None
+    sides = _sides_of(judge, orbit)
+    if len(set(sides)) < 2 or 0 not in sides:
+        return None
+    kind = "saddle" if len(orbit.multipliers) > 1 else "repeller"
+    told = _sides_told(judge, sides)
+    notes = () if _OTHER not in sides else ("between the two starts lies the basin of another motion: it is on the border of the first's",)
+    return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, np.array(track), notes)
+
+
+def _sides_of(judge: _Judge, orbit: Any) -> list[int]:
+    """The motions to which starts on either side of an orbit lead, along its most unstable direction."""
+    values, vectors = np.linalg.eig(orbit.monodromy)
+    d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
+    along = np.real(vectors[:, int(np.argmax(abs(values)))])
+    along = along / np.max(abs(along) / scales)
+    sides = [_OTHER, _OTHER]
+    for far in _ASIDE:
+        starts = np.tile(orbit.strobe_state, (2, 1))
+        starts[:, :d] += far * np.array([[1.0], [-1.0]]) * along
+        sides = judge.sides(starts).tolist()
+        if sorted(sides) == [0, 1]:
+            break
+    return sides
+
+
+def _sides_told(judge: _Judge, sides: list[int]) -> tuple[str, str]:
+    assert judge.motions is not None
+    names = [_named(judge.model, judge.motions, 0), _named(judge.model, judge.motions, 1), "another motion, or none within the time"]
+    told = [names[side] for side in sorted(sides)]
+    return told[0], told[1]
+
+
+def _accuracy(at: Coordinates, orbit: Any) -> float:
+    """By how much the state of an orbit may be wrong, in scales: its residual, by what the map makes of an error."""
+    scales = at.scales[: at.smooth]
+    M = orbit.monodromy / scales[:, None] * scales
+    inverse = np.linalg.pinv(np.eye(len(M)) - M)
+    rounding = np.finfo(float).eps * max(1.0, float(np.max(abs(orbit.strobe_state[: at.smooth]) / scales)))
+    return float(np.max(abs(inverse).sum(axis=1)) * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
+
+
+def _jump(judge: _Judge, track: list[Array], apart: float, after: float) -> EdgeState:
+    told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
+    note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
+    return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), np.array(track), (note,))
+
+
+def _without_period(judge: _Judge, track: list[Array], pair: Array) -> EdgeState:
+    pair = _narrowed(judge, pair)
+    track = [*track[:-1], pair.mean(axis=0)]
+    period, back = _nearest_return(judge.at, track)
+    told = f"nearest: {back:.1e} of the scales after {period}"
+    note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
+    apart = float(judge.at.distance(*pair))
+    return EdgeState(judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), np.array(track), (note,))
