@@ -68,6 +68,10 @@ from .dynamics.attractors.basins import (
     basins as basins,
 )
 from .dynamics.attractors.bifurcation_diagrams import bifurcation as bifurcation
+from .dynamics.attractors.edge_states import (
+    EdgeState as EdgeState,
+    edge_state as edge_state,
+)
 from .dynamics.attractors.period_maps import chaos_map as chaos_map
 from .dynamics.continuation.branches import (
     Branch as Branch,

@@ -28,7 +28,7 @@ __all__ = ["attractors"]
 Array = Any
 
 
-@dataclass
+@dataclass(eq=False)
 class _Track:
     """One attractor through the values: a strobe state on it, its features, and what it was at each value where it is."""
 

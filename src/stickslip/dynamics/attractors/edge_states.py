@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit, states_of
 from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.fields import checked_number
@@ -63,6 +64,8 @@ class EdgeState(Drawn):
         How far from the orbit the edge track still was, in scales, which Newton's method did not see; NaN without an orbit.
     sides : tuple of str
         The motions to which starts on its two sides lead.
+    attractors : array (2, coordinates)
+        A strobe state on each of the two motions to which the starts that were given lead.
     track : array (n, coordinates)
         The strobe states of the edge track, from the first bisection on.
     notes : tuple of str
@@ -84,6 +87,7 @@ class EdgeState(Drawn):
     orbit: Any
     miss: float
     sides: tuple[str, str]
+    attractors: Array
     track: Array
     notes: tuple[str, ...] = ()
 
@@ -98,6 +102,13 @@ class EdgeState(Drawn):
     def strobe_state(self) -> Array:
         """The state with all that is held beside it."""
         return self.state
+
+    @cached_property
+    def strobe_points(self) -> Array:
+        """The strobe points of the motion: array (n, coordinates); those of the edge track where it has no period, one of a jump."""
+        if self.kind == "not periodic":
+            return self.track
+        return np.vstack([self.state[None, :], strobe_orbit(self.model, self.state, max(self.period, 1), 1e-12)[0][:-1, 0]])
 
     @property
     def multipliers(self) -> Array:
@@ -130,6 +141,7 @@ class _Judge:
     settle: int
     rtol: float
     motions: Features | None = None
+    ends: Array = None  # strobe states on them
 
     def settled(self, states: Array, settle: int) -> tuple[Features, Array, Array]:
         """Features of the motions after some periods, which starts could be solved, and the last strobe states."""
@@ -224,14 +236,14 @@ def edge_state(
 
 def _with_motions(judge: _Judge, ends: Array) -> _Judge:
     """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
-    motions, good, _ = judge.settled(ends, judge.settle * (2**_ROUNDS - 1))
+    motions, good, last = judge.settled(ends, judge.settle * (2**_ROUNDS - 1))
     if not good.all():
         which = " and ".join(name for name, fine in zip(("first", "second"), good, strict=True) if not fine)
         raise SolveError(f"edge_state: the run from the {which} start could not be solved; give a start nearer to the attractor")
     if motions.same(0, int(motions.period[1]), motions.means[1]):
         told = f"both starts lead to one motion, {_named(judge.model, motions, 0)}; allowed are two that lead to different ones"
         raise InputError("edge_state", [f"{told}; type ss.basins(model).attractors to see which motions there are"])
-    return replace(judge, motions=motions)
+    return replace(judge, motions=motions, ends=last)
 
 
 def _named(model: Any, motions: Features, i: int) -> str:
@@ -308,7 +320,7 @@ def _as_orbit(judge: _Judge, track: list[Array], period: int) -> EdgeState | Non
     kind = "saddle" if len(orbit.multipliers) > 1 else "repeller"
     told = _sides_told(judge, sides)
     notes = () if _OTHER not in sides else ("between the two starts lies the basin of another motion: it is on the border of the first's",)
-    return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, np.array(track), notes)
+    return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, judge.ends, np.array(track), notes)
 
 
 def _sides_of(judge: _Judge, orbit: Any) -> list[int]:
@@ -329,7 +341,8 @@ def _sides_of(judge: _Judge, orbit: Any) -> list[int]:
 
 def _sides_told(judge: _Judge, sides: list[int]) -> tuple[str, str]:
     assert judge.motions is not None
-    names = [_named(judge.model, judge.motions, 0), _named(judge.model, judge.motions, 1), "another motion, or none within the time"]
+    names = [f"the {order} motion, {_named(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
+    names.append("another motion, or none within the time")
     told = [names[side] for side in sorted(sides)]
     return told[0], told[1]
 
@@ -346,7 +359,7 @@ def _accuracy(at: Coordinates, orbit: Any) -> float:
 def _jump(judge: _Judge, track: list[Array], apart: float, after: float) -> EdgeState:
     told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
     note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
-    return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), np.array(track), (note,))
+    return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
 
 
 def _without_period(judge: _Judge, track: list[Array], pair: Array) -> EdgeState:
@@ -356,4 +369,4 @@ def _without_period(judge: _Judge, track: list[Array], pair: Array) -> EdgeState
     told = f"nearest: {back:.1e} of the scales after {period}"
     note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
     apart = float(judge.at.distance(*pair))
-    return EdgeState(judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), np.array(track), (note,))
+    return EdgeState(judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
