@@ -50,21 +50,23 @@ def test_the_edge_of_a_map_is_the_middle_root_with_its_multiplier(h):
     edge = ss.edge_state(CUBIC.replace(h=h), {"x": -1.0}, {"x": 1.0})
     root = _middle_root(h)
     assert (edge.kind, edge.period, edge.notes) == ("repeller", 1, ())
-    assert abs(edge.state[0] - root) <= max(edge.accuracy, 1e-14) and edge.accuracy < 1e-11
+    assert abs(edge.state[0] - root) <= edge.accuracy < 1e-10
     assert edge.multipliers == pytest.approx([1.5 - 3 * root**2], abs=1e-11)
     assert edge.sides == ("the first motion, period 1", "the second motion, period 1") and edge.miss < 1e-8
 
 
 def test_the_edge_of_a_flow_is_on_the_unstable_branch_between_its_folds():
-    """Followed from the fast motion through the fold at w = 1.7797 to w = 1.6, with no bisection."""
-    found = ss.basins(HARDENING.replace(w=1.6), x=[-2.0, 0.0, 2.0], v=[-2.0, 0.0, 2.0], settle=100)
+    """The branch is followed from the large motion through the fold at w = 1.7797, and comes back below it with no bisection."""
+    found = ss.basins(HARDENING.replace(w=1.7), x=[-2.0, 0.0, 2.0], v=[-2.0, 0.0, 2.0], settle=100)
     edge = ss.edge_state(found.model, *found.attractors, settle=100)
-    branch = ss.continuation(HARDENING, parameter="w", start=1.75, stop=1.85, step=0.05, guess={"x": 0.7, "v": 2.3})
-    branch = branch if branch.orbits[0].stable else None
-    assert branch is not None
-    back = ss.periodic_orbit(found.model, guess=edge.orbit)
-    assert edge.kind == "saddle" and edge.miss < 1e-3 and edge.accuracy < 1e-10
-    assert back.multipliers[0] > 1 > back.multipliers[1] > 0
+    branch = ss.continuation(HARDENING, parameter="w", start=1.65, stop=1.85, step=0.05, guess={"x": 0.77, "v": 2.1}, points=30)
+    unstable = [k for k, orbit in enumerate(branch.orbits) if orbit.stability == "unstable"]
+    assert branch.orbits[0].stable and [s.kind for s in branch.special][0] == "fold" and unstable
+    nearest = min(unstable, key=lambda k: abs(branch.values[k] - 1.7))
+    there = ss.periodic_orbit(found.model, guess=branch.orbits[nearest])
+    assert edge.kind == "saddle" and edge.miss < 1e-2 and edge.accuracy < 1e-10
+    np.testing.assert_allclose(edge.state, there.strobe_state, atol=1e-9)
+    assert edge.multipliers == pytest.approx(there.multipliers, rel=1e-7)
 
 
 def test_a_machine_made_of_parts_has_the_edge_of_the_flow():
@@ -79,6 +81,7 @@ def test_a_machine_made_of_parts_has_the_edge_of_the_flow():
     assert edge.multipliers[0] == pytest.approx(flow.multipliers[0], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_edge_of_the_rig_is_on_the_unstable_branch_between_its_folds():
     """LuGre, f0 = .5: slow and fast motions at A = 0.8 mm, and the unstable branch beside the fold where the fast one begins."""
     robot = ss.presets.piezo_rig(amplitude=8e-4, **WEAKENED)
@@ -86,7 +89,7 @@ def test_the_edge_of_the_rig_is_on_the_unstable_branch_between_its_folds():
     start = ss.periodic_orbit(ss.presets.piezo_rig(amplitude=8.0047e-4, **WEAKENED), guess=[-7.189e-3, -3.7045e-7])
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.0047e-4, stop=7.99e-4, guess=start, **WEAKENED)
     there = branch.at(8e-4)
-    assert edge.kind == "saddle" and len(edge.track) < 20
+    assert edge.kind == "saddle"
     assert edge.multipliers[0] == pytest.approx(there.multipliers[0], rel=1e-7)
     np.testing.assert_allclose(edge.state, there.state, rtol=1e-8)
     assert {side.partition("V = ")[2] for side in edge.sides} == {"0.002005917 m/s", "0.003552104 m/s"}
@@ -128,7 +131,7 @@ def test_edges_on_basins_and_their_tracks_are_drawn():
     edge = ss.edge_state(HARDENING, *found.attractors, settle=100)
     ax = found.plot(edges=edge)
     assert ax.lines[-1].get_marker() == "x" and ax.lines[-1].get_xdata()[0] == edge.state[0]
-    assert [text.get_text() for text in ax.figure.legends[0].texts if "nan" in text.get_text()] == [] if ax.figure.legends else True
+    assert not any("nan" in text.get_text() for text in ax.get_legend().get_texts())
     assert edge.plot().get_xlabel() == "x on the strobe" and "saddle" in edge._repr_html_()
     with pytest.raises(ss.InputError, match=r"edges = 3; allowed are edge states with x and v"):
         found.plot(edges=3)
@@ -150,7 +153,7 @@ def test_attractors_of_a_map_begin_and_end_at_its_folds_and_share_the_starts_at_
     lower, upper = d.isel(attractor=0), d.isel(attractor=1)
     h = d.h.values
     assert (lower.period.values > 0).tolist() == (h < FOLD).tolist() and (upper.period.values > 0).tolist() == (h > -FOLD).tolist()
-    assert str(lower.ends.values) == "vanishes between 0.1 and 0.15; its last state leads to attractor 1"
+    assert str(lower.ends.values) == "vanishes between 0.13125 and 0.1375; its last state leads to attractor 1"
     assert str(upper.begins.values) == "appears between -0.15 and -0.1" and str(upper.ends.values) == "is there at the last value"
     for k in np.flatnonzero(abs(h) < FOLD):
         share = (0.7 - _middle_root(h[k])) / 1.4
@@ -163,6 +166,7 @@ def test_attractors_of_a_flow_live_between_the_folds_of_its_branch():
     starts = {"x": np.linspace(-2, 2, 5), "v": np.linspace(-2, 2, 5)}
     d = ss.attractors(HARDENING, parameter="w", values=[1.3, 1.35, 1.75, 1.8], starts=starts, settle=150)
     assert (d.period.values > 0).tolist() == [[True, True, True, False], [False, True, True, True]]
+    assert str(d.ends.values[0]).startswith("vanishes between 1.775 and 1.78125"), "though no start on it stays there in one step"
     assert np.allclose(d.share.sum("attractor"), 1.0) and "mean_velocity" not in d
     assert ss.plot.attractors(d).get_ylabel() == "x on the strobe"
 

@@ -12,7 +12,8 @@ from stickslip.plot.style import COLOURS, axes, labelled, legend_above, publicat
 
 __all__ = ["attractors"]
 
-_BESIDE = ("period", "share_low", "share_high", "mode")
+_BESIDE = ("period", "share", "share_low", "share_high", "mode")
+
 
 @explains_arguments
 def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
@@ -23,8 +24,8 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     found : xarray.Dataset
         From `stickslip.attractors`.
     quantity : str, optional
-        "share": of the starts, with its 95 % interval as a band; "mean_velocity", or a number of the strobe state, such as "v". If not given,
-        the mean velocity; of a flow, which has none, its first state.
+        "share": of the starts, with its 95 % interval as a band; "mean_velocity", or a number of the strobe state, such as "v". If not
+        given, the mean velocity; of a flow, which has none, its first state.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -42,7 +43,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     """
     if not {"share", "unsolved"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])
-    known = [name for name in map(str, found.data_vars) if found[name].ndim == 2 and name not in _BESIDE]
+    known = [*(name for name in map(str, found.data_vars) if found[name].ndim == 2 and name not in _BESIDE), "share"]
     quantity = known[0] if quantity is None and known else quantity
     if quantity not in known:
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(known)}"])

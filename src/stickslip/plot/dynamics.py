@@ -135,7 +135,8 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
     """Edge states that have the coordinates of a map."""
     many = list(edges) if isinstance(edges, (list, tuple)) else [edges]
     if not all(hasattr(edge, "strobe_points") and set(names) <= set(edge.names) for edge in many):
-        raise InputError("plot", [f"edges = {edges!r}; allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"])
+        allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"
+        raise InputError("plot", [f"edges = {edges!r}; {allowed}"])
     return many
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["attractors"]
 
 Array = Any
+_STEPS = 8  # smaller steps from value to value where an attractor seems to end
 
 
 @dataclass(eq=False)
@@ -35,7 +37,8 @@ class _Track:
     state: Array
     found: dict[int, Attractor]
     means: Array = ()
-    became: str = ""  # to what its last state led, where it ended
+    between: tuple[float, float] | None = None  # where it vanished
+    became: str = ""  # and to what its last state led
 
 
 @explains_arguments
@@ -54,9 +57,9 @@ def attractors(
     """Attractors along a parameter: those reached from a grid of initial states, and continuations of those at the previous value.
 
     An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, it is that
-    one whose features (means of the strobe points and mean velocity) changed less, and the other ends, as it does if there is no such motion;
-    an attractor that continues no other one is new. Shares count the grid only. Between values that lie far apart the last state of an
-    attractor may lead elsewhere although the attractor still exists: it then ends, and another begins; take more values there.
+    one whose features (means of the strobe points and mean velocity) changed less, and the other ends, as it does if there is no such motion.
+    Before an attractor is said to end, all of them are followed through eight smaller steps to the next value, which also narrows where it
+    ends. An attractor that continues no other one is new. Shares count the grid only.
 
     Parameters
     ----------
@@ -102,7 +105,7 @@ def attractors(
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.0}, ("x",))
     >>> d = ss.attractors(cubic, parameter="h", values=[0.0, 0.13, 0.14], starts=dict(x=[-0.8, 0.8]), settle=100)
     >>> print(d.ends.values[0])
-    vanishes between 0.13 and 0.14; its last state leads to attractor 1
+    vanishes between 0.13625 and 0.1375; its last state leads to attractor 1
     """
     robots = family("attractors", make, (parameter,), fixed)
     values = checked_values("attractors", values)
@@ -115,51 +118,96 @@ def attractors(
     table = grid_of(axes)
     tracks: list[_Track] = []
     lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
+    along = _Along(robots, values, table, at, settle, rtol, workers)
     for k in range(len(values)):
-        lost[k] = _at_value(robots, float(values[k]), k, table, tracks, at, settle, rtol, workers)
+        lost[k] = _at_value(along, k, tracks)
         watch.finished(k, np.zeros(1, int))
         if watch.stopped:
             break
     return _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
 
 
-def _at_value(
-    robots: Family,
-    value: float,
-    k: int,
-    table: dict[str, Array],
-    tracks: list[_Track],
-    at: Coordinates,
-    settle: int,
-    rtol: float,
-    workers: int,
-) -> int:
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """What is the same at every value."""
+
+    robots: Family
+    values: Array
+    table: dict[str, Array]
+    at: Coordinates
+    settle: int
+    rtol: float
+    workers: int
+
+    def settled(self, model: Any, states: Array) -> tuple[Array, Array, Array]:
+        return settled_points(spread_over(model, len(states)), states, self.settle, self.rtol, self.workers, None)
+
+    def told(self, model: Any, points: Array, ways: Array, good: Array) -> tuple[Features, Array]:
+        """Features of the motions, and a number for each."""
+        motions = features_of(float(model.period), points, ways, self.at, self.rtol)
+        return motions, numbered(motions, good > 0)
+
+
+def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
     """Go on with the tracks at one value, and begin new ones. Returns how many starts lead nowhere."""
-    model = robots.robot(value)
-    first, alive = on_grid(table, model), [track for track in tracks if k - 1 in track.found]
-    states = np.vstack([*(track.state[None, :] for track in alive), first])
-    points, ways, good = settled_points(spread_over(model, len(states)), states, settle, rtol, workers, None)
-    motions = features_of(float(model.period), points, ways, at, rtol)
-    number = numbered(motions, good > 0)
+    model = along.robots.robot(float(along.values[k]))
+    first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.found]
+    whole = along.settled(model, np.vstack([*(track.state[None, :] for track in alive), first]))
+    motions, number = along.told(model, *whole)
+    if len(_claims(motions, number[: len(alive)], [track.means for track in alive])) < len(alive):  # one ends, or the step was too long
+        whole = _in_small_steps(along, k, alive, whole)
+        motions, number = along.told(model, *whole)
     carried, ours = number[: len(alive)], number[len(alive) :]
-    taken: dict[int, _Track] = {}
-    for i in _nearest_first(motions, alive):
-        if carried[i] >= 0 and carried[i] not in taken:
-            taken[int(carried[i])] = alive[i]
+    lasting = [i for i, track in enumerate(alive) if not track.between]
+    claims = _claims(motions, np.where(np.isin(np.arange(len(alive)), lasting), carried, -1), [track.means for track in alive])
+    taken = {n: alive[i] for n, i in claims.items()}
     for n in sorted(set(ours[ours >= 0].tolist()) - set(taken), key=lambda n: -np.count_nonzero(ours == n)):
         taken[n] = _Track(first[0], {})
         tracks.append(taken[n])
     for n, track in taken.items():
-        _note(track, k, number == n, ours == n, points, motions)
+        _note(track, k, number == n, ours == n, whole[0], motions)
     for track, n in zip(alive, carried.tolist(), strict=True):
         if k not in track.found:
-            track.became = f"attractor {tracks.index(taken[n])}" if n >= 0 else "no attractor"
+            track.between = track.between or (float(along.values[k - 1]), float(along.values[k]))
+            track.became = f"attractor {tracks.index(taken[n])}" if n in taken else "no attractor"
     return int(np.count_nonzero(ours < 0))
 
 
-def _nearest_first(motions: Features, alive: list[_Track]) -> list[int]:
+def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int, int]:
+    """Which track goes on as which motion, by number; of several that come to one that whose features changed least."""
+    claims: dict[int, int] = {}
+    for i in _nearest_first(motions, before):
+        if carried[i] >= 0:
+            claims.setdefault(int(carried[i]), i)
+    return claims
+
+
+def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Array, ...]) -> tuple[Array, ...]:
+    """What the tracks come to at a value by smaller steps of the parameter, beside what the grid came to; tracks that end are told where.
+
+    Where a parameter takes no values between, as a whole number does not, what the one long step gave stays.
+    """
+    steps = np.linspace(along.values[k - 1], along.values[k], _STEPS + 1)
+    states, before = np.array([track.state for track in alive]), [track.means for track in alive]
+    for low, high in pairwise(steps.tolist()):
+        try:
+            model = along.robots.robot(high)
+        except InputError:
+            return whole
+        found = along.settled(model, states)
+        motions, number = along.told(model, *found)
+        lasting = np.array([not track.between for track in alive])
+        kept = set(_claims(motions, np.where(lasting, number, -1), before).values())
+        for i in set(np.flatnonzero(lasting).tolist()) - kept:
+            alive[i].between = (low, high)
+        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], states)
+        before = [new if i in kept else old for i, (new, old) in enumerate(zip(motions.means, before, strict=True))]
+    return tuple(np.concatenate([own, rest[len(alive) :]]) for own, rest in zip(found, whole, strict=True))
+
+
+def _nearest_first(motions: Features, before: list[Array]) -> list[int]:
     """Tracks in the order in which they may claim a motion: those whose features changed least come first."""
-    return sorted(range(len(alive)), key=lambda i: float(motions.distance(i, alive[i].means)))
+    return sorted(range(len(before)), key=lambda i: float(motions.distance(i, before[i])))
 
 
 def _note(track: _Track, k: int, members: Array, hit: Array, points: Array, motions: Features) -> None:
@@ -177,10 +225,9 @@ def _begins(track: _Track, values: Array) -> str:
 
 def _ends(track: _Track, values: Array) -> str:
     """Between which values an attractor vanishes, and what becomes of a motion on it."""
-    k = max(track.found)
-    if not track.became:
-        return "is there at the last value" if k == len(values) - 1 else "is there at the last value that was computed"
-    return f"vanishes between {values[k]:.9g} and {values[k + 1]:.9g}; its last state leads to {track.became}"
+    if track.between is None:
+        return "is there at the last value" if max(track.found) == len(values) - 1 else "is there at the last value that was computed"
+    return f"vanishes between {track.between[0]:.9g} and {track.between[1]:.9g}; its last state leads to {track.became}"
 
 
 def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track], lost: Array, at: Coordinates, starts: int) -> Any:

@@ -31,7 +31,7 @@ _NARROW, _WIDE = 1e-10, 1e-5  # of the pair that straddles the border, in scales
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
 _ROUNDS = 4  # how often a start that is on neither motion yet is run on, each time twice as long
 _BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit
-_ASIDE = (1e-6, 1e-4)  # in scales: how far beside the orbit the starts are that must lead to the two motions
+_ASIDE = np.geomspace(1e-8, 1e-4, 5)  # in scales: how far beside the orbit the starts are that must lead to the two motions
 _OTHER = 2
 _KINDS = {
     "saddle": "a periodic orbit with one unstable multiplier",
@@ -273,23 +273,30 @@ def _narrowed(judge: _Judge, ends: Array) -> Array:
 
 def _tracked(judge: _Judge, pair: Array, periods: int) -> EdgeState:
     """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
-    track = [pair.mean(axis=0)]
-    tried = np.inf
+    track, tried = [pair.mean(axis=0)], dict.fromkeys(range(1, LONGEST + 1), np.inf)
     for _ in range(periods):
-        apart = judge.at.distance(*pair)
-        ahead = strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
+        pair, ahead = _ahead(judge, pair)
         after = float(judge.at.distance(*ahead))
-        if not after <= _JUMP or (after > _WIDE and judge.sides(ahead).tolist()[0] != 0):
-            return _jump(judge, track, float(apart), after)
+        if not after <= _JUMP:
+            return _jump(judge, track, float(judge.at.distance(*pair)), after)
         pair = _narrowed(judge, ahead) if after > _WIDE else ahead
         track.append(pair.mean(axis=0))
         period, back = _nearest_return(judge.at, track)
-        if back < min(_BACK, 0.5 * tried):
-            tried = back
+        if back < min(_BACK, 0.5 * tried[period]):
+            tried[period] = back
             found = _as_orbit(judge, track, period)
             if found is not None:
                 return found
     return _without_period(judge, track, pair)
+
+
+def _ahead(judge: _Judge, pair: Array) -> tuple[Array, Array]:
+    """A pair and where it is one period later; it is brought nearer first where it comes far apart."""
+    ahead = strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
+    if judge.at.distance(*ahead) <= _JUMP:
+        return pair, ahead
+    pair = _narrowed(judge, pair)
+    return pair, strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
 
 
 def _nearest_return(at: Coordinates, track: list[Array]) -> tuple[int, float]:
@@ -314,46 +321,51 @@ def _as_orbit(judge: _Judge, track: list[Array], period: int) -> EdgeState | Non
     miss = float(at.distance(track[-1], state))
     if miss > 10 * _BACK or not np.isfinite(orbit.monodromy).all() or np.count_nonzero(abs(orbit.multipliers) > 1.0) != 1:
         return None
-    sides = _sides_of(judge, orbit)
-    if len(set(sides)) < 2 or 0 not in sides:
+    ways = _sides_of(judge, orbit)
+    sides = sorted(set(np.ravel(ways).tolist()))
+    if len(sides) < 2 or sides[0] != 0:
         return None
     kind = "saddle" if len(orbit.multipliers) > 1 else "repeller"
-    told = _sides_told(judge, sides)
-    notes = () if _OTHER not in sides else ("between the two starts lies the basin of another motion: it is on the border of the first's",)
+    told, notes = _sides_told(judge, sides[:2]), _remarks(ways)
     return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, judge.ends, np.array(track), notes)
 
 
-def _sides_of(judge: _Judge, orbit: Any) -> list[int]:
-    """The motions to which starts on either side of an orbit lead, along its most unstable direction."""
+def _sides_of(judge: _Judge, orbit: Any) -> Array:
+    """The motions to which starts beside an orbit lead, along its most unstable direction: array (2 sides, distances)."""
     values, vectors = np.linalg.eig(orbit.monodromy)
     d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
     along = np.real(vectors[:, int(np.argmax(abs(values)))])
     along = along / np.max(abs(along) / scales)
-    sides = [_OTHER, _OTHER]
-    for far in _ASIDE:
-        starts = np.tile(orbit.strobe_state, (2, 1))
-        starts[:, :d] += far * np.array([[1.0], [-1.0]]) * along
-        sides = judge.sides(starts).tolist()
-        if sorted(sides) == [0, 1]:
-            break
-    return sides
+    starts = np.tile(orbit.strobe_state, (2 * len(_ASIDE), 1))
+    starts[:, :d] += np.concatenate([_ASIDE, -_ASIDE])[:, None] * along
+    return judge.sides(starts).reshape(2, -1)
+
+
+def _remarks(ways: Array) -> tuple[str, ...]:
+    """What the motions to which starts on the two sides lead say of the border."""
+    notes = []
+    if 1 not in ways:
+        notes.append("between the two starts lies the basin of another motion: it is on the border of the first's")
+    if any({0, 1} <= set(side.tolist()) for side in ways):
+        notes.append("starts on one and the same side of it lead to either motion, by their distance: the border is fractal here, and other "
+                     "motions are on it too")  # fmt: skip
+    return tuple(notes)
 
 
 def _sides_told(judge: _Judge, sides: list[int]) -> tuple[str, str]:
     assert judge.motions is not None
     names = [f"the {order} motion, {_named(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
-    told = [names[side] for side in sorted(sides)]
-    return told[0], told[1]
+    return names[sides[0]], names[sides[1]]
 
 
 def _accuracy(at: Coordinates, orbit: Any) -> float:
-    """By how much the state of an orbit may be wrong, in scales: its residual, by what the map makes of an error."""
+    """By how much the state of an orbit may be wrong, in scales: its residual, by what the map makes of an error, three times."""
     scales = at.scales[: at.smooth]
     M = orbit.monodromy / scales[:, None] * scales
     inverse = np.linalg.pinv(np.eye(len(M)) - M)
     rounding = np.finfo(float).eps * max(1.0, float(np.max(abs(orbit.strobe_state[: at.smooth]) / scales)))
-    return float(np.max(abs(inverse).sum(axis=1)) * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
+    return float(np.max(abs(inverse).sum(axis=1)) * 3 * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
 
 
 def _jump(judge: _Judge, track: list[Array], apart: float, after: float) -> EdgeState:
@@ -369,4 +381,6 @@ def _without_period(judge: _Judge, track: list[Array], pair: Array) -> EdgeState
     told = f"nearest: {back:.1e} of the scales after {period}"
     note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
     apart = float(judge.at.distance(*pair))
-    return EdgeState(judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
+    return EdgeState(
+        judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,)
+    )
