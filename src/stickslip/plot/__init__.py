@@ -23,7 +23,7 @@ from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
     "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "check", "comparison", "contacts",
-    "continuation", "convergence", "design", "edge_state", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map", "optimum",
-    "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve", "spectrum", "states",
-    "tornado", "velocity", "velocity_map",
+    "continuation", "convergence", "design", "edge_state", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map",
+    "optimum", "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve",
+    "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -56,10 +56,10 @@ def attractors(
 ) -> xr.Dataset:
     """Attractors along a parameter: those reached from a grid of initial states, and continuations of those at the previous value.
 
-    An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, it is that
-    one whose features (means of the strobe points and mean velocity) changed less, and the other ends, as it does if there is no such motion.
-    Before an attractor is said to end, all of them are followed through eight smaller steps to the next value, which also narrows where it
-    ends. An attractor that continues no other one is new. Shares count the grid only.
+    An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, it is the
+    one whose features (means of the strobe points and mean velocity) changed less, and the other ends, as it does if there is no such
+    motion. Before an attractor is said to end, all of them are followed through eight smaller steps to the next value, which also narrows
+    where it ends. An attractor that continues no other one is new. Shares count the grid only.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def attractors(
     Returns
     -------
     xarray.Dataset
-        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (not of a flow), period (drive periods until it
-        repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
+        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), period (drive periods until
+        it repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
         strobe state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state
         leads to then; over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
 

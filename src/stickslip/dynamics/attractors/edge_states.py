@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.attractors.basins import Attractor, settled_points
-from stickslip.dynamics.attractors.motion_features import Features, features_of
+from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
+from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit, states_of
 from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.fields import checked_number
-from stickslip.flow import is_flow
 from stickslip.quantities import between
 from stickslip.sealing import sealed
-from stickslip.variables import unit_of
 
 __all__ = ["EdgeState", "edge_state"]
 
 Array = Any
-_PARTS = 16  # into so many a segment is cut at once: its inner points are one batch
-_NARROW, _WIDE = 1e-10, 1e-5  # of the pair that straddles the border, in scales: how near it is brought, and how far it may come apart
+_WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
-_ROUNDS = 4  # how often a start that is on neither motion yet is run on, each time twice as long
 _BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit
 _ASIDE = np.geomspace(1e-8, 1e-4, 5)  # in scales: how far beside the orbit the starts are that must lead to the two motions
-_OTHER = 2
 _KINDS = {
     "saddle": "a periodic orbit with one unstable multiplier",
     "repeller": "a periodic orbit whose only multiplier is unstable",
@@ -51,8 +46,8 @@ class EdgeState(Drawn):
     model : Robot, machine or SwitchingFlow
         What moves.
     kind : str
-        "saddle": a periodic orbit with one unstable multiplier; "repeller": the same where it is the only one; "not periodic": an edge track
-        without a period up to 32; "jump": the strobe map jumps at the border, so that no motion stays on it.
+        "saddle": a periodic orbit with one unstable multiplier; "repeller": the same where it is the only one; "not periodic": an edge
+        track without a period up to 32; "jump": the strobe map jumps at the border, so that no motion stays on it.
     state : array (coordinates,)
         The strobe state, in the order of `names`.
     accuracy : float
@@ -132,40 +127,6 @@ class EdgeState(Drawn):
         return "<EdgeState: " + "; ".join(f"{name}: {value}" for name, value in self._facts().items()) + ">"
 
 
-@dataclass(frozen=True, eq=False)
-class _Judge:
-    """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""
-
-    model: Any
-    at: Coordinates
-    settle: int
-    rtol: float
-    motions: Features | None = None
-    ends: Array = None  # strobe states on them
-
-    def settled(self, states: Array, settle: int) -> tuple[Features, Array, Array]:
-        """Features of the motions after some periods, which starts could be solved, and the last strobe states."""
-        points, ways, good = settled_points(spread_over(self.model, len(states)), states, settle, self.rtol, 1, None)
-        return features_of(float(self.model.period), points, ways, self.at, self.rtol), good > 0, points[:, -1]
-
-    def sides(self, states: Array) -> Array:
-        """The number of the motion to which each state leads; what is on neither yet is run on."""
-        found, here, states = np.full(len(states), _OTHER), np.arange(len(states)), np.array(states)
-        for k in range(_ROUNDS):
-            motions, good, ends = self.settled(states[here], self.settle * 2**k)
-            found[here] = [self._side(motions, i) if good[i] else _OTHER for i in range(len(here))]
-            states[here] = ends
-            here = here[(found[here] == _OTHER) & good]
-            if not len(here):
-                break
-        return found
-
-    def _side(self, motions: Features, i: int) -> int:
-        known = self.motions
-        assert known is not None
-        return next((k for k in (0, 1) if motions.same(i, int(known.period[k]), known.means[k])), _OTHER)
-
-
 @explains_arguments
 def edge_state(
     model: Model,
@@ -179,9 +140,10 @@ def edge_state(
     """The edge state between two attractors: the motion on the border of their basins, by bisection and edge tracking.
 
     The line between two starts that lead to different motions is cut until two states very close to one another straddle the border
-    (Battelino, Grebogi, Ott, Yorke and Yorke 1988; Skufca, Yorke and Eckhardt 2006). Both are followed, and cut again whenever they have come
-    apart. They approach a motion that attracts what lies on the border. Where it comes back, Newton's method finds the periodic orbit, whose
-    multipliers say what it is; it counts only if starts beside it, along its unstable direction, lead to the two motions.
+    (Battelino, Grebogi, Ott, Yorke and Yorke 1988; Skufca, Yorke and Eckhardt 2006). Both are followed, and the line between them is cut
+    again whenever they have come apart. They approach a motion that attracts what lies on the border. Where it comes back, Newton's method
+    finds the periodic orbit, whose multipliers say what it is; it counts only if starts beside it, along its unstable direction, lead to
+    the two motions.
 
     Parameters
     ----------
@@ -192,7 +154,7 @@ def edge_state(
     periods : int
         Drive periods that the border is followed at most.
     settle : int
-        Drive periods after which it is first asked to which motion a start leads; what is on neither then is run on, up to 15 times as long.
+        Drive periods after which it is first asked to which motion a start leads; what is on neither then is run on, to 15 times as long.
     rtol : float
         Tolerance for dynamic laws.
 
@@ -230,48 +192,11 @@ def edge_state(
     problems.check()
     at = coordinates(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
-    judge = _with_motions(_Judge(model, at, int(settle), rtol), ends)
-    return _tracked(judge, _narrowed(judge, ends), int(periods))
+    judge = judge_between(Judge(model, at, int(settle), rtol), ends)
+    return _tracked(judge, narrowed(judge, ends), int(periods))
 
 
-def _with_motions(judge: _Judge, ends: Array) -> _Judge:
-    """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
-    motions, good, last = judge.settled(ends, judge.settle * (2**_ROUNDS - 1))
-    if not good.all():
-        which = " and ".join(name for name, fine in zip(("first", "second"), good, strict=True) if not fine)
-        raise SolveError(f"edge_state: the run from the {which} start could not be solved; give a start nearer to the attractor")
-    if motions.same(0, int(motions.period[1]), motions.means[1]):
-        told = f"both starts lead to one motion, {_named(judge.model, motions, 0)}; allowed are two that lead to different ones"
-        raise InputError("edge_state", [f"{told}; type ss.basins(model).attractors to see which motions there are"])
-    return replace(judge, motions=motions, ends=last)
-
-
-def _named(model: Any, motions: Features, i: int) -> str:
-    """A motion by its period and its mean velocity."""
-    period, V = int(motions.period[i]), motions.mean_velocity[i]
-    way = "" if is_flow(model) else f", V = {V:.7g} {unit_of('v', model)}"
-    return (f"period {period}" if period else "no period up to 32") + way
-
-
-def _narrowed(judge: _Judge, ends: Array) -> Array:
-    """Two states very near to one another of which only the first leads to the first motion: array (2, coordinates)."""
-    scales = judge.at.scales
-    pair = np.array(ends)
-    while True:
-        apart = float(np.max(abs(pair[1] - pair[0]) / scales))
-        parts = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1, None]
-        inner = pair[0] + parts * (pair[1] - pair[0])
-        if apart <= _NARROW or np.all((inner == pair[0]) | (inner == pair[1])):
-            return pair
-        sides = np.concatenate([[0], judge.sides(inner), [1]])
-        states = np.vstack([pair[:1], inner, pair[1:]])
-        meets = np.flatnonzero((sides[:-1] == 0) & (sides[1:] == 1))
-        leaves = np.flatnonzero((sides[:-1] == 0) & (sides[1:] != 0))
-        k = int(meets[0] if len(meets) else leaves[0])
-        pair = states[[k, k + 1]]
-
-
-def _tracked(judge: _Judge, pair: Array, periods: int) -> EdgeState:
+def _tracked(judge: Judge, pair: Array, periods: int) -> EdgeState:
     """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
     track, tried = [pair.mean(axis=0)], dict.fromkeys(range(1, LONGEST + 1), np.inf)
     for _ in range(periods):
@@ -279,7 +204,7 @@ def _tracked(judge: _Judge, pair: Array, periods: int) -> EdgeState:
         after = float(judge.at.distance(*ahead))
         if not after <= _JUMP:
             return _jump(judge, track, float(judge.at.distance(*pair)), after)
-        pair = _narrowed(judge, ahead) if after > _WIDE else ahead
+        pair = narrowed(judge, ahead) if after > _WIDE else ahead
         track.append(pair.mean(axis=0))
         period, back = _nearest_return(judge.at, track)
         if back < min(_BACK, 0.5 * tried[period]):
@@ -290,17 +215,17 @@ def _tracked(judge: _Judge, pair: Array, periods: int) -> EdgeState:
     return _without_period(judge, track, pair)
 
 
-def _ahead(judge: _Judge, pair: Array) -> tuple[Array, Array]:
+def _ahead(judge: Judge, pair: Array) -> tuple[Array, Array]:
     """A pair and where it is one period later; it is brought nearer first where it comes far apart."""
     ahead = strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
     if judge.at.distance(*ahead) <= _JUMP:
         return pair, ahead
-    pair = _narrowed(judge, pair)
+    pair = narrowed(judge, pair)
     return pair, strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
 
 
 def _nearest_return(at: Coordinates, track: list[Array]) -> tuple[int, float]:
-    """After how many periods the end of a track came back most nearly, and how nearly; a shorter period wins unless it misses by far more."""
+    """After how many periods the end of a track came back most nearly, and how nearly; of several the shortest within a factor of four."""
     misses = [float(at.distance(track[-1], track[-1 - p])) for p in range(1, min(LONGEST, len(track) - 1) + 1)]
     if not misses:
         return 1, np.inf
@@ -308,7 +233,7 @@ def _nearest_return(at: Coordinates, track: list[Array]) -> tuple[int, float]:
     return next((p, miss) for p, miss in enumerate(misses, 1) if miss <= 4 * best)
 
 
-def _as_orbit(judge: _Judge, track: list[Array], period: int) -> EdgeState | None:
+def _as_orbit(judge: Judge, track: list[Array], period: int) -> EdgeState | None:
     """The periodic orbit that a track approaches, if there is one whose sides lead to different motions.
 
     One with more unstable directions than one does not attract what lies on the border: the track only passes it.
@@ -330,7 +255,7 @@ def _as_orbit(judge: _Judge, track: list[Array], period: int) -> EdgeState | Non
     return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, judge.ends, np.array(track), notes)
 
 
-def _sides_of(judge: _Judge, orbit: Any) -> Array:
+def _sides_of(judge: Judge, orbit: Any) -> Array:
     """The motions to which starts beside an orbit lead, along its most unstable direction: array (2 sides, distances)."""
     values, vectors = np.linalg.eig(orbit.monodromy)
     d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
@@ -347,14 +272,14 @@ def _remarks(ways: Array) -> tuple[str, ...]:
     if 1 not in ways:
         notes.append("between the two starts lies the basin of another motion: it is on the border of the first's")
     if any({0, 1} <= set(side.tolist()) for side in ways):
-        notes.append("starts on one and the same side of it lead to either motion, by their distance: the border is fractal here, and other "
-                     "motions are on it too")  # fmt: skip
+        notes.append("starts on one and the same side of it lead to either motion, by their distance: the border is fractal here, and "
+                     "other motions are on it too")  # fmt: skip
     return tuple(notes)
 
 
-def _sides_told(judge: _Judge, sides: list[int]) -> tuple[str, str]:
+def _sides_told(judge: Judge, sides: list[int]) -> tuple[str, str]:
     assert judge.motions is not None
-    names = [f"the {order} motion, {_named(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
+    names = [f"the {order} motion, {named_motion(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
     return names[sides[0]], names[sides[1]]
 
@@ -368,14 +293,14 @@ def _accuracy(at: Coordinates, orbit: Any) -> float:
     return float(np.max(abs(inverse).sum(axis=1)) * 3 * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
 
 
-def _jump(judge: _Judge, track: list[Array], apart: float, after: float) -> EdgeState:
+def _jump(judge: Judge, track: list[Array], apart: float, after: float) -> EdgeState:
     told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
     note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
     return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
 
 
-def _without_period(judge: _Judge, track: list[Array], pair: Array) -> EdgeState:
-    pair = _narrowed(judge, pair)
+def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
+    pair = narrowed(judge, pair)
     track = [*track[:-1], pair.mean(axis=0)]
     period, back = _nearest_return(judge.at, track)
     told = f"nearest: {back:.1e} of the scales after {period}"
