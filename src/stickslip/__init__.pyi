@@ -96,6 +96,14 @@ from .dynamics.exponents.motion_exponents import (
     lyapunov as lyapunov,
     verdict as verdict,
 )
+from .dynamics.exponents.rotation import (
+    Rotation as Rotation,
+    rotation_number as rotation_number,
+)
+from .dynamics.exponents.zero_one import (
+    ZeroOne as ZeroOne,
+    zero_one_test as zero_one_test,
+)
 from .dynamics.flows.flow_orbits import (
     FlowOrbit as FlowOrbit,
     flow_orbit as flow_orbit,

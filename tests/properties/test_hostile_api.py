@@ -89,6 +89,8 @@ def examples():
              "apart": 1e-7}),
         "lyapunov": (ss.lyapunov, {"model": robot, "periods": 5, "settle": 5, "start": None, "rtol": 1e-7}),
         "verdict": (ss.verdict, {"model": robot, "periods": 20, "settle": 5, "start": None, "rtol": 1e-8}),
+        "zero_one_test": (ss.zero_one_test, {"series": np.sin(np.arange(300.0)), "frequencies": 12}),
+        "rotation_number": (ss.rotation_number, {"points": 0.3 * np.arange(200.0)}),
         "lyapunov_of_map": (ss.lyapunov_of_map, {"f": lambda x: (3.9 * x[0] * (1 - x[0]),), "x0": [0.3], "iterations": 50, "settle": 5,
              "jacobian": None}),
         "lyapunov_of_flow": (ss.lyapunov_of_flow, {"f": lambda y: (y[1], -y[0]), "x0": [1.0, 0.0], "duration": 1.0, "settle": 0.5,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,11 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.exponents.rotation import Rotation, rotation_on_curve
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_orbit, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Face
@@ -34,6 +36,7 @@ _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
+_TURNS, _SEEN = 2000, 4  # strobe points for a rotation number, and among how many numbers of the state two are looked for
 _ROUNDING = 1e-12  # a direction that shrinks by more than this beside another in a period is lost in its digits
 
 
@@ -323,6 +326,8 @@ class Verdict(Face):
         The periodic orbit that it is, found by Newton's method.
     why : str
         The evidence in a sentence.
+    rotation : Rotation or None
+        Of a quasi-periodic motion of two frequencies: the rotation number of its strobe points, in turns per drive period.
 
     Examples
     --------
@@ -337,6 +342,7 @@ class Verdict(Face):
     exponents: Lyapunov
     orbit: Any
     why: str
+    rotation: Rotation | None = None
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Draw the orbit or, if there is none, the convergence of the exponents; returns the axes."""
@@ -347,7 +353,8 @@ class Verdict(Face):
 
     def _facts(self) -> dict[str, Any]:
         period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
-        return {"motion": self.kind, **period, "exponents": self.exponents.told, "evidence": self.why}
+        rotation = {} if self.rotation is None else {"rotation number": f"{self.rotation.told} turns per drive period"}
+        return {"motion": self.kind, **period, **rotation, "exponents": self.exponents.told, "evidence": self.why}
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
@@ -367,7 +374,8 @@ def verdict(
 
     Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
     multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
-    it does not come back, and the largest exponent is zero within three errors that are small. Anything else is undecided.
+    it does not come back, and the largest exponent is zero within three errors that are small; where its strobe points lie on one closed
+    curve it has two frequencies, and their rotation number. Anything else is undecided.
 
     Parameters
     ----------
@@ -377,7 +385,7 @@ def verdict(
     Returns
     -------
     Verdict
-        `kind`, `period`, `exponents`, `orbit`, and `why`, the evidence in a sentence.
+        `kind`, `period`, `exponents`, `orbit`, `rotation`, and `why`, the evidence in a sentence.
 
     Examples
     --------
@@ -408,5 +416,18 @@ def verdict(
     if back.period is None and exponents.chaotic:
         return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero")
+        rotation, seen = _rotation(model, back.state, rtol)
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero; {seen}", rotation)
     return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")
+
+
+def _rotation(model: Any, state: Array, rtol: float) -> tuple[Rotation | None, str]:
+    """The rotation number of strobe points in the first two numbers of the state in which they are one closed curve, and a sentence on it."""
+    at = coordinates(model)
+    points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
+    for i, j in combinations(range(min(at.smooth, _SEEN)), 2):
+        found = rotation_on_curve(points[:, [i, j]])
+        if found is not None:
+            told = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
+            return found, f"{told}, rotation number {found.told} turns per drive period, up to whole turns and its sense"
+    return None, "no two numbers of its strobe state show one closed curve: it has more than two frequencies, or its curve is folded"
