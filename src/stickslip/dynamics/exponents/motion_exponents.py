@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,11 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
-from stickslip.dynamics.exponents.rotation import Rotation, rotation_on_curve
+from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_orbit, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Face
@@ -36,7 +35,6 @@ _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
-_TURNS, _SEEN = 2000, 4  # strobe points for a rotation number, and among how many numbers of the state two are looked for
 _ROUNDING = 1e-12  # a direction that shrinks by more than this beside another in a period is lost in its digits
 
 
@@ -416,18 +414,6 @@ def verdict(
     if back.period is None and exponents.chaotic:
         return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        rotation, seen = _rotation(model, back.state, rtol)
+        rotation, seen = rotation_of_strobe(model, back.state, rtol)
         return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero; {seen}", rotation)
     return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")
-
-
-def _rotation(model: Any, state: Array, rtol: float) -> tuple[Rotation | None, str]:
-    """The rotation number of strobe points in the first two numbers of the state in which they are one closed curve, and a sentence on it."""
-    at = coordinates(model)
-    points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
-    for i, j in combinations(range(min(at.smooth, _SEEN)), 2):
-        found = rotation_on_curve(points[:, [i, j]])
-        if found is not None:
-            told = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
-            return found, f"{told}, rotation number {found.told} turns per drive period, up to whole turns and its sense"
-    return None, "no two numbers of its strobe state show one closed curve: it has more than two frequencies, or its curve is folded"

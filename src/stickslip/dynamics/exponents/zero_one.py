@@ -48,7 +48,7 @@ class ZeroOne(Face):
 
     @property
     def kind(self) -> str:
-        """ "chaotic" (K above 0.8), "regular" (below 0.2: periodic or quasi-periodic) or "undecided"."""
+        """The motion by K: "chaotic" above 0.8, "regular" (periodic or quasi-periodic) below 0.2, else "undecided"."""
         return "chaotic" if self.K > _CHAOS else "regular" if self.K < _ORDER else "undecided"
 
     @property
@@ -119,9 +119,8 @@ def _checked(series: Any, frequencies: Any) -> Array:
     except (TypeError, ValueError):
         x = np.empty(0)
     if x.ndim != 1 or len(x) < _LEAST or not np.isfinite(x).all():
-        problems.add(
-            f"series has shape {x.shape}; allowed are {_LEAST} or more finite numbers in a row; type ss.zero_one_test(points.v.values)"
-        )
+        allowed = f"allowed are {_LEAST} or more finite numbers in a row"
+        problems.add(f"series has shape {x.shape}; {allowed}; type ss.zero_one_test(ss.strobe(run).v.values)")
     problems.whole("frequencies", frequencies, 10, example=100)
     problems.check()
     return x
