@@ -458,6 +458,8 @@ without_picture = {
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",
     "Gradient": "derivatives in different units; ss.sensitivity(...).plot() draws relative ones",
+    "ZeroOne": "one number of a series: ss.plot.phase draws the run that it comes from",
+    "Rotation": "one number of a motion: ss.plot.phase draws the run that it comes from",
     "AtlasTime": "an estimate in seconds: its atlas draws itself",
     "Derived": "an axis of a sweep, no result",
     "Border": "a line of a map: ss.plot.motion_map draws the borders on the map",

@@ -12,6 +12,7 @@ from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
 from stickslip.errors import InputError, SolveError
 from stickslip.flow import is_flow
+from stickslip.sealing import sealed
 from stickslip.variables import unit_of
 
 __all__ = ["NARROW", "OTHER", "Judge", "judge_between", "named_motion", "narrowed"]
@@ -23,6 +24,7 @@ _PARTS = 16  # into so many a segment is cut at once: its inner points are one b
 _ROUNDS = 4  # how often a start that is on neither motion yet is run on, each time twice as long
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Judge:
     """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""

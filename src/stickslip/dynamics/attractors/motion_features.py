@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity, whole_motions
+from stickslip.sealing import sealed
 
 __all__ = ["Features", "features_of", "numbered", "told_apart"]
 
@@ -16,6 +17,7 @@ _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
 _ALIKE = 0.2  # the same of motions without a period, whose means over a stretch scatter
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Features:
     """Features of settled motions, one row for each start.
