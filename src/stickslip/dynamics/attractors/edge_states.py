@@ -72,7 +72,7 @@ class EdgeState(Drawn):
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.05}, ("x",))
     >>> edge = ss.edge_state(cubic, {"x": -1.0}, {"x": 1.0})
     >>> edge.kind, round(float(edge.state[0]), 6), [round(float(m), 6) for m in edge.multipliers]  # a root of h + (r - 1) x = x^3
-    ('repeller', -0.102123, [1.468713])
+    ('repeller', -0.102131, [1.468708])
     """
 
     model: Any

@@ -11,7 +11,6 @@ import numpy as np
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.errors import InputError, Problems
-from stickslip.faces import Face
 from stickslip.fields import number
 from stickslip.sealing import sealed
 
@@ -25,7 +24,7 @@ _ROUGH = 0.25  # of the radius: neighbours on a closed curve differ by less, as 
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Rotation(Face):
+class Rotation:
     """A rotation number.
 
     Parameters
@@ -47,9 +46,6 @@ class Rotation(Face):
     value: float
     error: float
     points: int
-
-    def _facts(self) -> dict[str, Any]:
-        return {"rotation number": f"{self.told} turns per step", "points": self.points}
 
     @property
     def told(self) -> str:

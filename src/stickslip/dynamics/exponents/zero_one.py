@@ -9,7 +9,6 @@ import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import Problems
-from stickslip.faces import Face
 from stickslip.fields import number
 from stickslip.sealing import sealed
 
@@ -24,7 +23,7 @@ _CONSTANT = 1e-10  # of its size: a series that varies less has no motion in it
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class ZeroOne(Face):
+class ZeroOne:
     """What the 0-1 test says of a series.
 
     Parameters
@@ -57,12 +56,9 @@ class ZeroOne(Face):
         low, high = np.percentile(self.values, [25, 75])
         return float(low), float(high)
 
-    def _facts(self) -> dict[str, Any]:
-        low, high = self.quartiles
-        return {"motion": self.kind, "K": f"{self.K:.3f} (half of the frequencies: {low:.3f} to {high:.3f})", "numbers": self.length}
-
     def __repr__(self) -> str:
-        return "<ZeroOne: " + ", ".join(f"{name} {value}" for name, value in self._facts().items()) + ">"
+        low, high = self.quartiles
+        return f"<ZeroOne: {self.kind}, K = {self.K:.3f} (half of the frequencies: {low:.3f} to {high:.3f}), {self.length} numbers>"
 
 
 @explains_arguments
