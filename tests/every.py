@@ -258,6 +258,23 @@ def _basins(c):
     assert ss.basins(c.machine, **{of: [0.0, 0.05]}, settle=100).attractors
 
 
+def _attractors(c):
+    of = "v" if machine_of(c.machine).is_single else f"v.{machine_of(c.machine).mechanics.bodies[0]}"
+    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={of: [0.0, 0.05]}, settle=100)
+    assert (along.share.sum("attractor") > 0.4).all() and all(map(str, along.ends.values))
+
+
+def _edge_state(c):
+    """There is one motion: an edge is refused with its name."""
+    try:
+        edge = ss.edge_state(c.machine, None, None, settle=30)
+    except ss.InputError as error:
+        if "both starts lead to one motion" not in str(error):
+            raise
+    else:
+        raise AssertionError(edge)
+
+
 def _bifurcation(c):
     grid = ss.bifurcation(c.machine, parameter=c.number, values=list(c.values), settle=20, points=2, follow=False)
     assert grid.sizes[c.number] == 2
@@ -369,7 +386,8 @@ every_door = {
     "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map": _map, "plot.velocity_map": _velocity_map, "a study folder": _study,
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
-    "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
+    "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.attractors": _attractors,
+    "ss.edge_state": _edge_state, "ss.bifurcation": _bifurcation,
     "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
     "CSV": _csv, "report": _report, "plot.velocity": _velocity,
     "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.strobe": _strobe,
@@ -403,6 +421,11 @@ def _basins_of_flow(c):
     assert ss.basins(c.machine, x=[0.0, 0.5], settle=100).attractors
 
 
+def _attractors_of_flow(c):
+    along = ss.attractors(c.machine, parameter=c.number, values=list(c.values), starts={"x": [0.0, 0.5]}, settle=100)
+    assert along.x.shape[1] == 2 and "mean_velocity" not in along
+
+
 def _xarray_of_flow(c):
     assert {"x", "v", "mode"} <= set(c.run().to_xarray())
 
@@ -417,6 +440,7 @@ def _phase_of_flow(c):
 
 _OF_FLOW = {
     "ss.solve": _solve_flow, "a batch": _batch_of_flow, "ss.sweep": _sweep_of_flow, "ss.map": _map_of_flow, "ss.basins": _basins_of_flow,
+    "ss.attractors": _attractors_of_flow,
     "run.to_xarray": _xarray_of_flow, "CSV": _csv_of_flow, "plot.phase": _phase_of_flow,
 }  # fmt: skip
 
@@ -434,6 +458,8 @@ without_picture = {
     "Hops": "four numbers of a run: ss.plot.contacts draws the run",
     "Passage": "the two ends of a stretch: the run of the flow draws itself",
     "Gradient": "derivatives in different units; ss.sensitivity(...).plot() draws relative ones",
+    "ZeroOne": "one number of a series: ss.plot.phase draws the run that it comes from",
+    "Rotation": "one number of a motion: ss.plot.phase draws the run that it comes from",
     "AtlasTime": "an estimate in seconds: its atlas draws itself",
     "Derived": "an axis of a sweep, no result",
     "Border": "a line of a map: ss.plot.motion_map draws the borders on the map",

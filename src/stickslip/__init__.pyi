@@ -68,6 +68,10 @@ from .dynamics.attractors.basins import (
     basins as basins,
 )
 from .dynamics.attractors.bifurcation_diagrams import bifurcation as bifurcation
+from .dynamics.attractors.edge_states import (
+    EdgeState as EdgeState,
+    edge_state as edge_state,
+)
 from .dynamics.attractors.period_maps import chaos_map as chaos_map
 from .dynamics.continuation.branches import (
     Branch as Branch,
@@ -91,6 +95,14 @@ from .dynamics.exponents.motion_exponents import (
     largest_exponents as largest_exponents,
     lyapunov as lyapunov,
     verdict as verdict,
+)
+from .dynamics.exponents.rotation import (
+    Rotation as Rotation,
+    rotation_number as rotation_number,
+)
+from .dynamics.exponents.zero_one import (
+    ZeroOne as ZeroOne,
+    zero_one_test as zero_one_test,
 )
 from .dynamics.flows.flow_orbits import (
     FlowOrbit as FlowOrbit,

@@ -71,7 +71,7 @@ def test_what_to_type():
         ss.attractors(values=[5e-4, 6e-4], starts={"w": 1.0}, **rig)
     with pytest.raises(ss.InputError, match=r"allowed is the Dataset of ss\.attractors"):
         ss.plot.attractors(3)
-    with pytest.raises(ss.InputError, match="allowed is mean_velocity or share"):
+    with pytest.raises(ss.InputError, match="allowed is mean_velocity or v or share"):
         ss.plot.attractors(ss.attractors(values=[5e-4, 6e-4], starts={"v": 0.0}, settle=5, law="coulomb", **rig), quantity="speed")
 
 

@@ -81,6 +81,7 @@ def examples():
              "settle": 5, "rtol": 1e-6, "branches": 0, "workers": 1, "tilt_deg": 1.7, "law": "coulomb"}),
         "attractors": (ss.attractors, {"make": ss.presets.piezo_rig, "values": [5e-4, 6e-4], "starts": None, "settle": 5, **along}),
         "basins": (ss.basins, {"model": robot, "settle": 5, "rtol": 1e-6, "workers": 1, "v": [0.0, 0.1]}),
+        "edge_state": (ss.edge_state, {"model": robot, "first": {"v": 0.0}, "second": {"v": 0.1}, "periods": 3, "settle": 5, "rtol": 1e-6}),
         "chaos_map": (ss.chaos_map, {"make": ss.presets.piezo_rig, **RIG, "amplitude": [4e-4, 6e-4], "tilt_deg": [1.0, 2.0], "settle": 5,
              "periods": 5}),
         "periodic_orbit": (ss.periodic_orbit, {"model": robot, "period": 1, "guess": None, "rtol": 1e-12, "tolerance": 1e-12}),
@@ -88,6 +89,8 @@ def examples():
              "apart": 1e-7}),
         "lyapunov": (ss.lyapunov, {"model": robot, "periods": 5, "settle": 5, "start": None, "rtol": 1e-7}),
         "verdict": (ss.verdict, {"model": robot, "periods": 20, "settle": 5, "start": None, "rtol": 1e-8}),
+        "zero_one_test": (ss.zero_one_test, {"series": np.sin(np.arange(300.0)), "frequencies": 12}),
+        "rotation_number": (ss.rotation_number, {"points": 0.3 * np.arange(200.0)}),
         "lyapunov_of_map": (ss.lyapunov_of_map, {"f": lambda x: (3.9 * x[0] * (1 - x[0]),), "x0": [0.3], "iterations": 50, "settle": 5,
              "jacobian": None}),
         "lyapunov_of_flow": (ss.lyapunov_of_flow, {"f": lambda y: (y[1], -y[0]), "x0": [1.0, 0.0], "duration": 1.0, "settle": 0.5,
@@ -225,7 +228,8 @@ def examples():
         "plot.tornado": (ss.plot.tornado, {"found": None, "ax": None}), "plot.front": (ss.plot.front, {"found": None, "ax": None}),
         "plot.optimum": (ss.plot.optimum, {"found": None, "of": None, "ax": None}),
         "plot.atlas": (ss.plot.atlas, {"found": None, "ax": None, "points": True}),
-        "plot.basins": (ss.plot.basins, {"found": None, "ax": None}), "plot.attractors": (ss.plot.attractors, {"found": None,
+        "plot.basins": (ss.plot.basins, {"found": None, "ax": None, "edges": ()}),
+        "plot.edge_state": (ss.plot.edge_state, {"edge": None, "ax": None}), "plot.attractors": (ss.plot.attractors, {"found": None,
              "quantity": "mean_velocity"}),
         "plot.special_curve": (ss.plot.special_curve, {"curves": None, "ax": None}),
         "plot.chaos_map": (ss.plot.chaos_map, {"found": None, "quantity": "motion", "curves": ()}),
@@ -245,7 +249,7 @@ def examples():
 
 #: Public names that are not doors: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
-    "Atlas", "AtlasTime",
+    "Atlas", "AtlasTime", "EdgeState", "Rotation", "ZeroOne",
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
     "StickslipError", "Sum", "Trajectory", "Verdict",

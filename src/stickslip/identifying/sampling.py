@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.callbacks import told_of_progress
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, is_whole
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective
 from stickslip.optional import library
@@ -143,7 +143,7 @@ def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws
     count = len(fit.problem.targets)
     problems.whole("record", record, 0, example=0)
     problems.whole("draws", draws, 10, example=200)
-    if isinstance(record, int) and record >= count:
+    if is_whole(record) and record >= count:
         problems.add(f"record = {record}; allowed is a whole number from 0 to {count - 1}; type record=0")
     if not 0 < level < 1:
         problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type level=0.95")

@@ -9,6 +9,7 @@ from stickslip.plot.contacts import contacts, pattern
 from stickslip.plot.continued_motions import continuation
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, convergence, spectrum
+from stickslip.plot.edge_figures import edge_state
 from stickslip.plot.energy_balance import energy
 from stickslip.plot.flow_runs import states
 from stickslip.plot.influence import indices, sensitivity
@@ -22,7 +23,7 @@ from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
     "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "check", "comparison", "contacts",
-    "continuation", "convergence", "design", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map", "optimum",
-    "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve", "spectrum", "states",
-    "tornado", "velocity", "velocity_map",
+    "continuation", "convergence", "design", "edge_state", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map",
+    "optimum", "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve",
+    "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -12,19 +12,20 @@ from stickslip.plot.style import COLOURS, axes, labelled, legend_above, publicat
 
 __all__ = ["attractors"]
 
-_QUANTITIES = ("mean_velocity", "share")
+_BESIDE = ("period", "share", "share_low", "share_high", "mode")
 
 
 @explains_arguments
-def attractors(found: Grid, quantity: str = "mean_velocity", ax: Ax = None) -> Any:
+def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     """Attractors along a parameter, one line each; a ring where a motion has no period.
 
     Parameters
     ----------
     found : xarray.Dataset
         From `stickslip.attractors`.
-    quantity : str
-        "mean_velocity", or "share": of the starts, with its 95 % interval as a band.
+    quantity : str, optional
+        "share": of the starts, with its 95 % interval as a band; "mean_velocity", or a number of the strobe state, such as "v". If not
+        given, the mean velocity; of a flow, which has none, its first state.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -42,8 +43,10 @@ def attractors(found: Grid, quantity: str = "mean_velocity", ax: Ax = None) -> A
     """
     if not {"share", "unsolved"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])
-    if quantity not in _QUANTITIES:
-        raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(_QUANTITIES)}"])
+    known = [*(name for name in map(str, found.data_vars) if found[name].ndim == 2 and name not in _BESIDE), "share"]
+    quantity = known[0] if quantity is None and known else quantity
+    if quantity not in known:
+        raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(known)}"])
     across, y = found[found.attrs["parameter"]], found[quantity]
     (right, side), (up, mark) = (scaled(a.values[np.isfinite(a.values)], a.attrs["units"]) for a in (across, y))
     with publication():

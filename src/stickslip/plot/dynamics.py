@@ -63,7 +63,7 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
 
 
 @explains_arguments
-def basins(found: Basin, ax: Ax = None) -> Any:
+def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     """Which initial state leads to which attractor, over the first two axes of the grid of initial states with several values.
 
     Parameters
@@ -72,6 +72,8 @@ def basins(found: Basin, ax: Ax = None) -> Any:
         From `stickslip.basins`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
+    edges : EdgeState or list of them, optional
+        From `stickslip.edge_state`: their strobe points are crosses on the borders.
 
     Returns
     -------
@@ -116,14 +118,33 @@ def basins(found: Basin, ax: Ax = None) -> Any:
                     color=COLOURS[k % 7],
                     markeredgecolor="white",
                 )
+        motions = len(ax.lines)
+        for edge in _edges_on(edges, names[:2]):
+            points = edge.strobe_points[:, [edge.names.index(across), edge.names.index(upward)]]
+            ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
         ax.set_xlabel(labelled(found.map[across], side))
         ax.set_ylabel(labelled(found.map[upward], mark))
-        told = [f"$V$ = {a.mean_velocity * 1e3:.3g} mm/s, {100 * a.share:.0f} %" for a in found.attractors]
-        handles: list[Any] = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
-        if ax.lines:
-            handles.append(Line2D([], [], marker="o", linestyle="", color=INK, markersize=4, label="strobe point of the motion"))
+        handles: list[Any] = [Patch(color=paints[k + 1], label=_told(a)) for k, a in enumerate(found.attractors)]
+        for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
+            handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []
         legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
         return ax
+
+
+def _edges_on(edges: Any, names: list[str]) -> list[Any]:
+    """Edge states that have the coordinates of a map."""
+    many = list(edges) if isinstance(edges, (list, tuple)) else [edges]
+    if not all(hasattr(edge, "strobe_points") and set(names) <= set(edge.names) for edge in many):
+        allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"
+        raise InputError("plot", [f"edges = {edges!r}; {allowed}"])
+    return many
+
+
+def _told(attractor: Any) -> str:
+    """An attractor by its mean velocity, or its period where it makes no way, and its share."""
+    period = f"period {attractor.period}" if attractor.period else "no period"
+    way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else period
+    return f"{way}, {100 * attractor.share:.0f} %"
 
 
 def _pale(colour: str) -> tuple[float, ...]:

@@ -10,8 +10,9 @@ import numpy as np
 
 from stickslip.batch import some_of
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.dynamics.attractors.basins import settled_points, told_apart
+from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
+from stickslip.dynamics.attractors.motion_features import told_apart
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
-from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, told_apart, wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, strobe_attrs
+from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, wilson
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, own_attrs, strobe_attrs
+from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
 from stickslip.errors import InputError
+from stickslip.flow import is_flow
 from stickslip.sweeps.progress import Watch
 
 if TYPE_CHECKING:
@@ -24,14 +27,18 @@ if TYPE_CHECKING:
 __all__ = ["attractors"]
 
 Array = Any
+_STEPS = 8  # smaller steps from value to value where an attractor seems to end
 
 
-@dataclass
+@dataclass(eq=False)
 class _Track:
-    """One attractor through the values: a strobe state on it, and what it was at each value where it is."""
+    """One attractor through the values: a strobe state on it, its features, and what it was at each value where it is."""
 
     state: Array
     found: dict[int, Attractor]
+    means: Array = ()
+    between: tuple[float, float] | None = None  # where it vanished
+    became: str = ""  # and to what its last state led
 
 
 @explains_arguments
@@ -49,13 +56,16 @@ def attractors(
 ) -> xr.Dataset:
     """Attractors along a parameter: those reached from a grid of initial states, and continuations of those at the previous value.
 
-    An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, or if
-    there is none, the attractor ends; an attractor that continues no other one is new. Shares count the grid only.
+    An attractor is continued by the motion that attracts its last strobe state. If this motion also continues another attractor, it is the
+    one whose features (means of the strobe points and mean velocity) changed less, and the other ends, as it does if there is no such
+    motion. Before an attractor is said to end, all of them are followed through eight smaller steps to the next value, which also narrows
+    where it ends. An attractor that continues no other one is new. Shares count the grid only.
 
     Parameters
     ----------
-    make : callable or Robot
-        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
+    make : callable, Robot, machine or SwitchingFlow
+        A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names; a flow, or a map by
+        ``SwitchingFlow.of_map``, by the names of its numbers.
     parameter : str
         The keyword that varies.
     values : array
@@ -77,9 +87,10 @@ def attractors(
     Returns
     -------
     xarray.Dataset
-        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s], period (drive periods until it
-        repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
-        strobe state (v, z, ...); over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
+        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), period (drive periods until
+        it repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
+        strobe state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state
+        leads to then; over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
 
     Examples
     --------
@@ -88,65 +99,135 @@ def attractors(
     ...                   amplitude=6e-4, tilt_deg=1.7)
     >>> d.period.values.tolist(), d.share.values.tolist()
     ([[1, 1]], [[1.0, 1.0]])
+
+    A saddle-node of a map, at h = 2 ((r - 1)/3)^(3/2) = 0.136:
+
+    >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.0}, ("x",))
+    >>> d = ss.attractors(cubic, parameter="h", values=[0.0, 0.13, 0.14], starts=dict(x=[-0.8, 0.8]), settle=100)
+    >>> print(d.ends.values[0])
+    vanishes between 0.13625 and 0.1375; its last state leads to attractor 1
     """
     robots = family("attractors", make, (parameter,), fixed)
     values = checked_values("attractors", values)
-    needs_model("attractors", robots.robot(values[0]))
+    first = robots.robot(values[0])
+    needs_model("attractors", first, flows=True)
     at = coordinates(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
-    axes = start_axes("attractors", at, starts or {}, settle, workers)
+    axes = start_axes("attractors", at, starts or {}, settle, workers, first)
     table = grid_of(axes)
     tracks: list[_Track] = []
     lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
+    along = _Along(robots, values, table, at, settle, rtol, workers)
     for k in range(len(values)):
-        lost[k] = _at_value(robots, float(values[k]), k, table, tracks, at, settle, rtol, workers)
+        lost[k] = _at_value(along, k, tracks)
         watch.finished(k, np.zeros(1, int))
         if watch.stopped:
             break
     return _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
 
 
-def _at_value(
-    robots: Family,
-    value: float,
-    k: int,
-    table: dict[str, Array],
-    tracks: list[_Track],
-    at: Coordinates,
-    settle: int,
-    rtol: float,
-    workers: int,
-) -> int:
+@dataclass(frozen=True, eq=False)
+class _Along:
+    """What is the same at every value."""
+
+    robots: Family
+    values: Array
+    table: dict[str, Array]
+    at: Coordinates
+    settle: int
+    rtol: float
+    workers: int
+
+    def settled(self, model: Any, states: Array) -> tuple[Array, Array, Array]:
+        return settled_points(spread_over(model, len(states)), states, self.settle, self.rtol, self.workers, None)
+
+    def told(self, model: Any, points: Array, ways: Array, good: Array) -> tuple[Features, Array]:
+        """Features of the motions, and a number for each."""
+        motions = features_of(float(model.period), points, ways, self.at, self.rtol)
+        return motions, numbered(motions, good > 0)
+
+
+def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
     """Go on with the tracks at one value, and begin new ones. Returns how many starts lead nowhere."""
-    model = robots.robot(value)
-    first, alive = on_grid(table, model), [track for track in tracks if k - 1 in track.found]
-    states = np.vstack([*(track.state[None, :] for track in alive), first])
-    points, ways, good = settled_points(spread_over(model, len(states)), states, settle, rtol, workers, None)
-    period, V, number = told_apart(float(model.period), points, ways, good, at, rtol)
+    model = along.robots.robot(float(along.values[k]))
+    first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.found]
+    whole = along.settled(model, np.vstack([*(track.state[None, :] for track in alive), first]))
+    motions, number = along.told(model, *whole)
+    if len(_claims(motions, number[: len(alive)], [track.means for track in alive])) < len(alive):  # one ends, or the step was too long
+        whole = _in_small_steps(along, k, alive, whole)
+        motions, number = along.told(model, *whole)
     carried, ours = number[: len(alive)], number[len(alive) :]
-    taken: set[int] = set()
-    for i in _nearest_first(carried, V, alive, k):
-        if carried[i] >= 0 and carried[i] not in taken:
-            taken.add(int(carried[i]))
-            _note(alive[i], k, int(carried[i]), number, ours, points, period, V)
-    for n in sorted(set(ours[ours >= 0].tolist()) - taken, key=lambda n: -np.count_nonzero(ours == n)):
-        tracks.append(_Track(first[0], {}))
-        _note(tracks[-1], k, n, number, ours, points, period, V)
+    lasting = [i for i, track in enumerate(alive) if not track.between]
+    claims = _claims(motions, np.where(np.isin(np.arange(len(alive)), lasting), carried, -1), [track.means for track in alive])
+    taken = {n: alive[i] for n, i in claims.items()}
+    for n in sorted(set(ours[ours >= 0].tolist()) - set(taken), key=lambda n: -np.count_nonzero(ours == n)):
+        taken[n] = _Track(first[0], {})
+        tracks.append(taken[n])
+    for n, track in taken.items():
+        _note(track, k, number == n, ours == n, whole[0], motions)
+    for track, n in zip(alive, carried.tolist(), strict=True):
+        if k not in track.found:
+            track.between = track.between or (float(along.values[k - 1]), float(along.values[k]))
+            track.became = f"attractor {tracks.index(taken[n])}" if n in taken else "no attractor"
     return int(np.count_nonzero(ours < 0))
 
 
-def _nearest_first(carried: Array, V: Array, alive: list[_Track], k: int) -> list[int]:
-    """Tracks in the order in which they may claim a motion: those whose mean velocity changed least come first."""
-    return sorted(range(len(carried)), key=lambda i: abs(V[i] - alive[i].found[k - 1].mean_velocity))
+def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int, int]:
+    """Which track goes on as which motion, by number; of several that come to one that whose features changed least."""
+    claims: dict[int, int] = {}
+    for i in _nearest_first(motions, before):
+        if carried[i] >= 0:
+            claims.setdefault(int(carried[i]), i)
+    return claims
 
 
-def _note(track: _Track, k: int, n: int, number: Array, ours: Array, points: Array, period: Array, V: Array) -> None:
-    members = np.flatnonzero(number == n)
-    hits = int(np.count_nonzero(ours == n))
-    first, count = members[0], len(ours)
-    track.state = points[first, -1]
-    track.found[k] = Attractor(int(period[first]), float(np.mean(V[members])), track.state, hits / count, wilson(hits, count), None)
+def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Array, ...]) -> tuple[Array, ...]:
+    """What the tracks come to at a value by smaller steps of the parameter, beside what the grid came to; tracks that end are told where.
+
+    Where a parameter takes no values between, as a whole number does not, what the one long step gave stays.
+    """
+    steps = np.linspace(along.values[k - 1], along.values[k], _STEPS + 1)
+    states, before = np.array([track.state for track in alive]), [track.means for track in alive]
+    for low, high in pairwise(steps.tolist()):
+        try:
+            model = along.robots.robot(high)
+        except InputError:
+            return whole
+        found = along.settled(model, states)
+        motions, number = along.told(model, *found)
+        lasting = np.array([not track.between for track in alive])
+        kept = set(_claims(motions, np.where(lasting, number, -1), before).values())
+        for i in set(np.flatnonzero(lasting).tolist()) - kept:
+            alive[i].between = (low, high)
+        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], states)
+        before = [new if i in kept else old for i, (new, old) in enumerate(zip(motions.means, before, strict=True))]
+    return tuple(np.concatenate([own, rest[len(alive) :]]) for own, rest in zip(found, whole, strict=True))
+
+
+def _nearest_first(motions: Features, before: list[Array]) -> list[int]:
+    """Tracks in the order in which they may claim a motion: those whose features changed least come first."""
+    return sorted(range(len(before)), key=lambda i: float(motions.distance(i, before[i])))
+
+
+def _note(track: _Track, k: int, members: Array, hit: Array, points: Array, motions: Features) -> None:
+    first, hits, count = int(np.flatnonzero(members)[0]), int(np.count_nonzero(hit)), len(hit)
+    V = float(np.mean(motions.mean_velocity[members]))
+    track.state, track.means = points[first, -1], motions.means[first]
+    track.found[k] = Attractor(int(motions.period[first]), V, track.state, hits / count, wilson(hits, count), None)
+
+
+def _begins(track: _Track, values: Array) -> str:
+    """Between which values an attractor appears."""
+    k = min(track.found)
+    return f"appears between {values[k - 1]:.9g} and {values[k]:.9g}" if k else "is there at the first value"
+
+
+def _ends(track: _Track, values: Array) -> str:
+    """Between which values an attractor vanishes, and what becomes of a motion on it."""
+    if track.between is None:
+        return "is there at the last value" if max(track.found) == len(values) - 1 else "is there at the last value that was computed"
+    return f"vanishes between {track.between[0]:.9g} and {track.between[1]:.9g}; its last state leads to {track.became}"
 
 
 def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track], lost: Array, at: Coordinates, starts: int) -> Any:
@@ -165,14 +246,20 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
                 a.state,
             )
     both = ("attractor", parameter)
-    columns: dict[str, Any] = {
-        "mean_velocity": (both, V, {"units": "m/s", "long_name": "mean velocity"}),
+    flow = is_flow(robots.robot(values[0]))
+    columns: dict[str, Any] = {} if flow else {"mean_velocity": (both, V, {"units": "m/s", "long_name": "mean velocity"})}
+    columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
         "share": (both, share, {"units": "1", "long_name": "share of the starts"}),
         "share_low": (both, low, {"units": "1", "long_name": "share of the starts, 95 % lower bound"}),
         "share_high": (both, high, {"units": "1", "long_name": "share of the starts, 95 % upper bound"}),
         "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
     }
-    columns |= {name: (both, state[..., i], strobe_attrs(name)) for i, name in enumerate(at.names)}
+    for name, told in (("begins", _begins), ("ends", _ends)):
+        texts = np.array([told(track, values) for track in tracks], dtype=str)
+        columns[name] = (("attractor",), texts, {"long_name": f"where the attractor {name}"})
+    columns |= {
+        name: (both, state[..., i], own_attrs(name, "on the strobe") if flow else strobe_attrs(name)) for i, name in enumerate(at.names)
+    }
     coords = {parameter: (parameter, values, robots.describe(parameter)), "attractor": np.arange(len(tracks))}
     return xr.Dataset(columns, coords, {"parameter": parameter, "starts": starts})

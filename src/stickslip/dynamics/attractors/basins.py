@@ -11,7 +11,8 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, periods_of, state_attrs, steady_velocity, whole_motions
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, state_attrs
+from stickslip.dynamics.attractors.motion_features import told_apart
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -24,10 +25,9 @@ from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
 
-__all__ = ["Attractor", "Basins", "basins", "grid_of", "on_grid", "settled_points", "start_axes", "told_apart", "wilson"]
+__all__ = ["Attractor", "Basins", "basins", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
 
 Array = Any
-_SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scales, are one
 _POINTS = 64
 
 
@@ -254,58 +254,6 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
     attrs_of = own_attrs if is_flow(model) else state_attrs
     coords = {n: (n, a, phase if n == "phase" else attrs_of(n, "at the start")) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
-
-
-def told_apart(T: Any, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False) -> tuple[Array, Array, Array]:
-    """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
-    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
-    V = steady_velocity(ways, period, T)
-    number = _numbers(_fingerprints(points, period, V, at, by_phase), period, good > 0)
-    period[good == UNDONE] = UNDONE
-    return period, V, number
-
-
-def _fingerprints(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:
-    """Numbers that are the same for two starts on one motion, whichever of its periods they are in: means over whole ones, in scales."""
-    speed = (V / at.speed)[:, None]
-    if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
-        return speed
-    count = whole_motions(points.shape[1], period)[:, None]
-    last = (np.arange(points.shape[1]) >= points.shape[1] - count)[..., None]
-    scaled = np.where(last, _without_shifts(points, at) / at.scales, 0.0)
-    return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
-
-
-def _without_shifts(points: Array, at: Any) -> Array:
-    """Strobe points in which bodies that rest at every one of them have one place in common: where they stopped is chance.
-
-    The rests of several bodies that a spring joins come as continua, and all of one are one attractor.
-    """
-    if at.mechanics is None or at.mechanics.coordinates < 2 or at.inner_states:
-        return points
-    order, found = at.order, points.copy()
-    still = np.all(points[..., order.velocities] == 0.0, axis=1)  # (cases, coordinates)
-    first = np.argmax(still, axis=1)
-    for body, j in zip(order.kept, range(order.places.start, order.places.stop), strict=True):
-        chance = still[:, body] & (first != body if order.cyclic else True)
-        found[chance, :, j] = 0.0
-    return found
-
-
-def _numbers(prints: Array, period: Array, good: Array) -> Array:
-    """A number for each motion; all motions without a period whose means lie near each other are one."""
-    number: Array = np.full(len(prints), -1)
-    kept: list[tuple[Array, int]] = []
-    for i in np.flatnonzero(good & np.isfinite(prints).all(axis=1)):
-        for k, (like, count) in enumerate(kept):
-            near = _SAME if count else 0.2
-            if count == period[i] and np.max(abs(prints[i] - like)) < near:
-                number[i] = k
-                break
-        else:
-            kept.append((prints[i], period[i]))
-            number[i] = len(kept) - 1
-    return number
 
 
 def _attractor(model: Any, members: Array, cases: int, points: Array, period: Array, V: Array, by_phase: bool) -> Attractor:

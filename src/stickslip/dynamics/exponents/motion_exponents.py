@@ -12,6 +12,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -323,6 +324,8 @@ class Verdict(Face):
         The periodic orbit that it is, found by Newton's method.
     why : str
         The evidence in a sentence.
+    rotation : Rotation or None
+        Of a quasi-periodic motion of two frequencies: the rotation number of its strobe points, in turns per drive period.
 
     Examples
     --------
@@ -337,6 +340,7 @@ class Verdict(Face):
     exponents: Lyapunov
     orbit: Any
     why: str
+    rotation: Rotation | None = None
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Draw the orbit or, if there is none, the convergence of the exponents; returns the axes."""
@@ -347,7 +351,8 @@ class Verdict(Face):
 
     def _facts(self) -> dict[str, Any]:
         period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
-        return {"motion": self.kind, **period, "exponents": self.exponents.told, "evidence": self.why}
+        rotation = {} if self.rotation is None else {"rotation number": f"{self.rotation.told} turns per drive period"}
+        return {"motion": self.kind, **period, **rotation, "exponents": self.exponents.told, "evidence": self.why}
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
@@ -367,7 +372,8 @@ def verdict(
 
     Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
     multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
-    it does not come back, and the largest exponent is zero within three errors that are small. Anything else is undecided.
+    it does not come back, and the largest exponent is zero within three errors that are small; where its strobe points lie on one closed
+    curve it has two frequencies, and their rotation number. Anything else is undecided.
 
     Parameters
     ----------
@@ -377,7 +383,7 @@ def verdict(
     Returns
     -------
     Verdict
-        `kind`, `period`, `exponents`, `orbit`, and `why`, the evidence in a sentence.
+        `kind`, `period`, `exponents`, `orbit`, `rotation`, and `why`, the evidence in a sentence.
 
     Examples
     --------
@@ -408,5 +414,6 @@ def verdict(
     if back.period is None and exponents.chaotic:
         return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero")
+        rotation, seen = rotation_of_strobe(model, back.state, rtol)
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero; {seen}", rotation)
     return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")
