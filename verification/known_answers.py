@@ -238,9 +238,18 @@ def impact_fold() -> tuple[float, ...]:
     return tuple(float(np.polyfit(beyond, y, 5)[-1]) for y in (values[-6:], [orbit.duration for orbit in near]))
 
 
-def impact_end() -> tuple[float, ...]:
-    """Duration of the cycle at mu = 0, the lower end of the branch."""
-    return (cycles((0.01, 0.005, 0.0), *START)[-1].duration,)
+def across(orbit: ss.FlowOrbit) -> tuple[object, float]:
+    """A guess of the cycle of the same mu on the other side of the fold, where the duration is as far above."""
+    ahead = ss.flow_orbit(impacting(0.02499), orbit.state, 0, duration=orbit.duration)
+    share = (TANG[1] - orbit.duration) / (orbit.duration - ahead.duration)
+    return orbit.state + 2 * share * (orbit.state - ahead.state), 2 * TANG[1] - orbit.duration
+
+
+def impact_ends() -> tuple[float, ...]:
+    """Durations of the two cycles at mu = 0, where both branches end."""
+    fold = cycles((0.02, 0.023, 0.0242, 0.0248, 0.025), *START)[-1]
+    beyond = cycles((0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005, 0.0), *across(fold))
+    return (cycles((0.01, 0.005, 0.0), *START)[-1].duration, beyond[-1].duration)
 
 
 def two_masses() -> ss.SwitchingFlow:
@@ -312,15 +321,15 @@ ROWS = {
     "resonance": Row("Hénon's map: a and b at which both multipliers are −1", "a = 3(1 − b)²/4", (3.0, -1.0), henon_resonance, 1e-8),
     "cusp": Row("x to p + q x − x³: p and q at which two curves of folds end", "double root", (0.0, 1.0), cusp, 1e-8),
     "belt": Row("block on a belt: period of its cycle", "closed form", (belt_closed(),), belt, 1e-11),
-    "leine": Row("Leine's block on a belt: largest displacement", "Leine 2024, script", (1.135,), set_valued_belt, 2e-3),
-    "leine_rounded": Row("the same, rounded by an arctangent: largest displacement", "Leine 2024, script", (1.067,), rounded_belt, 1e-3),
-    "leine_lugre": Row(
-        "the same with bristles: x and z of a state of the cycle", "Leine 2024, script", (LUGRE[0], LUGRE[2]), lugre_belt, 1e-5
+    "leine": Row("Leine's block on a belt: largest x", "Leine, script", (1.135,), set_valued_belt, 2e-3),
+    "leine_rounded": Row("the same, rounded by an arctangent: largest x", "Leine, script", (1.067,), rounded_belt, 1e-3),
+    "leine_lugre": Row("the same with bristles: x and z of a state of the cycle", "Leine, script", (LUGRE[0], LUGRE[2]), lugre_belt, 1e-5),
+    "tang_fold": Row("flow with impacts: μ and duration at the fold of cycles", "Tang, log of COCO", TANG, impact_fold, 1e-5),
+    "tang_ends": Row("the same: durations of the two cycles at μ = 0", "Tang, log of COCO", (2.9149, 7.5951), impact_ends, 1e-4),
+    "duffing": Row(
+        "two masses that hit: period and times between hits at a grazing", "Iklódi, PWSDDE-cont demo", TIMES, duffing_grazing, 1e-2
     ),
-    "tang_fold": Row("flow with impacts: μ and duration at the fold of cycles", "Tang 2023, log of COCO", TANG, impact_fold, 1e-5),
-    "tang_end": Row("the same: duration of the cycle at μ = 0", "Tang 2023, log of COCO", (2.9149,), impact_end, 1e-4),
-    "duffing": Row("two masses that hit: period and times between hits at a grazing", "Zelei 2024, demo", TIMES, duffing_grazing, 1e-2),
-    "duffing_other": Row("the same: period at the grazing of the other branch", "Zelei 2024, demo", (5.980,), duffing_other, 1e-2),
+    "duffing_other": Row("the same: period at the grazing of the other branch", "Iklódi, PWSDDE-cont demo", (5.980,), duffing_other, 1e-2),
     "rig": Row("robot on four slopes, Coulomb: mean velocity in mm/s", "founding paper, 4.2", (2.0, 4.0, 3.8, 28.7), rig_of_coulomb, 0.05),
     "rig_lugre": Row("the same with LuGre's law", "founding paper, 4.2", (1.8, 3.7, 3.7, 28.1), rig_of_lugre, 0.1),
 }
