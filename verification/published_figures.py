@@ -45,18 +45,18 @@ def settled(mu: float, orbit: ss.FlowOrbit) -> float:
 def impact_duffing() -> plt.Figure:
     """Strobe points of the two masses against the frequency: branches over brute force."""
     flow = two_masses()
-    guess = ss.flow_orbit(flow.replace(w=1.5), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
-    branch = ss.continuation(flow, parameter="w", start=1.5, stop=1.25, guess=guess)
+    guess = ss.flow_orbit(flow.replace(w=1.47), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
+    branch = ss.continuation(flow, parameter="w", start=1.47, stop=1.355, guess=guess)
     diagram = ss.bifurcation(
         flow,
         parameter="w",
-        values=np.linspace(1.31, 1.5, 58),
+        values=np.linspace(1.356, 1.47, 58),
         settle=200,
         points=24,
         follow=False,
         start={"x1": 0.1, "x2": 0.0, "v1": 0.0, "v2": 0.0},
     )
-    return ss.plot.continuation([branch, branch.switched(stop=1.25)], diagram=diagram, observable="x1").figure
+    return ss.plot.continuation([branch, branch.switched(stop=1.355)], diagram=diagram, observable="x1").figure
 
 
 def main(folder: str) -> None:
