@@ -310,6 +310,33 @@ def rig_of_lugre() -> tuple[float, ...]:
     return rig("lugre")
 
 
+PENDULUM = {"pull": 0.8, "damping": 0.5, "height": 0.2}
+
+
+def pendulum() -> ss.SwitchingFlow:
+    """A pendulum over three magnets on the unit circle; nothing depends on time, and half a unit is between two looks."""
+
+    def rates(t: object, s: tuple[float, ...]) -> tuple[object, ...]:
+        x, y, u, v = s
+        a, b = -(PENDULUM["pull"] ** 2) * x - PENDULUM["damping"] * u, -(PENDULUM["pull"] ** 2) * y - PENDULUM["damping"] * v
+        for turn in (0.0, 2 * math.pi / 3, 4 * math.pi / 3):
+            dx, dy = x - math.cos(turn), y - math.sin(turn)
+            cube = (dx * dx + dy * dy + PENDULUM["height"] ** 2) ** 1.5
+            a, b = a - dx / cube, b - dy / cube
+        return (u, v, a, b)
+
+    return ss.SwitchingFlow({0: rates}, {}, 0.5, states=("x", "y", "u", "v"))
+
+
+def thirds() -> tuple[float, ...]:
+    """Shares of the three magnets in the starts from rest within a circle of radius 2, largest first, then of the undecided."""
+    side = np.linspace(-2.0, 2.0, 25)
+    found = ss.basins(pendulum(), x=side, y=side, u=0.0, v=0.0, settle=140).map.attractor.values[:, :, 0, 0]
+    inside = found[np.hypot(*np.meshgrid(side, side, indexing="ij")) <= 2.0]
+    shares = sorted((float((inside == i).mean()) for i in range(3)), reverse=True)
+    return (*shares, float((inside < 0).mean()))
+
+
 ROWS = {
     "henon": Row("Hénon's map, a 1.4, b .3: largest exponent", "Sprott 2003", (0.41922,), henon, 1e-3),
     "lorenz": Row("Lorenz' flow, 10, 28, 8/3: spectrum", "Sprott 2003", (0.9056, 0.0, -14.5723), lorenz, 3e-3),
@@ -330,6 +357,7 @@ ROWS = {
         "two masses that hit: period and times between hits at a grazing", "Iklódi, PWSDDE-cont demo", TIMES, duffing_grazing, 1e-2
     ),
     "duffing_other": Row("the same: period at the grazing of the other branch", "Iklódi, PWSDDE-cont demo", (5.980,), duffing_other, 1e-2),
+    "thirds": Row("pendulum over three magnets: shares, and undecided", "symmetry", (1 / 3, 1 / 3, 1 / 3, 0.0), thirds, 0.05),
     "rig": Row("robot on four slopes, Coulomb: mean velocity in mm/s", "founding paper, 4.2", (2.0, 4.0, 3.8, 28.7), rig_of_coulomb, 0.05),
     "rig_lugre": Row("the same with LuGre's law", "founding paper, 4.2", (1.8, 3.7, 3.7, 28.1), rig_of_lugre, 0.1),
 }
