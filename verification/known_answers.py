@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 import stickslip as ss
-from stickslip.maths import cos, where
+from stickslip.maths import atan, cos, where
 
 
 class Row(NamedTuple):
@@ -151,6 +151,192 @@ def belt_closed() -> float:
     return 2 * drop / v + 2 * (math.pi - math.atan(drop * w / v)) / w
 
 
+SPEED, FADES = 0.2, 3.0  # of the belt; of friction with velocity
+
+
+def set_valued_belt() -> tuple[float, ...]:
+    """Largest displacement in the limit cycle of Leine's block on a belt, whose friction falls from 1 as 1/(1 + 3|v|)."""
+    slide = lambda side: lambda t, y: (y[1], -y[0] - side / (1.0 + FADES * side * (y[1] - SPEED)))  # noqa: E731
+    caught = lambda side: lambda t, y: "stick" if abs(y[0]) <= 1.0 else -side  # noqa: E731
+    switches = {
+        -1: (ss.Switch(lambda t, y: SPEED - y[1], caught(-1)),),
+        1: (ss.Switch(lambda t, y: y[1] - SPEED, caught(1)),),
+        "stick": (ss.Switch(lambda t, y: 1.0 - y[0], -1), ss.Switch(lambda t, y: 1.0 + y[0], 1)),
+    }
+    fields = {-1: slide(-1), 1: slide(1), "stick": lambda t, y: (SPEED + 0.0 * y[0], 0.0 * y[0])}
+    flow = ss.SwitchingFlow(fields, switches, states=("q", "u"))
+    return (float(ss.flow_orbit(flow, [1.0, SPEED], -1, duration=12.0).passage.highest[0]),)
+
+
+def rounded_belt() -> tuple[float, ...]:
+    """The same, with sgn v rounded off by an arctangent."""
+
+    def rates(side: int) -> Callable[..., tuple[object, ...]]:
+        shape = lambda v: 2.0 / math.pi * atan(1e3 * v) / (1.0 + FADES * side * v)  # noqa: E731
+        return lambda t, y: (y[1], -y[0] - shape(y[1] - SPEED))
+
+    turn = {-1: (ss.Switch(lambda t, y: SPEED - y[1], 1),), 1: (ss.Switch(lambda t, y: y[1] - SPEED, -1),)}
+    flow = ss.SwitchingFlow({-1: rates(-1), 1: rates(1)}, turn, states=("q", "u"))
+    return (float(ss.flow_orbit(flow, [1.067, 0.0], -1, duration=11.3, rtol=1e-8, method="dop853").passage.highest[0]),)
+
+
+LUGRE = (1.043656607367126, 0.081148750297240, -0.007831711872955)  # a state of the cycle as it is printed
+
+
+def lugre_belt() -> tuple[float, ...]:
+    """The same with bristles (stiffness 100, damping 20): displacement and bristle where the velocity falls through the printed one."""
+
+    def rates(side: int) -> Callable[..., tuple[object, ...]]:
+        bristle = lambda v, z: v - 100.0 * side * v * (1.0 + FADES * side * v) * z  # noqa: E731
+        return lambda t, y: (y[1], -y[0] - 100.0 * y[2] - 20.0 * bristle(y[1] - SPEED, y[2]), bristle(y[1] - SPEED, y[2]))
+
+    switches = {
+        "above": (ss.Switch(lambda t, y: y[1] - LUGRE[1], "below"), ss.Switch(lambda t, y: SPEED - y[1], "ahead")),
+        "below": (ss.Switch(lambda t, y: LUGRE[1] - y[1], "above"),),
+        "ahead": (ss.Switch(lambda t, y: y[1] - SPEED, "above"),),
+    }
+    flow = ss.SwitchingFlow({"above": rates(-1), "below": rates(-1), "ahead": rates(1)}, switches, states=("q", "u", "z"))
+    orbit = ss.flow_orbit(flow, LUGRE, "below", duration=11.0)
+    fallen = next(c.t for c in orbit.events if c.after == "below")
+    at = ss.passage(flow, orbit.state, orbit.mode, fallen).state
+    return (float(at[0]), float(at[2]))
+
+
+def impacting(mu: float) -> ss.SwitchingFlow:
+    """Tang's linear flow in three dimensions with impacts at x = 1; its eigenvalues are -0.1 +- 0.2i and -0.5 - mu."""
+
+    def rates(t: object, y: tuple[float, ...], n: object) -> tuple[object, ...]:
+        third = -0.5 - n.mu  # type: ignore[attr-defined]
+        return ((third - 0.2) * y[0] + y[1], (0.2 * third - 0.05) * y[0] + y[2], 0.05 * third * y[0])
+
+    def hit(t: object, y: tuple[float, ...], n: object) -> tuple[object, ...]:
+        speed = (-0.7 - n.mu) * y[0] + y[1]  # type: ignore[attr-defined]
+        return (1.0, y[1] - (1.78192697901049 + 0.095612982101833) * speed, y[2] - 1.6 * speed)
+
+    return ss.SwitchingFlow({0: rates}, {0: (ss.Switch(lambda t, y, n: y[0] - 1.0, 0, hit),)}, None, {"mu": mu}, ("x", "y", "z"))
+
+
+def cycles(values: tuple[float, ...], state: object, duration: float) -> list[ss.FlowOrbit]:
+    """Limit cycles for rising or falling mu, each looked for from the one before."""
+    found = []
+    for mu in values:
+        orbit = ss.flow_orbit(impacting(mu), state, 0, duration=duration)
+        state, duration = orbit.state, orbit.duration
+        found.append(orbit)
+    return found
+
+
+TANG = (0.025014022367497, 4.795364374429504)  # mu and duration at the fold as they are printed
+START = ((1.04672901, 0.747249541, 0.126217862), 3.379)  # of the cycle at half the value of the fold
+
+
+def impact_fold() -> tuple[float, ...]:
+    """Fold of limit cycles: mu and duration as polynomials of the largest multiplier, where that is 1."""
+    values = (0.0125, 0.02, 0.023, 0.0242, 0.0246, 0.0248, 0.0249, 0.02495, 0.02498, 0.025, 0.02501)
+    near = cycles(values, *START)[-6:]
+    beyond = [float(np.abs(orbit.multipliers).max()) - 1.0 for orbit in near]
+    return tuple(float(np.polyfit(beyond, y, 5)[-1]) for y in (values[-6:], [orbit.duration for orbit in near]))
+
+
+def across(orbit: ss.FlowOrbit) -> tuple[object, float]:
+    """A guess of the cycle of the same mu on the other side of the fold, where the duration is as far above."""
+    ahead = ss.flow_orbit(impacting(0.02499), orbit.state, 0, duration=orbit.duration)
+    share = (TANG[1] - orbit.duration) / (orbit.duration - ahead.duration)
+    return orbit.state + 2 * share * (orbit.state - ahead.state), 2 * TANG[1] - orbit.duration
+
+
+def impact_ends() -> tuple[float, ...]:
+    """Durations of the two cycles at mu = 0, where both branches end."""
+    fold = cycles((0.02, 0.023, 0.0242, 0.0248, 0.025), *START)[-1]
+    beyond = cycles((0.025, 0.0248, 0.0242, 0.023, 0.02, 0.015, 0.01, 0.005, 0.0), *across(fold))
+    return (cycles((0.01, 0.005, 0.0), *START)[-1].duration, beyond[-1].duration)
+
+
+def two_masses() -> ss.SwitchingFlow:
+    """A forced Duffing oscillator that carries a small mass between two walls of its own, both nonlinear, with impacts of the two."""
+    ratio, restitution, gap = 0.05, 0.9, 1.0
+    pull = lambda y: 0.952**2 * (y[0] - y[1]) + 2 * 0.127 * (y[2] - y[3]) + 0.1 * (y[0] - y[1]) ** 3  # noqa: E731
+    own = lambda t, y, n: cos(n.w * t) - y[0] - 2 * 0.02 * y[2] - 0.1 * y[0] ** 3  # noqa: E731
+    rates = lambda t, y, n: (y[2], y[3], own(t, y, n) - ratio * pull(y), pull(y))  # noqa: E731
+
+    def hit(t: object, y: tuple[float, ...], n: object) -> tuple[object, ...]:
+        both = (1 + restitution) / (1 + ratio) * (y[2] + ratio * y[3])
+        return (y[0], y[1], both - restitution * y[2], both - restitution * y[3])
+
+    up, down = ss.Switch(lambda t, y, n: gap - y[1] + y[0], 0, hit), ss.Switch(lambda t, y, n: gap + y[1] - y[0], 0, hit)
+    return ss.SwitchingFlow({0: rates}, {0: (up, down)}, lambda n: 2 * math.pi / n.w, {"w": 1.5}, ("x1", "x2", "v1", "v2"))
+
+
+TIMES = (4.620, 2.100, 3.451 - 2.100, 4.620 - 3.451)  # printed: 0, 2.100, 3.451 and the period
+
+
+def grazed(start: float, stop: float) -> ss.Special:
+    """Where the motion that is left of a broken symmetry grazes one of the walls."""
+    flow = two_masses()
+    guess = ss.flow_orbit(flow.replace(w=start), [0.1, 0.0, 0.0, 0.0], 0, settle=60)
+    found = ss.continuation(flow, parameter="w", start=start, stop=stop, guess=guess).switched(stop=stop)
+    return min((s for s in found.special if s.kind == "grazing"), key=lambda s: s.accuracy)
+
+
+def duffing_grazing() -> tuple[float, ...]:
+    """Period at the grazing below resonance, and the times between hits."""
+    special = grazed(1.5, 1.25)
+    hits = [c.t for c in special.orbit.events]
+    period = 2 * math.pi / special.value
+    return (period, hits[2] - hits[1], period - hits[2] + hits[0], hits[1] - hits[0])
+
+
+def duffing_other() -> tuple[float, ...]:
+    """Period at the grazing of the other branch."""
+    return (2 * math.pi / grazed(0.7, 1.2).value,)
+
+
+RIG = {1.7: 0.5525e-3, 4.7: 0.4564e-3, 2.7: 0.6032e-3, 5.7: 1.487e-3}  # slope in degrees -> amplitude in metres, inferred
+
+
+def rig(law: str) -> tuple[float, ...]:
+    """Mean velocities of the piezo robot in mm/s on four slopes."""
+    robots = (ss.presets.piezo_rig(tilt_deg=tilt, amplitude=A, law=law) for tilt, A in RIG.items())
+    return tuple(1e3 * ss.periodic_orbit(robot).mean_velocity for robot in robots)
+
+
+def rig_of_coulomb() -> tuple[float, ...]:
+    """With Coulomb's law."""
+    return rig("coulomb")
+
+
+def rig_of_lugre() -> tuple[float, ...]:
+    """With LuGre's law."""
+    return rig("lugre")
+
+
+PENDULUM = {"pull": 0.8, "damping": 0.5, "height": 0.2}
+
+
+def pendulum() -> ss.SwitchingFlow:
+    """A pendulum over three magnets on the unit circle; nothing depends on time, and half a unit is between two looks."""
+
+    def rates(t: object, s: tuple[float, ...]) -> tuple[object, ...]:
+        x, y, u, v = s
+        a, b = -(PENDULUM["pull"] ** 2) * x - PENDULUM["damping"] * u, -(PENDULUM["pull"] ** 2) * y - PENDULUM["damping"] * v
+        for turn in (0.0, 2 * math.pi / 3, 4 * math.pi / 3):
+            dx, dy = x - math.cos(turn), y - math.sin(turn)
+            cube = (dx * dx + dy * dy + PENDULUM["height"] ** 2) ** 1.5
+            a, b = a - dx / cube, b - dy / cube
+        return (u, v, a, b)
+
+    return ss.SwitchingFlow({0: rates}, {}, 0.5, states=("x", "y", "u", "v"))
+
+
+def thirds() -> tuple[float, ...]:
+    """Shares of the three magnets in the starts from rest within a circle of radius 2, largest first, then of the undecided."""
+    side = np.linspace(-2.0, 2.0, 25)
+    found = ss.basins(pendulum(), x=side, y=side, u=0.0, v=0.0, settle=140).map.attractor.values[:, :, 0, 0]
+    inside = found[np.hypot(*np.meshgrid(side, side, indexing="ij")) <= 2.0]
+    shares = sorted((float((inside == i).mean()) for i in range(3)), reverse=True)
+    return (*shares, float((inside < 0).mean()))
+
+
 ROWS = {
     "henon": Row("Hénon's map, a 1.4, b .3: largest exponent", "Sprott 2003", (0.41922,), henon, 1e-3),
     "lorenz": Row("Lorenz' flow, 10, 28, 8/3: spectrum", "Sprott 2003", (0.9056, 0.0, -14.5723), lorenz, 3e-3),
@@ -162,6 +348,18 @@ ROWS = {
     "resonance": Row("Hénon's map: a and b at which both multipliers are −1", "a = 3(1 − b)²/4", (3.0, -1.0), henon_resonance, 1e-8),
     "cusp": Row("x to p + q x − x³: p and q at which two curves of folds end", "double root", (0.0, 1.0), cusp, 1e-8),
     "belt": Row("block on a belt: period of its cycle", "closed form", (belt_closed(),), belt, 1e-11),
+    "leine": Row("Leine's block on a belt: largest x", "Leine, script", (1.135,), set_valued_belt, 2e-3),
+    "leine_rounded": Row("the same, rounded by an arctangent: largest x", "Leine, script", (1.067,), rounded_belt, 1e-3),
+    "leine_lugre": Row("the same with bristles: x and z of a state of the cycle", "Leine, script", (LUGRE[0], LUGRE[2]), lugre_belt, 1e-5),
+    "tang_fold": Row("flow with impacts: μ and duration at the fold of cycles", "Tang, log of COCO", TANG, impact_fold, 1e-5),
+    "tang_ends": Row("the same: durations of the two cycles at μ = 0", "Tang, log of COCO", (2.9149, 7.5951), impact_ends, 1e-4),
+    "duffing": Row(
+        "two masses that hit: period and times between hits at a grazing", "Iklódi, PWSDDE-cont demo", TIMES, duffing_grazing, 1e-2
+    ),
+    "duffing_other": Row("the same: period at the grazing of the other branch", "Iklódi, PWSDDE-cont demo", (5.980,), duffing_other, 1e-2),
+    "thirds": Row("pendulum over three magnets: shares, and undecided", "symmetry", (1 / 3, 1 / 3, 1 / 3, 0.0), thirds, 0.05),
+    "rig": Row("robot on four slopes, Coulomb: mean velocity in mm/s", "founding paper, 4.2", (2.0, 4.0, 3.8, 28.7), rig_of_coulomb, 0.05),
+    "rig_lugre": Row("the same with LuGre's law", "founding paper, 4.2", (1.8, 3.7, 3.7, 28.1), rig_of_lugre, 0.1),
 }
 
 
