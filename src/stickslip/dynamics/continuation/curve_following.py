@@ -15,7 +15,7 @@ from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
 from stickslip.dynamics.periodic.newton import Found, newton
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["FollowedCurve", "followed_curve"]
+__all__ = ["FollowedCurve", "followed_curve", "settled"]
 
 Array = Any
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
@@ -26,6 +26,8 @@ _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
+_TIMES = (2, 4, 8)  # distances, besides 1, from which what is known on one side only is continued to 0
+_CUBIC, _PARABOLA = np.array([64.0, -56.0, 14.0, -1.0]) / 21.0, np.array([8.0, -6.0, 1.0, 0.0]) / 3.0  # shares of the motions there
 
 
 class FollowedCurve(NamedTuple):
@@ -68,6 +70,23 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
             return FollowedCurve(found, special, ended)
         step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
     return FollowedCurve(found, special, f"it was followed for {most} points")
+
+
+def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
+    """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it where that is how it is known."""
+    if problem.beside is None:
+        return problem.values(found.at), problem.accuracy(found)
+    across, kept, ways = tangent_of(found.jacobian[:-1], np.eye(len(found.at))[-1]), [found], [problem]
+    for times in _TIMES:
+        ways.append(problem.beside(times))
+        step = kept[-1].at - kept[-2].at if len(kept) > 1 else 0.0 * found.at
+        kept.append(_corrected(ways[-1], kept[-1].at + 2 * step, across))
+        if not kept[-1].good:
+            return problem.values(found.at), problem.accuracy(found) + problem.span
+    places = np.array([each.at for each in kept])
+    unsure = abs(_CUBIC) @ [way.accuracy(each) for way, each in zip(ways, kept, strict=True)]
+    value = problem.values(_CUBIC @ places)
+    return value, unsure + abs(value - problem.values(_PARABOLA @ places))
 
 
 def _turned_real(met: Meeting) -> str:

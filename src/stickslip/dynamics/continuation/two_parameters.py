@@ -10,20 +10,21 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
-from stickslip.dynamics.continuation.curve_following import followed_curve
+from stickslip.dynamics.continuation.curve_following import followed_curve, settled
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
+from stickslip.dynamics.continuation.touch_curves import touch_problem
 from stickslip.dynamics.continuation.type_border_curves import type_border_problem
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
+from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -151,13 +152,15 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         problem, u = multiplier_problem(both, special, origin, span)
     elif special.kind == "branch-point":
         problem, u = crossing_problem(both, special, origin, span)
+    elif _is_of_arcs(special):
+        problem, u = type_border_problem(both, branch, special, origin, span)
     else:
         _check_border(special)
-        problem, u = type_border_problem(both, branch, special, origin, span)
+        problem, u = touch_problem(both, branch, special, origin, span)
     found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
     orbits, missing = _orbits(problem, [f.at for f in found.points])
-    values = np.array([problem.values(f.at) for f in found.points[: len(orbits)]])
-    accuracy = np.array([problem.accuracy(f) for f in found.points[: len(orbits)]])
+    placed = [settled(problem, f) for f in found.points[: len(orbits)]]
+    values, accuracy = (np.array(column) for column in zip(*placed, strict=True))
     return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, found.special, found.ended + missing)
 
 
@@ -174,18 +177,24 @@ def _orbits(problem: CurveProblem, found: list[Array]) -> tuple[tuple[Any, ...],
     return tuple(orbits), ""
 
 
+def _is_of_arcs(special: Special) -> bool:
+    """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
+    model = special.orbit.model
+    if is_flow(model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
+        return False
+    machine = machine_of(model)
+    return machine.is_single and not machine.has_inner_states and not knows_position(model)
+
+
 def _check_border(special: Special) -> None:
-    """`InputError` for a special point that is none of multipliers, unless it is a border of types that is an equation."""
-    at_each = "for others take ss.continuation at each value"
-    always = f"allowed are {', '.join(CONDITIONS)} and branch-point of any motion, and type borders of one contact under a set-valued law"
-    if is_flow(special.orbit.model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
-        raise InputError("special_curve", [f"it is a {special.kind}; {always}; {at_each}"])
-    hint = "type ss.continuation at each value; flips and folds are followed for any machine"
-    needs_one_body("special_curve", special.orbit.model, "a border of motion types is followed by the arcs of one contact", hint)
-    laws = machine_of(special.orbit.model).laws
-    if any(law.dynamic for law in laws):
-        names = " and ".join(dict.fromkeys(law.name for law in laws))
-        raise InputError("special_curve", [f"it is a {special.kind} under {names}; {always}, where they are sharp; {at_each}"])
+    """`InputError` for a special point that is none of multipliers, unless it is one where something is touched."""
+    allowed = f"allowed are {', '.join(CONDITIONS)}, branch-point, grazing, and type-border where rest is exact"
+    if special.kind not in ("grazing", "type-border"):
+        raise InputError("special_curve", [f"it is a {special.kind}; {allowed}; type ss.continuation at each value"])
+    if special.kind == "type-border" and not is_flow(special.orbit.model) and machine_of(special.orbit.model).has_inner_states:
+        names = " and ".join(dict.fromkeys(law.name for law in machine_of(special.orbit.model).laws))
+        why = f"it is a type-border under {names}, where types depend on thresholds"
+        raise InputError("special_curve", [f"{why}; {allowed}; type ss.continuation at each value"])
 
 
 def _default(make: Any, parameter: str) -> dict[str, float]:

@@ -1,0 +1,174 @@
+"""Grazings, and borders at which a rest, a mode or an impact begins, in two parameters: one number of the motion is zero there.
+
+The number (see `touches`) is one more equation beside those of the periodic motion. Where it is smooth on one side only, as of a stop that
+is not yet hit, the curve is followed a little on that side, and continued to zero by a cubic from motions at four distances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip.dynamics.continuation.branches import Branch
+from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.continuation.path_kinds import path_of
+from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.continuation.pseudo_arclength import Path
+from stickslip.dynamics.continuation.touches import BOTH_SIDES, Touch, touches
+from stickslip.errors import InputError, SolveError
+
+__all__ = ["touch_problem"]
+
+Array = Any
+_TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
+_KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
+_BESIDE = (1e-2, 1e-3, 1e-4)  # of the branch's range: how far from the special point motions are compared
+_STRAIGHT = 0.2  # of the number: what falls to zero in a straight line to within this is what is touched
+_SMALL = 1e-9  # of its size: a number that is zero anyway
+_DISTANCE = 1e-4  # of its size: the number on the curve, where it holds on one side only
+_NEAR = 0.08  # of the motion: how far the instant may lie from where it was
+_HALF = 0.5  # of a period: where the window begins in which instants are looked for
+
+
+class _Seen(NamedTuple):
+    """Which number vanishes at a special point: how large it can be, when in the motion it is asked, and two motions towards the point."""
+
+    straight: float
+    touch: Touch
+    phase: float
+    near: tuple[Array, float]
+    far: tuple[Array, float]
+
+
+def touch_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
+    """What the curve of such a point solves, and where it begins."""
+    seen = _vanishing(branch, special)
+    if seen is None:
+        why = "no velocity, gap, guard or room of a rest was found that falls to zero there in a straight line"
+        raise InputError("special_curve", [f"it is a {special.kind}, and what is touched there is not known: {why}; {_EACH}"])
+    path = path_of(both, special.orbit, origin, span)
+    problem = _Touching(both, path, path.remembered(special.orbit), seen.touch, seen.phase).problem(origin, span)
+    distance = 0.0 if seen.touch.what[0] == BOTH_SIDES else _DISTANCE * seen.touch.size
+    (near, a), (far, b) = seen.near, seen.far
+    begin = near + (distance - a) / (b - a) * (far - near)
+    return problem, np.append(begin, 0.0)
+
+
+_EACH = "type ss.continuation at each value"
+
+
+@dataclass
+class _Touching:
+    """A number of motions along a curve; when in the motion it is asked goes on from each point to the next."""
+
+    family: Family
+    path: Path
+    memory: Array
+    touch: Touch
+    phase: float
+
+    def problem(self, origin: Array, span: Array, times: int = 1) -> CurveProblem:
+        """The problem so many times as far from the curve as it is followed, where it is followed beside it."""
+        exact, one_sided = self.path.has_tolerance, self.touch.what[0] != BOTH_SIDES
+        distance = _DISTANCE * times if one_sided else 0.0
+
+        def residuals(U: Array, worse: bool = False) -> Array:
+            path = self.path.loosened() if worse else self.path
+            return np.column_stack([path.misses(U, self.memory), [self.value(path, u) - distance for u in U]])
+
+        def orbit(u: Array) -> Any:
+            return self.path.orbit_at(u, self.memory)
+
+        return CurveProblem(
+            self.family, origin, span, residuals, orbit, _TOLERANCE[exact], again=(lambda U: residuals(U, True)) if exact else None,
+            known=np.append(np.zeros(self.path.at.smooth), _KNOWN[exact]), apart=self.followed,
+            beside=(lambda more: self.problem(origin, span, more)) if one_sided else None,
+        )  # fmt: skip
+
+    def value(self, path: Path, u: Array) -> float:
+        """The number at a place, in its size; NaN where there is none about then."""
+        found = self._at(path, u)
+        return float("nan") if found is None else found[1] / self.touch.size
+
+    def followed(self, u: Array) -> str:
+        """Go on from a point of the curve; why it ends there."""
+        found = self._at(self.path, u)
+        if found is None:
+            return "what is touched was lost"
+        self.phase = found[0]
+        return ""
+
+    def _at(self, path: Path, u: Array) -> tuple[float, float] | None:
+        """When in the motion it is, and the number."""
+        run, whole, T = path.longer_run(u, self.memory)
+        near = [(_apart(t.t / whole, self.phase), t) for t in _within(run, whole, T) if t.what == self.touch.what]
+        apart, touch = min(near, key=lambda item: item[0], default=(np.inf, None))
+        if touch is None or apart > _NEAR:
+            return None
+        t, value = touch.told()
+        return (t / whole) % 1.0, value
+
+
+def _within(run: Any, whole: float, T: float) -> Iterator[Touch]:
+    """The numbers of a motion from a run that is longer: of a window of its length, off the beginning and the end of the run."""
+    return (touch for touch in touches(run, T) if _HALF * T <= touch.t < _HALF * T + whole)
+
+
+def _apart(a: float, b: float) -> float:
+    """How far two phases of a motion are apart."""
+    return abs((a - b + 0.5) % 1.0 - 0.5)
+
+
+# ---- which number it is ----
+def _vanishing(branch: Branch, special: Special) -> _Seen | None:
+    """The number that falls to zero, in the straightest line, towards a special point, from one side of it or the other."""
+    span = float(np.ptp(branch.values)) or 1.0
+    seen = [
+        found
+        for orbit, side in _sides(branch, special)
+        for share in _BESIDE
+        for found in _towards(path_of(branch.family, orbit, special.value, span), orbit, side * share)
+    ]
+    best = min(seen, key=lambda found: found.straight, default=None)
+    return best if best is not None and best.straight < _STRAIGHT else None
+
+
+def _sides(branch: Branch, special: Special) -> list[tuple[Any, float]]:
+    """The nearest motions of a branch on the two sides of a special point."""
+    away = branch.values - special.value
+    found = []
+    for side in (-1.0, 1.0):
+        there = np.flatnonzero(side * away > 0.0)
+        if len(there):
+            found.append((branch.orbits[there[np.argmin(abs(away[there]))]], side))
+    return found
+
+
+def _towards(path: Path, orbit: Any, away: float) -> list[_Seen]:
+    """The numbers of two motions, one twice as far from the special point as the other, by how straight they fall to zero there."""
+    memory, told = path.remembered(orbit), []
+    for times in (1.0, 2.0):
+        value = path.origin + times * away * path.span
+        try:
+            found = path.at_value(path.scaled(orbit, value), value, memory)
+            run, whole, T = path.longer_run(found.at, memory)
+        except (SolveError, InputError):
+            return []
+        if not found.good:
+            return []
+        told.append((found.at, whole, list(_within(run, whole, T))))
+    (near, length, here), (far, longer, there) = told
+    seen = []
+    for touch in here:
+        alike = [(_apart(touch.t / length, other.t / longer), other) for other in there if other.what == touch.what]
+        apart, other = min(alike, key=lambda item: item[0], default=(np.inf, None))
+        if other is None or apart > _NEAR:
+            continue
+        (t, a), (_, b) = touch.told(), other.told()
+        if abs(b) > _SMALL * touch.size and abs(a) < abs(b):
+            seen.append(_Seen(abs(2 * a - b) / abs(b), touch, (t / length) % 1.0, (near, a), (far, b)))
+    return seen
