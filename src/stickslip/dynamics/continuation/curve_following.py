@@ -26,6 +26,8 @@ _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
+_UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
+_NEARLY = 30.0  # tolerances: a residual that does not shrink below that has met rounding
 _TIMES = (2, 4, 8)  # distances, besides 1, from which what is known on one side only is continued to 0
 _CUBIC, _PARABOLA = np.array([64.0, -56.0, 14.0, -1.0]) / 21.0, np.array([8.0, -6.0, 1.0, 0.0]) / 3.0  # shares of the motions there
 
@@ -76,17 +78,32 @@ def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
     """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it where that is how it is known."""
     if problem.beside is None:
         return problem.values(found.at), problem.accuracy(found)
-    across, kept, ways = tangent_of(found.jacobian[:-1], np.eye(len(found.at))[-1]), [found], [problem]
+    J, places = found.jacobian[:-1], [found.at, found.at]
+    tangent = tangent_of(J, np.eye(len(found.at))[-1])
+    across = np.eye(len(found.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
+    J = np.vstack([J, across])
+    unsure = abs(_CUBIC).sum() * problem.accuracy(found)
     for times in _TIMES:
-        ways.append(problem.beside(times))
-        step = kept[-1].at - kept[-2].at if len(kept) > 1 else 0.0 * found.at
-        kept.append(_corrected(ways[-1], kept[-1].at + 2 * step, across))
-        if not kept[-1].good:
-            return problem.values(found.at), problem.accuracy(found) + problem.span
-    places = np.array([each.at for each in kept])
-    unsure = abs(_CUBIC) @ [way.accuracy(each) for way, each in zip(ways, kept, strict=True)]
-    value = problem.values(_CUBIC @ places)
-    return value, unsure + abs(value - problem.values(_PARABOLA @ places))
+        way = problem.beside(times)
+        there = _settled_beside(way, places[-1] + 2.0 * (places[-1] - places[-2]), J)
+        if there is None:
+            return problem.values(found.at), unsure + problem.span
+        places.append(there)
+    value = problem.values(_CUBIC @ places[1:])
+    return value, unsure + abs(value - problem.values(_PARABOLA @ places[1:]))
+
+
+def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Array | None:
+    """The point of a problem near a guess, by Newton's method with slopes from nearby, which are not computed anew."""
+
+    def slopes(u: Array) -> tuple[Array, Array]:
+        return np.append(way.residuals(u[None, :])[0], (u - guess) @ J[-1]), J
+
+    def residuals(U: Array) -> Array:
+        return np.array([slopes(u)[0] for u in U])
+
+    there = newton(residuals, guess, way.tolerance, most=15, floor=_NEARLY * way.tolerance, reach=0.2, slopes=slopes)
+    return there.at if there.good else None
 
 
 def _turned_real(met: Meeting) -> str:

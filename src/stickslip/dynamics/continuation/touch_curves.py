@@ -105,7 +105,7 @@ class _Touching:
     def _at(self, path: Path, u: Array) -> tuple[float, float] | None:
         """When in the motion it is, and the number."""
         run, whole, T = path.longer_run(u, self.memory)
-        near = [(_apart(t.t / whole, self.phase), t) for t in _within(run, whole, T) if t.what == self.touch.what]
+        near = [(_apart(t.t / whole, self.phase), t) for t in _within(run, whole, T, self.touch.what)]
         apart, touch = min(near, key=lambda item: item[0], default=(np.inf, None))
         if touch is None or apart > _NEAR:
             return None
@@ -113,9 +113,9 @@ class _Touching:
         return (t / whole) % 1.0, value
 
 
-def _within(run: Any, whole: float, T: float) -> Iterator[Touch]:
+def _within(run: Any, whole: float, T: float, asked: tuple[Any, ...] | None = None) -> Iterator[Touch]:
     """The numbers of a motion from a run that is longer: of a window of its length, off the beginning and the end of the run."""
-    return (touch for touch in touches(run, T) if _HALF * T <= touch.t < _HALF * T + whole)
+    return (touch for touch in touches(run, T, asked) if _HALF * T <= touch.t < _HALF * T + whole)
 
 
 def _apart(a: float, b: float) -> float:

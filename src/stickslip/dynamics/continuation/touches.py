@@ -8,6 +8,7 @@ Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, ch. 6 to 8).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -57,104 +58,135 @@ class Touch(NamedTuple):
         return {"stop": f"the stop {of}", "guard": f"guard {self.what[2]} of mode {of!r}" if len(self.what) > 2 else ""}.get(kind, "")
 
 
-def touches(run: Any, span: float) -> Iterator[Touch]:
-    """All of a run with its dense output, of a machine or of a flow; `span` is how long a period takes, or a cycle.
+def touches(run: Any, span: float, asked: tuple[Any, ...] | None = None) -> Iterator[Touch]:
+    """All of a run with its dense output, of a machine or of a flow, or those that are asked for by what they are.
 
     Kinds are "slip" (an extreme of a slip, under a dynamic law), "slide" (a dip of its speed), "rest" (a dip of the room that the friction
     at rest leaves), "begins" (that room where a rest begins), "stop" (a dip of a gap), "guard" (of a flow), and "enters" (a guard where its
-    mode begins).
+    mode begins). `span` is how long a period takes, or a cycle.
     """
-    yield from _of_flow(run, span) if is_flow(run.model) else _of_machine(run, span)
+    for course in _of_flow(run) if is_flow(run.model) else _of_machine(run):
+        if asked in (None, course.what):
+            yield from _at_its_beginning(course) if course.what[0] in _BEGIN else _dips(course, span)
 
 
-def _dips(what: tuple[Any, ...], f: Callable[[Array], Array], begin: float, end: float, span: float, size: float = 0.0) -> Iterator[Touch]:
-    """Where a function of time has a dip within a stretch, or something highest where that is asked for."""
-    if not end > begin:
-        return
+class _Course(NamedTuple):
+    """A number as a function of time between two instants, and how large it can be, if that is known."""
+
+    what: tuple[Any, ...]
+    function: Callable[[Array], Array]
+    begin: float
+    end: float
+    size: Callable[[], float] = lambda: 0.0
+
+
+_BEGIN = ("begins", "enters")  # kinds that are asked at the beginning of their course
+
+
+def _at_its_beginning(course: _Course) -> Iterator[Touch]:
+    yield Touch(course.what, course.begin, (course.begin, course.begin), course.size(), course.function)
+
+
+def _dips(course: _Course, span: float) -> Iterator[Touch]:
+    """Where it has a dip, or is highest where that is asked for."""
+    begin, end = course.begin, course.end
     t = np.linspace(begin, end, max(_GRID, int(np.ceil(_OF_A_PERIOD * (end - begin) / span))) + 1)
-    values = f(t)
-    size = max(size, float(abs(values).max()))
-    signed = -values if what[-1] == "highest" else values
+    values = course.function(t)
+    size = max(course.size(), float(abs(values).max()))
+    signed = -values if course.what[-1] == "highest" else values
     left, here, right = signed[:-2], signed[1:-1], signed[2:]
     for k in 1 + np.flatnonzero((here <= left) & (here < right) & (np.maximum(left, right) - here > _SHALLOW * size)):
-        yield Touch(what, float(t[k]), (float(t[k - 1]), float(t[k + 1])), size, f)
+        yield Touch(course.what, float(t[k]), (float(t[k - 1]), float(t[k + 1])), size, course.function)
 
 
 # ---- machines ----
-def _of_machine(run: Any, span: float) -> Iterator[Touch]:
+def _of_machine(run: Any) -> Iterator[_Course]:
     machine = machine_of(run.model)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
     for i, (name, watched) in enumerate(watched_contacts(run).items()):
-        slip = _slip(watched.run, machine, i)
+        slip = _slip(watched.run, None if machine.is_single else machine.mechanics, i)
         if watched.law.dynamic:
+            speed = float(machine.velocity_scale)
             for end in ("lowest", "highest"):
-                yield from _dips((BOTH_SIDES, name, end), slip, first, last, span, float(machine.velocity_scale))
+                yield _Course((BOTH_SIDES, name, end), slip, first, last, lambda: speed)
         else:
-            yield from _of_contact(name, watched, slip, first, last, span)
+            yield from _of_contact(name, watched, slip, first, last)
     if not machine.is_single:
-        yield from _of_stops(run.parted, machine.mechanics, span)
+        yield from _of_stops(run.parted, machine.mechanics)
 
 
-def _slip(run: Any, machine: Any, number: int) -> Callable[[Array], Array]:
-    """The slip of one contact as a function of time."""
+def _slip(run: Any, mechanics: Any, number: int) -> Callable[[Array], Array]:
+    """The slip of one contact, the only one or one of several, as a function of time."""
 
     def slip(t: Array) -> Array:
         _, v, _ = run._states_at(t, run._index(t))
-        if machine.is_single:
+        if mechanics is None:
             return np.asarray(run.model.contact_velocity(v))
-        mechanics = machine.mechanics
         return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
 
     return slip
 
 
-def _of_contact(name: str, watched: Any, slip: Callable[[Array], Array], first: float, last: float, span: float) -> Iterator[Touch]:
+def _of_contact(name: str, watched: Any, slip: Callable[[Array], Array], first: float, last: float) -> Iterator[_Course]:
     """Of a contact that rests exactly."""
     nodes, modes = np.asarray(watched.run.pieces.t), np.asarray(watched.modes)
     turns = np.flatnonzero(np.diff(modes)) + 1
     for begin, end, mode in zip([first, *nodes[turns]], [*nodes[turns], last], modes[np.append(0, turns)], strict=True):
         if mode:
-            yield from _dips(("slide", name, int(mode)), lambda t, side=int(mode): side * slip(t), begin, end, span)
-            continue
-        for side in (1, -1):
-
-            def room(t: Array, side: int = side) -> Array:
-                low, high = watched.limits(t)
-                return np.asarray(high - watched.offered(t) if side > 0 else watched.offered(t) - low)
-
-            size = float(max(abs(limit).max() for limit in watched.limits(np.array([begin, 0.5 * (begin + end)]))))
-            yield from _dips(("rest", name, side), room, begin, end, span, size)
+            yield _Course(("slide", name, int(mode)), partial(_speed, slip, int(mode)), begin, end)
+        for side in (1, -1) if not mode else ():
+            room, size = partial(_room, watched, side), partial(_limit, watched, 0.5 * (begin + end))
+            yield _Course(("rest", name, side), room, begin, end, size)
             if begin > first:
-                yield Touch(("begins", name, side), begin, (begin, begin), size, room)
+                yield _Course(("begins", name, side), room, begin, end, size)
 
 
-def _of_stops(run: Any, mechanics: Any, span: float) -> Iterator[Touch]:
+def _speed(slip: Callable[[Array], Array], side: int, t: Array) -> Array:
+    return side * slip(t)
+
+
+def _room(watched: Any, side: int, t: Array) -> Array:
+    """By how much the force that holds a contact at rest is within its limit on one side."""
+    low, high = watched.limits(t)
+    return np.asarray(high - watched.offered(t) if side > 0 else watched.offered(t) - low)
+
+
+def _limit(watched: Any, t: float) -> float:
+    return float(np.max(np.abs(watched.limits(np.array([t])))))
+
+
+def _of_stops(run: Any, mechanics: Any) -> Iterator[_Course]:
     """Of each stop, between its hits."""
     for name, stop in mechanics.named_stops:
-
-        def gap(t: Array, stop: Any = stop) -> Array:
-            x = run._states_at(t, run._index(t))[0]
-            return np.broadcast_to(stop.gap(t, mechanics.coordinates_of(tuple(x.T))), t.shape)
-
+        gap = partial(_gap, run, mechanics, stop)
         struck = [event.t for event in run.events if event.kind == "hit" and event.part == name]
-        size = float(abs(gap(run.t)).max())
         for begin, end in pairwise([float(run.pieces.t[0]), *struck, float(run.pieces.t[-1])]):
-            yield from _dips(("stop", name), gap, begin, end, span, size)
+            if end > begin:
+                yield _Course(("stop", name), gap, begin, end, partial(_largest, gap, run.t[0], run.t[-1]))
+
+
+def _gap(run: Any, mechanics: Any, stop: Any, t: Array) -> Array:
+    x = run._states_at(t, run._index(t))[0]
+    return np.broadcast_to(stop.gap(t, mechanics.coordinates_of(tuple(x.T))), t.shape)
+
+
+def _largest(f: Callable[[Array], Array], begin: float, end: float) -> float:
+    return float(abs(f(np.linspace(begin, end, _GRID))).max())
 
 
 # ---- flows ----
-def _of_flow(run: Any, span: float) -> Iterator[Touch]:
+def _of_flow(run: Any) -> Iterator[_Course]:
     """Of each guard of each mode, between the switches."""
     first, last, flow = float(run.nodes[0]), float(run.nodes[-1]), run.model.plain
     begins = [first, *(event.t for event in run.events)]
     modes = [run._labels(np.array([0]))[0], *(event.after for event in run.events)]
     for begin, end, mode in zip(begins, [*begins[1:], last], modes, strict=True):
         for k, switch in enumerate(flow.switches.get(mode, ()) if end > begin else ()):
-
-            def guard(t: Array, g: Callable[..., Any] = switch.guard) -> Array:
-                return np.array([float(g(s, y)) for s, y in zip(t, run._evaluated(t, run._index(t)), strict=True)])
-
-            size = float(abs(guard(np.linspace(begin, end, _GRID))).max())
-            yield from _dips(("guard", mode, k), guard, begin, end, span, size)
+            guard = partial(_guard, run, switch.guard)
+            yield _Course(("guard", mode, k), guard, begin, end)
             if begin > first:
-                yield Touch(("enters", mode, k), begin, (begin, begin), size, guard)
+                yield _Course(("enters", mode, k), guard, begin, end, partial(_largest, guard, begin, end))
+
+
+def _guard(run: Any, guard: Callable[..., Any], t: Array) -> Array:
+    return np.array([float(guard(s, y)) for s, y in zip(t, run._evaluated(t, run._index(t)), strict=True)])
