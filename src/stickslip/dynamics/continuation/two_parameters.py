@@ -13,9 +13,9 @@ from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_following import followed_curve, settled
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
+from stickslip.dynamics.continuation.number_curves import event_problem, touch_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
-from stickslip.dynamics.continuation.touch_curves import touch_problem
 from stickslip.dynamics.continuation.type_border_curves import type_border_problem
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
@@ -152,6 +152,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         problem, u = multiplier_problem(both, special, origin, span)
     elif special.kind == "branch-point":
         problem, u = crossing_problem(both, special, origin, span)
+    elif special.kind in branch.events:
+        problem, u = event_problem(both, branch, special, origin, span)
     elif _is_of_arcs(special):
         problem, u = type_border_problem(both, branch, special, origin, span)
     else:

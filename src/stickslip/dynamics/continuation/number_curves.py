@@ -1,4 +1,4 @@
-"""Grazings, and borders at which a rest, a mode or an impact begins, in two parameters: one number of the motion is zero there.
+"""Curves on which a number of the motion is zero: grazings, borders at which a rest, a mode or an impact begins, and events of one's own.
 
 The number (see `touches`) is one more equation beside those of the periodic motion. Where it is smooth on one side only, as of a stop that
 is not yet hit, the curve is followed a little on that side, and continued to zero by a cubic from motions at four distances.
@@ -6,7 +6,7 @@ is not yet hit, the curve is followed a little on that side, and continued to ze
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,13 +15,14 @@ import numpy as np
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.continuation.own_events import number_of
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.continuation.touches import BOTH_SIDES, Touch, touches
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["touch_problem"]
+__all__ = ["event_problem", "touch_problem"]
 
 Array = Any
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
@@ -51,7 +52,7 @@ def touch_problem(both: Family, branch: Branch, special: Special, origin: Array,
         why = "no velocity, gap, guard or room of a rest was found that falls to zero there in a straight line"
         raise InputError("special_curve", [f"it is a {special.kind}, and what is touched there is not known: {why}; {_EACH}"])
     path = path_of(both, special.orbit, origin, span)
-    problem = _Touching(both, path, path.remembered(special.orbit), seen.touch, seen.phase).problem(origin, span)
+    problem = _Touching(path, path.remembered(special.orbit), seen.touch, seen.phase).problem()
     distance = 0.0 if seen.touch.what[0] == BOTH_SIDES else _DISTANCE * seen.touch.size
     (near, a), (far, b) = seen.near, seen.far
     begin = near + (distance - a) / (b - a) * (far - near)
@@ -61,33 +62,48 @@ def touch_problem(both: Family, branch: Branch, special: Special, origin: Array,
 _EACH = "type ss.continuation at each value"
 
 
+def event_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
+    """What the curve of an event of one's own solves, and where it begins."""
+    event, path = branch.events[special.kind], path_of(both, special.orbit, origin, span)
+    memory = path.remembered(special.orbit)
+    size = max(abs(number_of(special.kind, event, orbit)) for orbit in branch.orbits) or 1.0
+
+    def number(way: Path, u: Array) -> float:
+        return number_of(special.kind, event, way.orbit_at(u, memory)) / size
+
+    return _problem(path, memory, number), path.scaled(special.orbit, origin)
+
+
+def _problem(path: Path, memory: Array, number: Callable[[Path, Array], float], distance: float = 0.0, **more: Any) -> CurveProblem:
+    """The periodic motions of which a number, that is about 1 elsewhere, has a value."""
+    rough = path.has_tolerance
+
+    def residuals(U: Array, worse: bool = False) -> Array:
+        way = path.loosened() if worse else path
+        return np.column_stack([way.misses(U, memory), [number(way, u) - distance for u in U]])
+
+    def orbit(u: Array) -> Any:
+        return path.orbit_at(u, memory)
+
+    known = np.append(np.zeros(path.at.smooth), _KNOWN[rough])
+    again = (lambda U: residuals(U, True)) if rough else None
+    return CurveProblem(path.family, path.origin, path.span, residuals, orbit, _TOLERANCE[rough], again=again, known=known, **more)
+
+
 @dataclass
 class _Touching:
     """A number of motions along a curve; when in the motion it is asked goes on from each point to the next."""
 
-    family: Family
     path: Path
     memory: Array
     touch: Touch
     phase: float
 
-    def problem(self, origin: Array, span: Array, times: int = 1) -> CurveProblem:
+    def problem(self, times: int = 1) -> CurveProblem:
         """The problem so many times as far from the curve as it is followed, where it is followed beside it."""
-        exact, one_sided = self.path.has_tolerance, self.touch.what[0] != BOTH_SIDES
-        distance = _DISTANCE * times if one_sided else 0.0
-
-        def residuals(U: Array, worse: bool = False) -> Array:
-            path = self.path.loosened() if worse else self.path
-            return np.column_stack([path.misses(U, self.memory), [self.value(path, u) - distance for u in U]])
-
-        def orbit(u: Array) -> Any:
-            return self.path.orbit_at(u, self.memory)
-
-        return CurveProblem(
-            self.family, origin, span, residuals, orbit, _TOLERANCE[exact], again=(lambda U: residuals(U, True)) if exact else None,
-            known=np.append(np.zeros(self.path.at.smooth), _KNOWN[exact]), apart=self.followed,
-            beside=(lambda more: self.problem(origin, span, more)) if one_sided else None,
-        )  # fmt: skip
+        if self.touch.what[0] == BOTH_SIDES:
+            return _problem(self.path, self.memory, self.value, apart=self.followed)
+        return _problem(self.path, self.memory, self.value, _DISTANCE * times, apart=self.followed, beside=self.problem)
 
     def value(self, path: Path, u: Array) -> float:
         """The number at a place, in its size; NaN where there is none about then."""
