@@ -75,7 +75,7 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
 
 
 def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
-    """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it where that is how it is known."""
+    """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
     if problem.beside is None:
         return problem.values(found.at), problem.accuracy(found)
     J, places = found.jacobian[:-1], [found.at, found.at]

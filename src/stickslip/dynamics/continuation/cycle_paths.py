@@ -82,7 +82,7 @@ class CyclePath(Path):
         from stickslip.solvers import solve
 
         cycle = self.orbit(Found(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
-        options = {"rtol": self.rtol} if law_of(cycle.model).dynamic else {}
+        options: dict[str, Any] = {"rtol": self.rtol} if law_of(cycle.model).dynamic else {}
         run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
         return run, cycle.duration, cycle.duration
 

@@ -27,8 +27,9 @@ __all__ = ["event_problem", "touch_problem"]
 Array = Any
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 _KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
-_BESIDE = (1e-2, 1e-3, 1e-4)  # of the branch's range: how far from the special point motions are compared
-_STRAIGHT = 0.2  # of the number: what falls to zero in a straight line to within this is what is touched
+_BESIDE = (1e-2, 1e-3, 1e-4, 1e-5)  # of the branch's range: how far from the special point motions are compared
+_STRAIGHT, _STRAIGHTER = 0.2, 0.01  # of the number: what falls to zero in a straight line to within this is touched; no other is asked then
+_ASKED = 6  # motions of the branch that are asked what they nearly touch
 _SMALL = 1e-9  # of its size: a number that is zero anyway
 _DISTANCE = 1e-4  # of its size: the number on the curve, where it holds on one side only
 _NEAR = 0.08  # of the motion: how far the instant may lie from where it was
@@ -121,7 +122,7 @@ class _Touching:
     def _at(self, path: Path, u: Array) -> tuple[float, float] | None:
         """When in the motion it is, and the number."""
         run, whole, T = path.longer_run(u, self.memory)
-        near = [(_apart(t.t / whole, self.phase), t) for t in _within(run, whole, T, self.touch.what)]
+        near = [(_apart(t.t / whole, self.phase), t) for t in _within(run, whole, T, lambda what: what == self.touch.what)]
         apart, touch = min(near, key=lambda item: item[0], default=(np.inf, None))
         if touch is None or apart > _NEAR:
             return None
@@ -129,7 +130,7 @@ class _Touching:
         return (t / whole) % 1.0, value
 
 
-def _within(run: Any, whole: float, T: float, asked: tuple[Any, ...] | None = None) -> Iterator[Touch]:
+def _within(run: Any, whole: float, T: float, asked: Callable[[Any], bool] = lambda what: True) -> Iterator[Touch]:
     """The numbers of a motion from a run that is longer: of a window of its length, off the beginning and the end of the run."""
     return (touch for touch in touches(run, T, asked) if _HALF * T <= touch.t < _HALF * T + whole)
 
@@ -142,35 +143,34 @@ def _apart(a: float, b: float) -> float:
 # ---- which number it is ----
 def _vanishing(branch: Branch, special: Special) -> _Seen | None:
     """The number that falls to zero, in the straightest line, towards a special point, from one side of it or the other."""
-    span = float(np.ptp(branch.values)) or 1.0
-    seen = [
-        found
-        for orbit, side in _sides(branch, special)
-        for share in _BESIDE
-        for found in _towards(path_of(branch.family, orbit, special.value, span), orbit, side * share)
-    ]
-    best = min(seen, key=lambda found: found.straight, default=None)
+    span, best = float(np.ptp(branch.values)) or 1.0, None
+    for k, after in _beside(branch, special):
+        path, side = path_of(branch.family, branch.orbits[k], special.value, span), float(np.sign(branch.values[k] - special.value))
+        u, then = (path.scaled(branch.orbits[i], branch.values[i]) for i in (k, after))
+        along = (then - u) / (then[-1] - u[-1])
+        seen = [found for share in _BESIDE for found in _towards(path, branch.orbits[k], u, along, side * share)]
+        best = min(seen + ([best] if best else []), key=lambda found: found.straight, default=None)
+        if best is not None and best.straight < _STRAIGHTER:
+            return best
     return best if best is not None and best.straight < _STRAIGHT else None
 
 
-def _sides(branch: Branch, special: Special) -> list[tuple[Any, float]]:
-    """The nearest motions of a branch on the two sides of a special point."""
-    away = branch.values - special.value
-    found = []
-    for side in (-1.0, 1.0):
-        there = np.flatnonzero(side * away > 0.0)
-        if len(there):
-            found.append((branch.orbits[there[np.argmin(abs(away[there]))]], side))
-    return found
+def _beside(branch: Branch, special: Special) -> Iterator[tuple[int, int]]:
+    """The motions of a branch that are nearest to a special point, each with its neighbour that is farther away."""
+    away = abs(branch.values - special.value)
+    for k in np.argsort(away)[:_ASKED]:
+        farther = [i for i in (int(k) - 1, int(k) + 1) if 0 <= i < len(away) and away[i] > away[k] > 0.0]
+        if farther:
+            yield int(k), max(farther, key=lambda i: away[i])
 
 
-def _towards(path: Path, orbit: Any, away: float) -> list[_Seen]:
+def _towards(path: Path, orbit: Any, u: Array, along: Array, away: float) -> list[_Seen]:
     """The numbers of two motions, one twice as far from the special point as the other, by how straight they fall to zero there."""
     memory, told = path.remembered(orbit), []
     for times in (1.0, 2.0):
-        value = path.origin + times * away * path.span
+        guess = u + (times * away - u[-1]) * along
         try:
-            found = path.at_value(path.scaled(orbit, value), value, memory)
+            found = path.at_value(guess, path.value(guess), memory)
             run, whole, T = path.longer_run(found.at, memory)
         except (SolveError, InputError):
             return []

@@ -45,5 +45,6 @@ def number_of(name: str, event: Event, orbit: Any) -> float:
         return float(told)
     except (AttributeError, KeyError, IndexError, NameError, TypeError, ValueError, ArithmeticError) as error:
         raise InputError(
-            "events", [f"events[{name!r}] raised {type(error).__name__}: {error}; allowed is a function of an orbit that returns a number; {_TYPE}"]
+            "events",
+            [f"events[{name!r}] raised {type(error).__name__}: {error}; allowed is a function of an orbit that returns a number; {_TYPE}"],
         ) from error

@@ -73,7 +73,8 @@ def _event(path: Path, a: Point, b: Point, name: str, event: Event) -> list[Loca
         return []
     there, size = root(path, a, b, test), max(abs(before), abs(after))
     if abs(test(there)) > _JUMPED * size:
-        return [Located(name, there, (f"{name} jumps past zero here",), _NEAR[_is_dynamic(a.orbit)] * path.span + 10 * path.span * there.blur)]
+        unsure = path.span * (_NEAR[_is_dynamic(a.orbit)] + _RESIDUALS * there.blur)
+        return [Located(name, there, (f"{name} jumps past zero here",), unsure)]
     return [Located(name, there, (f"{name} is zero here",), _accuracy(path, there, test, b, _ROUNDED * size))]
 
 

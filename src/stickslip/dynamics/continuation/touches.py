@@ -53,12 +53,12 @@ class Touch(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What is touched, in words."""
-        kind, of, *_ = self.what
-        return {"stop": f"the stop {of}", "guard": f"guard {self.what[2]} of mode {of!r}" if len(self.what) > 2 else ""}.get(kind, "")
+        """What is touched, in words, of a stop or a guard."""
+        kind, of, *more = self.what
+        return f"the stop {of}" if kind == "stop" else f"guard {more[0]} of mode {of!r}" if kind == "guard" else ""
 
 
-def touches(run: Any, span: float, asked: tuple[Any, ...] | None = None) -> Iterator[Touch]:
+def touches(run: Any, span: float, asked: Callable[[tuple[Any, ...]], bool] = lambda what: True) -> Iterator[Touch]:
     """All of a run with its dense output, of a machine or of a flow, or those that are asked for by what they are.
 
     Kinds are "slip" (an extreme of a slip, under a dynamic law), "slide" (a dip of its speed), "rest" (a dip of the room that the friction
@@ -66,7 +66,7 @@ def touches(run: Any, span: float, asked: tuple[Any, ...] | None = None) -> Iter
     mode begins). `span` is how long a period takes, or a cycle.
     """
     for course in _of_flow(run) if is_flow(run.model) else _of_machine(run):
-        if asked in (None, course.what):
+        if asked(course.what):
             yield from _at_its_beginning(course) if course.what[0] in _BEGIN else _dips(course, span)
 
 
@@ -106,9 +106,8 @@ def _of_machine(run: Any) -> Iterator[_Course]:
     for i, (name, watched) in enumerate(watched_contacts(run).items()):
         slip = _slip(watched.run, None if machine.is_single else machine.mechanics, i)
         if watched.law.dynamic:
-            speed = float(machine.velocity_scale)
             for end in ("lowest", "highest"):
-                yield _Course((BOTH_SIDES, name, end), slip, first, last, lambda: speed)
+                yield _Course((BOTH_SIDES, name, end), slip, first, last, partial(float, machine.velocity_scale))
         else:
             yield from _of_contact(name, watched, slip, first, last)
     if not machine.is_single:
