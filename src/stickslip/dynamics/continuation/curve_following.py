@@ -27,7 +27,7 @@ _TRIPLE = ("triple-point", "two borders of motion types meet here")
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
 _UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
-_NEARLY = 30.0  # tolerances: a residual that does not shrink below that has met rounding
+_ROUNDED = 1e-8  # a residual below it that does not shrink has met rounding
 _TIMES = (2, 4, 8)  # distances, besides 1, from which what is known on one side only is continued to 0
 _CUBIC, _PARABOLA = np.array([64.0, -56.0, 14.0, -1.0]) / 21.0, np.array([8.0, -6.0, 1.0, 0.0]) / 3.0  # shares of the motions there
 
@@ -78,22 +78,23 @@ def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
     """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
     if problem.beside is None:
         return problem.values(found.at), problem.accuracy(found)
-    J, places = found.jacobian[:-1], [found.at, found.at]
-    tangent = tangent_of(J, np.eye(len(found.at))[-1])
+    tangent = tangent_of(found.jacobian[:-1], np.eye(len(found.at))[-1])
     across = np.eye(len(found.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
-    J = np.vstack([J, across])
-    unsure = abs(_CUBIC).sum() * problem.accuracy(found)
+    J, kept = np.vstack([found.jacobian[:-1], across]), [found, found]
+    unsure = [problem.accuracy(found)]
     for times in _TIMES:
         way = problem.beside(times)
-        there = _settled_beside(way, places[-1] + 2.0 * (places[-1] - places[-2]), J)
-        if there is None:
-            return problem.values(found.at), unsure + problem.span
-        places.append(there)
-    value = problem.values(_CUBIC @ places[1:])
-    return value, unsure + abs(value - problem.values(_PARABOLA @ places[1:]))
+        there = _settled_beside(way, 3.0 * kept[-1].at - 2.0 * kept[-2].at, J)
+        if not there.good:
+            return problem.values(found.at), unsure[0] + problem.span
+        kept.append(there)
+        unsure.append(way.accuracy(there))
+    places = np.array([each.at for each in kept[1:]])
+    value = problem.values(_CUBIC @ places)
+    return value, abs(_CUBIC) @ np.array(unsure) + abs(value - problem.values(_PARABOLA @ places))
 
 
-def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Array | None:
+def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
     """The point of a problem near a guess, by Newton's method with slopes from nearby, which are not computed anew."""
 
     def slopes(u: Array) -> tuple[Array, Array]:
@@ -102,8 +103,7 @@ def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Array | None:
     def residuals(U: Array) -> Array:
         return np.array([slopes(u)[0] for u in U])
 
-    there = newton(residuals, guess, way.tolerance, most=15, floor=_NEARLY * way.tolerance, reach=0.2, slopes=slopes)
-    return there.at if there.good else None
+    return newton(residuals, guess, way.tolerance, most=15, floor=_ROUNDED, reach=0.2, slopes=slopes)
 
 
 def _turned_real(met: Meeting) -> str:
