@@ -126,6 +126,14 @@ def test_an_atlas_has_a_dataset_a_figure_a_face_and_a_page(found):
     assert "<b>Atlas over amplitude and mu0</b>" in found._repr_html_()
 
 
+def test_the_border_of_rest_is_a_curve():
+    """A robot moves where the force of its drive exceeds its friction: alpha_plus is 1 there."""
+    found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [2.5e-4, 2.8e-4], "mu0": [0.175, 0.185]}, **RIG)
+    (border,) = found.borders
+    assert border.kind == "grazing" and not found.notes and set(found.regions) == {"rest", "II"}
+    assert np.max(abs(strengths(*np.array(border.values).T)[0] - 1.0)) < 1e-11 and np.max(border.accuracy) < 1e-11
+
+
 def test_two_motions_at_one_point_are_those_of_basins():
     found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [7.0e-4, 8.0e-4], "f0": [0.4, 0.5]}, tilt_deg=1.7, branches=0)
     (there,) = found.coexisting().values()
