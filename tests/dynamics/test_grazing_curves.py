@@ -53,7 +53,7 @@ def test_the_grazing_of_a_wall_is_where_the_free_swing_reaches_it():
 @pytest.mark.parametrize("way", ["machine", "flow"])
 def test_the_sliding_border_of_a_spring_oscillator_is_den_hartogs(way):
     if way == "machine":
-        make, other = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, omega, ss.Coulomb(F, F)), "omega"  # noqa: E731
+        make, other = lambda F, omega=0.7: ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, omega, ss.Coulomb(F, F)), "omega"
     else:
         make, other = DEN_HARTOG, "r"
     border = float(stopping(0.7))
@@ -124,7 +124,9 @@ def far(orbit):
 
 
 def test_an_event_of_ones_own_is_located_and_followed_where_its_closed_form_says():
-    branch = ss.continuation(wall().replace(gap=9.0), parameter="omega", start=1.8, stop=2.3, events={"far": far, "never": lambda orbit: 1.0})
+    branch = ss.continuation(
+        wall().replace(gap=9.0), parameter="omega", start=1.8, stop=2.3, events={"far": far, "never": lambda orbit: 1.0}
+    )
     event = first(branch, "far")
     assert [s.kind for s in branch.special] == ["far"] and event.orbit.notes == ("far is zero here",)
     assert abs(swing(event.value) - 0.3) < 1e-12 and event.accuracy < 1e-10 and "far at 2.0" in repr(branch)

@@ -51,8 +51,8 @@ class Branch(Drawn):
     values : array
         The parameter at each.
     special : list of Special
-        Folds, flips, Neimark-Sacker points, branch points, grazings and borders of motion types, in order, each with its accuracy;
-        ``orbit.notes`` says more.
+        Folds, flips, Neimark-Sacker points, branch points, grazings, borders of motion types and events of one's own, in order, each with
+        its accuracy; ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
     events : dict
@@ -257,13 +257,13 @@ def continuation(
     >>> [(s.kind, round(s.value, 4)) for s in b.special if s.kind == "flip"]
     [('flip', 0.0468)]
 
-    Where the robot is as fast as 2 mm/s:
+    Where the robot is as fast as 1 mm/s:
 
-    >>> fast = {"2 mm/s": lambda orbit: orbit.mean_velocity - 2e-3}
+    >>> fast = {"1 mm/s": lambda orbit: orbit.mean_velocity - 1e-3}
     >>> rig = dict(tilt_deg=1.7, law="coulomb")
-    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=6e-4, events=fast, **rig)
-    >>> [(s.kind, round(s.value * 1e3, 4)) for s in b.special]
-    []
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=4.2e-4, events=fast, **rig)
+    >>> [(s.kind, round(s.value * 1e3, 6)) for s in b.special]
+    [('1 mm/s', 0.411006)]
     """
     robots, own = family("continuation", make, (parameter,), fixed), checked_events("continuation", events)
     _check(start, stop, step, points)

@@ -1,4 +1,4 @@
-"""Special points of a branch in two parameters: curves of folds, flips, Neimark-Sacker points and borders of motion types."""
+"""Special points of a branch in two parameters: curves of folds, flips, Neimark-Sacker points, grazings, borders and events."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Curve(Drawn):
     Parameters
     ----------
     kind : str
-        What its points are: "fold", "flip", "neimark-sacker", "branch-point" or "type-border".
+        What its points are: "fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", or the name of an event.
     parameters : (str, str)
         Their names.
     values : array (points, 2)
@@ -51,7 +51,7 @@ class Curve(Drawn):
     accuracy : array (points, 2)
         By how much the parameters may be wrong, across the curve: from the residuals, and from differences of twice the step.
     orbits : tuple of PeriodicOrbit, LimitCycle or FlowOrbit
-        The motions.
+        The motions. Of a grazing or a border that can be told from one side only they are motions just beside it, on that side.
     special : list of Meeting
         Points on it that have a kind of their own, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
         "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; and "triple-point", where two borders of types meet.
@@ -109,8 +109,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     branch : Branch
         The branch; its parameter is the first of the curve.
     special : Special
-        A fold, flip, Neimark-Sacker or branch point of it (of any machine, law or flow), or a border of motion types (one contact under a
-        set-valued law, where a border is an equation).
+        A fold, flip, Neimark-Sacker or branch point, grazing or event of one's own (of any machine, law or flow), or a border of motion types
+        where rest is exact: under a dynamic law types depend on thresholds.
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
     stop : float
@@ -124,6 +124,13 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     -------
     Curve
         `points`, and `special`: cusps, resonances and where it meets another border, such as the triple point of types I, II and III.
+
+    Raises
+    ------
+    InputError
+        Of a special point that has no curve, and of a grazing or a border at which nothing was found that is touched.
+    SolveError
+        Where the special point is not found again in two parameters.
 
     Examples
     --------
@@ -139,6 +146,13 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
     >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
     [('cusp', '(0, 1)')]
+
+    Where a bristle just does not slip back, in amplitude and friction:
+
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4.16e-4, stop=4.22e-4, tilt_deg=1.7, step=0.5)
+    >>> curve = ss.special_curve(b, b.special[0], "mu0", stop=0.182, step=0.5)
+    >>> curve.kind, bool(curve.values[-1, 0] > curve.values[0, 0]), bool(curve.accuracy[:, 0].max() < 1e-10)
+    ('grazing', True, True)
     """
     fixed = dict(branch.family.fixed)
     if parameter not in fixed:
