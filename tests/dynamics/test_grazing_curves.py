@@ -90,6 +90,16 @@ def test_a_grazing_under_lugre_is_that_of_a_branch_at_another_value(parameter, s
 
 
 @pytest.mark.slow
+def test_a_grazing_under_dahls_law_is_that_of_a_branch_at_another_frequency():
+    bench = lambda F, omega=0.3: ss.ForcedOscillator(1.0, 1.0, 0.05, 1.0, omega, ss.Dahl(F, F, sigma0=30.0))  # noqa: E731
+    branch = ss.continuation(bench, parameter="F", start=0.077, stop=0.081, step=0.5)
+    curve = ss.special_curve(branch, first(branch, "grazing"), "omega", stop=0.302, step=0.5)
+    F, omega = map(float, curve.values[-1])
+    there = first(ss.continuation(bench, parameter="F", start=F - 5e-4, stop=F + 5e-4, step=0.5, omega=omega), "grazing")
+    assert abs(there.value - F) <= there.accuracy + curve.accuracy[-1, 0] and curve.accuracy[:, 0].max() < 1e-8
+
+
+@pytest.mark.slow
 def test_a_capsule_grazes_its_stop_where_the_inner_mass_swings_so_far():
     capsule = lambda gap, omega=0.6: ss.presets.capsule(force_ratio=1.0, omega=omega, mass_ratio=4.0, gap=gap, reaction=True)  # noqa: E731
     begin = float(swing(0.6, 0.1)) + 0.05
@@ -147,6 +157,17 @@ def test_an_event_is_followed_in_two_parameters_of_a_machine():
     curve = ss.special_curve(branch, event, "omega", stop=0.72, step=0.2)
     agrees(curve, friction, 1e-10)
     assert curve.kind == "peak" and "peak in (F, omega)" in repr(curve)
+
+
+def test_a_curve_of_an_event_names_the_fold_that_it_meets():
+    """A fixed point x of Henon's map has a = (1 - (1 - b) x)/x^2; it folds where x = 2/(1 - b), and x = 1.6 at b = -0.25."""
+    henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))
+    events = {"x": lambda orbit: orbit.state[0] - 1.6}
+    branch = ss.continuation(henon, parameter="a", start=0.1, stop=-0.1, guess={"x": 1.2, "y": 0.4}, events=events)
+    curve = ss.special_curve(branch, first(branch, "x"), "b", stop=-0.5, step=0.1)
+    agrees(curve, lambda b: (1 - (1 - b) * 1.6) / 1.6**2, 1e-10)
+    (met,) = curve.special
+    assert met.kind == "x-fold" and np.all(abs(np.array(met.values) - [-0.390625, -0.25]) <= met.accuracy) and max(met.accuracy) < 1e-8
 
 
 def test_an_event_that_jumps_past_zero_says_so():

@@ -14,12 +14,14 @@ import numpy as np
 
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, has_multiplier
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.own_events import number_of
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.continuation.touches import BOTH_SIDES, Touch, touches
+from stickslip.dynamics.periodic.newton import Found
 from stickslip.errors import InputError, SolveError
 
 __all__ = ["event_problem", "touch_problem"]
@@ -53,13 +55,14 @@ def touch_problem(both: Family, branch: Branch, special: Special, origin: Array,
         why = "no velocity, gap, guard or room of a rest was found that falls to zero there in a straight line"
         raise InputError("special_curve", [f"it is a {special.kind}, and what is touched there is not known: {why}; {_EACH}"])
     path = path_of(both, special.orbit, origin, span)
-    problem = _Touching(path, path.remembered(special.orbit), seen.touch, seen.phase).problem()
+    problem = _Touching(path, path.remembered(special.orbit), special.kind, seen.touch, seen.phase).problem()
     distance = 0.0 if seen.touch.what[0] == BOTH_SIDES else _DISTANCE * seen.touch.size
     (near, a), (far, b) = seen.near, seen.far
     begin = near + (distance - a) / (b - a) * (far - near)
     return problem, np.append(begin, 0.0)
 
 
+_AT_ONCE = "both conditions hold at once here"
 _EACH = "type ss.continuation at each value"
 
 
@@ -72,11 +75,13 @@ def event_problem(both: Family, branch: Branch, special: Special, origin: Array,
     def number(way: Path, u: Array) -> float:
         return number_of(special.kind, event, way.orbit_at(u, memory)) / size
 
-    return _problem(path, memory, number), path.scaled(special.orbit, origin)
+    return _problem(path, memory, special.kind, number), path.scaled(special.orbit, origin)
 
 
-def _problem(path: Path, memory: Array, number: Callable[[Path, Array], float], distance: float = 0.0, **more: Any) -> CurveProblem:
-    """The periodic motions of which a number, that is about 1 elsewhere, has a value."""
+def _problem(
+    path: Path, memory: Array, kind: str, number: Callable[[Path, Array], float], distance: float = 0.0, **more: Any
+) -> CurveProblem:
+    """The periodic motions of which a number, about 1 elsewhere, has a value; where it holds on both sides, with folds and flips."""
     rough = path.has_tolerance
 
     def residuals(U: Array, worse: bool = False) -> Array:
@@ -86,8 +91,19 @@ def _problem(path: Path, memory: Array, number: Callable[[Path, Array], float], 
     def orbit(u: Array) -> Any:
         return path.orbit_at(u, memory)
 
+    def returned(u: Array, worse: bool = False) -> Array:
+        return path.returned(path.derivatives(u[None, :], memory, worse)[1][0])
+
+    def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
+        R = returned(found.at, worse)
+        return {name: float(condition(R)) for name, condition in CONDITIONS.items()}, facing
+
+    def named(u: Array, name: str) -> tuple[str, str] | None:
+        return (f"{kind}-{name}", _AT_ONCE) if has_multiplier(name, np.linalg.eigvals(returned(u))) else None
+
     known = np.append(np.zeros(path.at.smooth), _KNOWN[rough])
     again = (lambda U: residuals(U, True)) if rough else None
+    more |= {} if "beside" in more else {"tests": tests, "named": named}
     return CurveProblem(path.family, path.origin, path.span, residuals, orbit, _TOLERANCE[rough], again=again, known=known, **more)
 
 
@@ -97,14 +113,15 @@ class _Touching:
 
     path: Path
     memory: Array
+    kind: str
     touch: Touch
     phase: float
 
     def problem(self, times: int = 1) -> CurveProblem:
         """The problem so many times as far from the curve as it is followed, where it is followed beside it."""
         if self.touch.what[0] == BOTH_SIDES:
-            return _problem(self.path, self.memory, self.value, apart=self.followed)
-        return _problem(self.path, self.memory, self.value, _DISTANCE * times, apart=self.followed, beside=self.problem)
+            return _problem(self.path, self.memory, self.kind, self.value, apart=self.followed)
+        return _problem(self.path, self.memory, self.kind, self.value, _DISTANCE * times, apart=self.followed, beside=self.problem)
 
     def value(self, path: Path, u: Array) -> float:
         """The number at a place, in its size; NaN where there is none about then."""

@@ -54,7 +54,8 @@ class Curve(Drawn):
         The motions. Of a grazing or a border that can be told from one side only they are motions just beside it, on that side.
     special : list of Meeting
         Points on it that have a kind of their own, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
-        "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; and "triple-point", where two borders of types meet.
+        "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; "triple-point", where two borders of types meet; "grazing-fold" and
+        the like, and "NAME-fold" for an event of that name.
         ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
@@ -109,8 +110,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     branch : Branch
         The branch; its parameter is the first of the curve.
     special : Special
-        A fold, flip, Neimark-Sacker or branch point, grazing or event of one's own (of any machine, law or flow), or a border of motion types
-        where rest is exact: under a dynamic law types depend on thresholds.
+        A fold, flip, Neimark-Sacker or branch point, grazing or event of one's own (of any machine, law or flow), or a border of
+        motion types where rest is exact: under a dynamic law types depend on thresholds.
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
     stop : float
