@@ -134,5 +134,5 @@ def test_a_fold_of_limit_cycles_with_bristles_is_the_same_from_a_branch_beside_i
 
 def test_what_has_no_curve_says_which_special_points_have_one():
     branch = ss.continuation(CUBIC, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    with pytest.raises(ss.InputError, match="it is a grazing; allowed are fold, flip, neimark-sacker"):
-        ss.special_curve(branch, Special("grazing", 0.0, branch.orbits[0]), "q", 0.5)
+    with pytest.raises(ss.InputError, match="it is a hopf; allowed are fold, flip, neimark-sacker"):
+        ss.special_curve(branch, Special("hopf", 0.0, branch.orbits[0]), "q", 0.5)

@@ -203,7 +203,8 @@ def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve
 
 def _reason(error: Exception) -> str:
     problems = getattr(error, "problems", None)
-    return str(problems[0] if problems else error).rpartition("; for others take")[0] or str(problems[0] if problems else error)
+    told = str(problems[0] if problems else error)
+    return told.rpartition("; type ss.continuation at each value")[0] or told
 
 
 def same_place(plane: Plane, a: tuple[float, float], b: tuple[float, float]) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.other_branches import across, chosen, doubled, range_of
+from stickslip.dynamics.continuation.own_events import Event, checked_events
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
@@ -49,10 +51,12 @@ class Branch(Drawn):
     values : array
         The parameter at each.
     special : list of Special
-        Folds, flips, Neimark-Sacker points, branch points, grazings and borders of motion types, in order, each with its accuracy;
-        ``orbit.notes`` says more.
+        Folds, flips, Neimark-Sacker points, branch points, grazings, borders of motion types and events of one's own, in order, each with
+        its accuracy; ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
+    events : dict
+        Events of one's own by name: functions of an orbit, whose zeros are special points of that name.
 
     Examples
     --------
@@ -68,6 +72,7 @@ class Branch(Drawn):
     values: Array
     special: list[Special]
     ended: str
+    events: Mapping[str, Event] = field(default_factory=dict)
 
     @property
     def parameter(self) -> str:
@@ -128,7 +133,7 @@ class Branch(Drawn):
             why = "it is a branch of limit cycles; allowed are branches of driven motions"
             raise InputError("Branch.doubled", [f"{why}; type ss.periodic_orbit(mechanism, period=2, guess=run) beside the flip"])
         flip = chosen(self, flip, "flip", "doubled")
-        return _branch(self.family, 2 * self.period, doubled(self, flip, *range_of(self, flip, stop), step, points))
+        return _branch(self.family, 2 * self.period, doubled(self, flip, *range_of(self, flip, stop), step, points), self.events)
 
     @explains_arguments
     def switched(self, special: Special | None = None, stop: float | None = None, step: float = 0.02, points: int = 200) -> Branch:
@@ -162,7 +167,7 @@ class Branch(Drawn):
         True
         """
         special = chosen(self, special, "branch-point", "switched")
-        return _branch(self.family, self.period, across(self, special, *range_of(self, special, stop), step, points))
+        return _branch(self.family, self.period, across(self, special, *range_of(self, special, stop), step, points), self.events)
 
     _drawn_by = "continuation"
 
@@ -205,6 +210,7 @@ def continuation(
     step: float = 0.02,
     points: int = 400,
     rtol: float = RTOL,
+    events: Mapping[str, Event] | None = None,
     **fixed: Any,
 ) -> Branch:
     """A branch of periodic orbits, followed in a parameter through folds and flips, stable or not.
@@ -228,6 +234,9 @@ def continuation(
         Most points.
     rtol : float
         Tolerance of the strobe map for dynamic laws.
+    events : dict, optional
+        Functions of an orbit by name. Where one of them is zero along the branch is a special point whose kind is that name, and
+        `special_curve` follows it in two parameters: ``events={"slow": lambda orbit: orbit.mean_velocity - 1e-3}``.
     **fixed
         The other arguments of `make`.
 
@@ -236,14 +245,27 @@ def continuation(
     Branch
         `points` (labelled Dataset), `special` (list of kind, value, orbit), `ended`.
 
+    Raises
+    ------
+    InputError
+        Of arguments that are not allowed, and of an event that gives no number.
+
     Examples
     --------
     >>> import stickslip as ss
     >>> b = ss.continuation(ss.presets.piezo_rig, parameter="mu0", start=0.05, stop=0.044, amplitude=6e-4, tilt_deg=1.7)
     >>> [(s.kind, round(s.value, 4)) for s in b.special if s.kind == "flip"]
     [('flip', 0.0468)]
+
+    Where the robot is as fast as 1 mm/s:
+
+    >>> fast = {"1 mm/s": lambda orbit: orbit.mean_velocity - 1e-3}
+    >>> rig = dict(tilt_deg=1.7, law="coulomb")
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=4.2e-4, events=fast, **rig)
+    >>> [(s.kind, round(s.value * 1e3, 6)) for s in b.special]
+    [('1 mm/s', 0.411006)]
     """
-    robots = family("continuation", make, (parameter,), fixed)
+    robots, own = family("continuation", make, (parameter,), fixed), checked_events("continuation", events)
     _check(start, stop, step, points)
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), period)
@@ -256,13 +278,12 @@ def continuation(
     begun = path.point(found, towards)
     if not begun.alone:
         raise SolveError(f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine what tells them apart, such as damping")
-    return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points))
+    return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points, own), own)
 
 
-def _branch(family: Family, period: int, found: Followed) -> Branch:
-    return Branch(
-        family, period, tuple(p.orbit for p in found.points), np.array([p.value for p in found.points]), found.special, found.ended
-    )
+def _branch(family: Family, period: int, found: Followed, events: Mapping[str, Event]) -> Branch:
+    orbits, values = tuple(p.orbit for p in found.points), np.array([p.value for p in found.points])
+    return Branch(family, period, orbits, values, found.special, found.ended, events)
 
 
 def _check(start: Any, stop: Any, step: Any, points: Any) -> None:

@@ -15,7 +15,7 @@ from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
 from stickslip.dynamics.periodic.newton import Found, newton
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["FollowedCurve", "followed_curve"]
+__all__ = ["FollowedCurve", "followed_curve", "settled"]
 
 Array = Any
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
@@ -26,6 +26,10 @@ _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
+_UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
+_ROUNDED = 1e-8  # a residual below it that does not shrink has met rounding
+_TIMES = (2, 4, 8)  # distances, besides 1, from which what is known on one side only is continued to 0
+_CUBIC, _PARABOLA = np.array([64.0, -56.0, 14.0, -1.0]) / 21.0, np.array([8.0, -6.0, 1.0, 0.0]) / 3.0  # shares of the motions there
 
 
 class FollowedCurve(NamedTuple):
@@ -68,6 +72,38 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
             return FollowedCurve(found, special, ended)
         step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
     return FollowedCurve(found, special, f"it was followed for {most} points")
+
+
+def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
+    """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
+    if problem.beside is None:
+        return problem.values(found.at), problem.accuracy(found)
+    tangent = tangent_of(found.jacobian[:-1], np.eye(len(found.at))[-1])
+    across = np.eye(len(found.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
+    J, kept = np.vstack([found.jacobian[:-1], across]), [found, found]
+    unsure = [problem.accuracy(found)]
+    for times in _TIMES:
+        way = problem.beside(times)
+        there = _settled_beside(way, 3.0 * kept[-1].at - 2.0 * kept[-2].at, J)
+        if not there.good:
+            return problem.values(found.at), unsure[0] + problem.span
+        kept.append(there)
+        unsure.append(way.accuracy(there))
+    places = np.array([each.at for each in kept[1:]])
+    value = problem.values(_CUBIC @ places)
+    return value, abs(_CUBIC) @ np.array(unsure) + abs(value - problem.values(_PARABOLA @ places))
+
+
+def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
+    """The point of a problem near a guess, by Newton's method with slopes from nearby, which are not computed anew."""
+
+    def slopes(u: Array) -> tuple[Array, Array]:
+        return np.append(way.residuals(u[None, :])[0], (u - guess) @ J[-1]), J
+
+    def residuals(U: Array) -> Array:
+        return np.array([slopes(u)[0] for u in U])
+
+    return newton(residuals, guess, way.tolerance, most=15, floor=_ROUNDED, reach=0.2, slopes=slopes)
 
 
 def _turned_real(met: Meeting) -> str:

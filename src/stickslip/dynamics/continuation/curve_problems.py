@@ -61,7 +61,9 @@ class CurveProblem:
     known : float or array
         How well each equation is known.
     apart : callable
-        Why the special point is none any more at a point; "" where it is one.
+        Why the special point is none any more at a point, each after the last; "" where it is one.
+    beside : callable, optional
+        Of a problem whose equations hold on one side only, and that is solved a little beside: the same problem so many times as far away.
     """
 
     family: Family
@@ -77,6 +79,7 @@ class CurveProblem:
     named: Callable[[Array, str], tuple[str, str] | None] | None = None
     known: Any = _FLOOR
     apart: Callable[[Array], str] = lambda u: ""
+    beside: Callable[[int], CurveProblem] | None = None
 
     def values(self, u: Array) -> Array:
         """The two parameters."""

@@ -77,6 +77,15 @@ class CyclePath(Path):
         drift = float(machine_of(cycle.model).far_end_velocity) * later
         return float(cycle.state[0] - cycle.run.at(later)["x"] + drift)
 
+    def longer_run(self, u: Array, memory: Array) -> tuple[Any, float, float]:
+        """A run of two cycles from a place, how long one takes, twice."""
+        from stickslip.solvers import solve
+
+        cycle = self.orbit(Found(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
+        options: dict[str, Any] = {"rtol": self.rtol} if law_of(cycle.model).dynamic else {}
+        run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
+        return run, cycle.duration, cycle.duration
+
     def orbit(self, found: Found) -> LimitCycle:
         """The cycle at a point."""
         model, u = self.robot(found.at), found.at[: self.at.smooth]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 from stickslip.dynamics.continuation.branch_following import STOPPED, follow
 from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
+from stickslip.dynamics.continuation.own_events import Event
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
@@ -30,8 +32,10 @@ class Followed(NamedTuple):
     ended: str
 
 
-def followed(path: Path, first: Point, low: float, high: float, step: float, most: int) -> Followed:
-    """A branch from its first point until it leaves the range, with what lies between the points."""
+def followed(
+    path: Path, first: Point, low: float, high: float, step: float, most: int, events: Mapping[str, Event] | None = None
+) -> Followed:
+    """A branch from its first point until it leaves the range, with what lies between the points, and zeros of events of one's own."""
     slack = 1e-12 * (high - low)
     found, ended = [first], ""
     special: list[Special] = []
@@ -52,7 +56,7 @@ def followed(path: Path, first: Point, low: float, high: float, step: float, mos
             break
         if not low <= item.value <= high:
             item = _clipped(path, last, item, low if item.value < low else high)
-        for s in located(path, last, item):
+        for s in located(path, last, item, events):
             there = _special(path, found, item, s)
             special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from stickslip.dynamics.continuation.cycle_paths import zero
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.touches import touches
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
@@ -18,8 +18,7 @@ __all__ = ["grazed", "grazing_end", "grazing_near"]
 Array = Any
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed
 _SLOW = 1e-3  # of the velocity scale: a hit that slow is one that begins
-_HALVINGS = 50
-_GRID = 64  # instants of a stretch between two switches at which guards are read, at least
+_TOUCHED = ("stop", "guard")
 _FAR, _AHEAD = 1e-3, 3.0  # of the range: how far back it is read how a gap falls, and times that, how far ahead it may be zero
 _NEAR_BY = 1e-4  # of the range: how near to where it is zero it is read then
 
@@ -32,13 +31,13 @@ def grazed(orbit: Any) -> str:
 
 def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
     """By how much a motion misses each stop, or guard of a flow, where it turns away from it; and the size against which that is small."""
-    if is_flow(orbit.model):
-        return _missed_guards(orbit)
-    machine = machine_of(orbit.model)
-    if machine.is_single:
-        return {}
-    run, mechanics = orbit.run.parted, machine.mechanics
-    return {f"the stop {name}": _least_gap(run, mechanics, stop) for name, stop in mechanics.named_stops}
+    run, found = orbit.run, dict[str, tuple[float, float]]()
+    span = float(run.model.period or orbit.duration)
+    for touch in touches(run if is_flow(run.model) else run.parted, span, lambda what: what[0] in _TOUCHED):
+        least = touch.told()[1]
+        if touch.name not in found or abs(least) < abs(found[touch.name][0]):
+            found[touch.name] = least, touch.size
+    return found
 
 
 def grazing_end(path: Path, last: Point) -> tuple[str, float, float] | None:
@@ -79,54 +78,3 @@ def _slow_hit(orbit: Any) -> str:
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
     return next((f"the stop {name}" for name, _ in machine.mechanics.named_stops if name in slow), "") if slow else ""
-
-
-def _least_gap(run: Any, mechanics: Any, stop: Any) -> tuple[float, float]:
-    """The smallest gap at which a stop is turned away from without being touched, and the largest one."""
-
-    def gap_and_rate(t: Array) -> tuple[Array, Array]:
-        x, v, _ = run._states_at(t, run._index(t))
-        q, u = mechanics.coordinates_of(tuple(x.T)), mechanics.coordinates_of(tuple(v.T))
-        return stop.gap(t, q), stop.rate(t, u)
-
-    struck = [event.t for event in run.events if event.kind == "hit"]
-    t = np.unique(run.t)
-    gaps, rates = gap_and_rate(t)
-    turns = np.flatnonzero((rates[:-1] < 0) & (rates[1:] >= 0) & ~np.isin(t[1:], struck))
-    low, high = t[turns], t[turns + 1]
-    for _ in range(_HALVINGS if len(turns) else 0):
-        middle = 0.5 * (low + high)
-        falling = gap_and_rate(middle)[1] < 0
-        low, high = np.where(falling, middle, low), np.where(falling, high, middle)
-    least = gap_and_rate(high)[0] if len(turns) else np.array([np.inf])
-    return float(least[np.argmin(abs(least))]), float(np.max(abs(gaps)))
-
-
-def _missed_guards(orbit: Any) -> dict[str, tuple[float, float]]:
-    """The smallest value of each guard at which it is turned away from, and its largest."""
-    run, plain = orbit.run, orbit.model.plain
-    times = np.array([0.0, *(event.t for event in run.events), float(run.t[-1])])
-    modes = [orbit.mode, *(event.after for event in run.events)]
-    found: dict[str, tuple[float, float]] = {}
-    for mode, begin, end in zip(modes, times[:-1], times[1:], strict=True):
-        for k, switch in enumerate(plain.switches.get(mode, ()) if end > begin else ()):
-            name = f"guard {k} of mode {mode!r}"
-
-            def guard(t: float, g: Callable[..., Any] = switch.guard) -> float:
-                return float(g(t, run._evaluated(np.array([t]), run._index(np.array([t])))[0]))
-
-            least, size = _turned(guard, begin, end)
-            before = found.get(name, (np.inf, 0.0))
-            found[name] = min(before[0], least), max(before[1], size)
-    return found
-
-
-def _turned(guard: Callable[[float], float], begin: float, end: float) -> tuple[float, float]:
-    """The smallest value at which a function turns up again within a stretch (inf: nowhere), and its largest size."""
-    from scipy.optimize import minimize_scalar
-
-    t = np.linspace(begin, end, _GRID + 1)
-    values = np.array([guard(s) for s in t])
-    dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    least = [minimize_scalar(guard, bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-12 * end}).fun for i in dips]
-    return float(min(least, default=np.inf)), float(abs(values).max())

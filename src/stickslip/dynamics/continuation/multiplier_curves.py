@@ -20,7 +20,7 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.newton import Found
 
-__all__ = ["CONDITIONS", "KNOWN", "multiplier_problem"]
+__all__ = ["CONDITIONS", "KNOWN", "has_multiplier", "multiplier_problem"]
 
 Array = Any
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
@@ -115,10 +115,23 @@ def _on_the_circle(multipliers: Array) -> complex | None:
     return found / abs(found)
 
 
+def has_multiplier(name: str, multipliers: Array) -> bool:
+    """Whether a multiplier is what a condition says: 1, -1, or one of a pair on the unit circle.
+
+    Examples
+    --------
+    >>> has_multiplier("flip", np.array([-1.0, 0.3])), has_multiplier("neimark-sacker", np.array([2.0, 0.5]))
+    (True, False)
+    """
+    if name in _OWN:
+        return bool(np.any(abs(multipliers - _OWN[name]) < _ONE))
+    return bool(np.any((abs(abs(multipliers) - 1.0) < _ONE) & (np.imag(multipliers) > _ONE)))
+
+
 def _kind(kind: str, name: str, multipliers: Array) -> str | None:
     """Which special point of a curve it is where a test vanishes."""
     at = {sign: int(np.sum(abs(multipliers - sign) < _ONE)) for sign in (1.0, -1.0)}
-    pair = bool(np.any((abs(abs(multipliers) - 1.0) < _ONE) & (multipliers.imag > _ONE)))
+    pair = has_multiplier("neimark-sacker", multipliers)
     if name in (_CUSP, _THIRD, _FOURTH):
         return {_CUSP: "cusp", _THIRD: "R3", _FOURTH: "R4"}[name]
     if kind == "neimark-sacker":

@@ -47,7 +47,7 @@ def doubled(branch: Any, flip: Special, low: float, high: float, step: float, po
     for distance in (_ASIDE, _ASIDE / 4, _ASIDE / 16, _ASIDE / 64):
         found = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
         if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
-            return followed(path, path.point(found, direction), low, high, min(step, distance), points)
+            return followed(path, path.point(found, direction), low, high, min(step, distance), points, branch.events)
     raise SolveError(f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.told}: {found.why}")
 
 
@@ -60,7 +60,7 @@ def across(branch: Any, special: Special, low: float, high: float, step: float, 
     beside = sides(path, here, here.other) if here else ()
     if here is None or not beside:
         raise SolveError(f"no motion of the other branch was found beside the branch point at {branch.parameter} = {special.told}")
-    found = [_side(path, first, low, high, step, points) for first in reversed(beside)]
+    found = [_side(path, first, low, high, step, points, branch.events) for first in reversed(beside)]
     middle = replace(here.point, tangent=here.other, orbit=orbit)
     back, ahead = found
     return Followed(
@@ -70,11 +70,11 @@ def across(branch: Any, special: Special, low: float, high: float, step: float, 
     )
 
 
-def _side(path: Path, first: Point, low: float, high: float, step: float, points: int) -> Followed:
+def _side(path: Path, first: Point, low: float, high: float, step: float, points: int, events: Any) -> Followed:
     """One side of a branch; nothing where it leaves the range at once."""
     if not low <= first.value <= high:
         return Followed([], [], "it leaves the range at once")
-    return followed(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points)
+    return followed(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points, events)
 
 
 def _along(path: Path, branch: Any, u: Array) -> Array:

@@ -36,8 +36,8 @@ class Special:
     Parameters
     ----------
     kind : str
-        "fold", "flip", "neimark-sacker", "branch-point", where two branches cross, "grazing", "type-border", or "hopf", where a limit
-        cycle shrinks to a steady motion.
+        "fold", "flip", "neimark-sacker", "branch-point", where two branches cross, "grazing", "type-border", "hopf", where a limit
+        cycle shrinks to a steady motion, or the name of an event of one's own.
     value : float
         The parameter there. Of a change of pattern or type it is the first number found beyond the border.
     orbit : PeriodicOrbit or LimitCycle

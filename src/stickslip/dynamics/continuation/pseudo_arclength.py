@@ -18,7 +18,7 @@ from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at, strobe_map, with_rests
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
@@ -254,6 +254,12 @@ class Path:
         state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
         model = self.robot(found.at)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
+
+    def longer_run(self, u: Array, memory: Array) -> tuple[Any, float, float]:
+        """A run from a place that goes on for some time after the motion, how long the motion takes, and a period of it."""
+        model, state = self.robot(u), np.append(u[: self.at.smooth] * self.scales, memory)
+        T = float(model.period)
+        return flight(model, state, self.period + 1, self.rtol), self.period * T, T
 
     def orbit_at(self, u: Array, memory: Array) -> Any:
         """The motion at a place that was found in more unknowns than its own."""

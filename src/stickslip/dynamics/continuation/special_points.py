@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip.analysis.contact_modes import pressed_stops
 from stickslip.dynamics.continuation.branch_points import broken_symmetry, crossing_between
+from stickslip.dynamics.continuation.own_events import Event, number_of
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.flow import is_flow
@@ -25,6 +26,7 @@ _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, 
 
 _ASIDE = 1e-4  # how far away the slope of a test function is taken
 _MULTIPLIERS = 1e-10  # how well they are known: under dynamic laws, at a tolerance of 1e-12, they are some 3e-11 from those at 3e-12
+_ROUNDED, _JUMPED = 1e-13, 1e-6  # of an event beside its zero: what rounding leaves of it, and what is left where it jumps
 _RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
 _BETWEEN, _COUNTED = " | ", ", "  # the patterns of several contacts; what a motion touches
 _TOUCHES = {"hit": "hit", "take-off": "takes off"}
@@ -40,8 +42,8 @@ class Located(NamedTuple):
     accuracy: float
 
 
-def located(path: Path, a: Point, b: Point) -> list[Located]:
-    """Every special point between a and b, in order."""
+def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None = None) -> list[Located]:
+    """Every special point between a and b, in order; zeros of events of one's own among them."""
     found = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
     if a.fold * b.fold < 0 and not found:
         test = _unity if a.unity * b.unity < 0 else _fold
@@ -55,21 +57,42 @@ def located(path: Path, a: Point, b: Point) -> list[Located]:
         found += _turning(path, a, b)
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
     found += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
+    for name, event in (events or {}).items():
+        found += _event(path, a, b, name, event)
     return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
 
-def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point) -> float:
+def _event(path: Path, a: Point, b: Point, name: str, event: Event) -> list[Located]:
+    """Where an event of one's own passes zero between two points, or jumps past it."""
+
+    def test(p: Point) -> float:
+        return number_of(name, event, p.orbit)
+
+    before, after = test(a), test(b)
+    if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
+        return []
+    there, size = root(path, a, b, test), max(abs(before), abs(after))
+    if abs(test(there)) > _JUMPED * size:
+        unsure = path.span * (_NEAR[_is_dynamic(a.orbit)] + _RESIDUALS * there.blur)
+        return [Located(name, there, (f"{name} jumps past zero here",), unsure)]
+    return [Located(name, there, (f"{name} is zero here",), _accuracy(path, there, test, b, _ROUNDED * size))]
+
+
+def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point, known: float | None = None) -> float:
     """How far the parameter may be wrong where a test function vanishes.
 
-    What is left of the function, what its multipliers do not know, and by how much it and the branch move with tenfold tolerances.
+    What is left of the function, what is not known of it (by itself of its multipliers), and by how much it and the branch move with
+    tenfold tolerances.
     """
+    if known is None:
+        known = _MULTIPLIERS * float(np.prod(1.0 + abs(np.asarray(p.orbit.multipliers))))
     aside = path.between(p, _ASIDE) or path.between(p, -_ASIDE)
     other = path.loosened().between(p, 0.0)
     if aside is None or other is None:
         return abs(b.value - p.value)
     h = float((aside.u - p.u) @ p.tangent)
     slope, bend = abs(test(aside) - test(p)) / abs(h), abs(aside.fold - p.fold) / abs(h)
-    unsure = abs(test(p)) + abs(test(other) - test(p)) + _MULTIPLIERS * float(np.prod(1.0 + abs(np.asarray(p.orbit.multipliers))))
+    unsure = abs(test(p)) + abs(test(other) - test(p)) + known
     along = unsure / slope if unsure < slope else 1.0  # of the range, where the test hardly changes
     moved = path.span * (abs(p.fold) * along + 0.5 * bend * along**2 + _RESIDUALS * p.blur)
     return float(min(moved + abs(other.value - p.value) + 2 * np.spacing(abs(p.value)), path.span))

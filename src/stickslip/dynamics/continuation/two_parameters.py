@@ -1,4 +1,4 @@
-"""Special points of a branch in two parameters: curves of folds, flips, Neimark-Sacker points and borders of motion types."""
+"""Special points of a branch in two parameters: curves of folds, flips, Neimark-Sacker points, grazings, borders and events."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
-from stickslip.dynamics.continuation.curve_following import followed_curve
+from stickslip.dynamics.continuation.curve_following import followed_curve, settled
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
+from stickslip.dynamics.continuation.number_curves import event_problem, touch_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
 from stickslip.dynamics.continuation.type_border_curves import type_border_problem
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
+from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class Curve(Drawn):
     Parameters
     ----------
     kind : str
-        What its points are: "fold", "flip", "neimark-sacker", "branch-point" or "type-border".
+        What its points are: "fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", or the name of an event.
     parameters : (str, str)
         Their names.
     values : array (points, 2)
@@ -50,10 +51,11 @@ class Curve(Drawn):
     accuracy : array (points, 2)
         By how much the parameters may be wrong, across the curve: from the residuals, and from differences of twice the step.
     orbits : tuple of PeriodicOrbit, LimitCycle or FlowOrbit
-        The motions.
+        The motions. Of a grazing or a border that can be told from one side only they are motions just beside it, on that side.
     special : list of Meeting
         Points on it that have a kind of their own, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
-        "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; and "triple-point", where two borders of types meet.
+        "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; "triple-point", where two borders of types meet; "grazing-fold" and
+        the like, and "NAME-fold" for an event of that name.
         ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
@@ -108,8 +110,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     branch : Branch
         The branch; its parameter is the first of the curve.
     special : Special
-        A fold, flip, Neimark-Sacker or branch point of it (of any machine, law or flow), or a border of motion types (one contact under a
-        set-valued law, where a border is an equation).
+        A fold, flip, Neimark-Sacker or branch point, grazing or event of one's own (of any machine, law or flow), or a border of
+        motion types where rest is exact: under a dynamic law types depend on thresholds.
     parameter : str
         The second parameter: a keyword of the branch's maker that was fixed.
     stop : float
@@ -123,6 +125,13 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     -------
     Curve
         `points`, and `special`: cusps, resonances and where it meets another border, such as the triple point of types I, II and III.
+
+    Raises
+    ------
+    InputError
+        Of a special point that has no curve, and of a grazing or a border at which nothing was found that is touched.
+    SolveError
+        Where the special point is not found again in two parameters.
 
     Examples
     --------
@@ -138,6 +147,13 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
     >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
     [('cusp', '(0, 1)')]
+
+    Where a bristle just does not slip back, in amplitude and friction:
+
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4.16e-4, stop=4.22e-4, tilt_deg=1.7, step=0.5)
+    >>> curve = ss.special_curve(b, b.special[0], "mu0", stop=0.182, step=0.5)
+    >>> curve.kind, bool(curve.values[-1, 0] > curve.values[0, 0]), bool(curve.accuracy[:, 0].max() < 1e-10)
+    ('grazing', True, True)
     """
     fixed = dict(branch.family.fixed)
     if parameter not in fixed:
@@ -151,13 +167,17 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         problem, u = multiplier_problem(both, special, origin, span)
     elif special.kind == "branch-point":
         problem, u = crossing_problem(both, special, origin, span)
+    elif special.kind in branch.events:
+        problem, u = event_problem(both, branch, special, origin, span)
+    elif _is_of_arcs(special):
+        problem, u = type_border_problem(both, branch, special, origin, span)
     else:
         _check_border(special)
-        problem, u = type_border_problem(both, branch, special, origin, span)
+        problem, u = touch_problem(both, branch, special, origin, span)
     found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
     orbits, missing = _orbits(problem, [f.at for f in found.points])
-    values = np.array([problem.values(f.at) for f in found.points[: len(orbits)]])
-    accuracy = np.array([problem.accuracy(f) for f in found.points[: len(orbits)]])
+    placed = [settled(problem, f) for f in found.points[: len(orbits)]]
+    values, accuracy = (np.array(column) for column in zip(*placed, strict=True))
     return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, found.special, found.ended + missing)
 
 
@@ -174,18 +194,24 @@ def _orbits(problem: CurveProblem, found: list[Array]) -> tuple[tuple[Any, ...],
     return tuple(orbits), ""
 
 
+def _is_of_arcs(special: Special) -> bool:
+    """Whether it is a border of types of a motion made of arcs whose times are the only unknowns."""
+    model = special.orbit.model
+    if is_flow(model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
+        return False
+    machine = machine_of(model)
+    return machine.is_single and not machine.has_inner_states and not knows_position(model)
+
+
 def _check_border(special: Special) -> None:
-    """`InputError` for a special point that is none of multipliers, unless it is a border of types that is an equation."""
-    at_each = "for others take ss.continuation at each value"
-    always = f"allowed are {', '.join(CONDITIONS)} and branch-point of any motion, and type borders of one contact under a set-valued law"
-    if is_flow(special.orbit.model) or isinstance(special.orbit, LimitCycle) or special.kind != "type-border":
-        raise InputError("special_curve", [f"it is a {special.kind}; {always}; {at_each}"])
-    hint = "type ss.continuation at each value; flips and folds are followed for any machine"
-    needs_one_body("special_curve", special.orbit.model, "a border of motion types is followed by the arcs of one contact", hint)
-    laws = machine_of(special.orbit.model).laws
-    if any(law.dynamic for law in laws):
-        names = " and ".join(dict.fromkeys(law.name for law in laws))
-        raise InputError("special_curve", [f"it is a {special.kind} under {names}; {always}, where they are sharp; {at_each}"])
+    """`InputError` for a special point that is none of multipliers, unless it is one where something is touched."""
+    allowed = f"allowed are {', '.join(CONDITIONS)}, branch-point, grazing, and type-border where rest is exact"
+    if special.kind not in ("grazing", "type-border"):
+        raise InputError("special_curve", [f"it is a {special.kind}; {allowed}; type ss.continuation at each value"])
+    if special.kind == "type-border" and not is_flow(special.orbit.model) and machine_of(special.orbit.model).has_inner_states:
+        names = " and ".join(dict.fromkeys(law.name for law in machine_of(special.orbit.model).laws))
+        why = f"it is a type-border under {names}, where types depend on thresholds"
+        raise InputError("special_curve", [f"{why}; {allowed}; type ss.continuation at each value"])
 
 
 def _default(make: Any, parameter: str) -> dict[str, float]:
