@@ -13,7 +13,7 @@ spec = importlib.util.spec_from_file_location("known_answers", ROOT / "verificat
 known_answers = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(known_answers)
 ROWS = known_answers.ROWS
-QUICK = ("meissner", "impact", "pitchfork", "cusp", "leine", "leine_lugre", "rig", "rig_lugre")
+QUICK = ("meissner", "impact", "pitchfork", "cusp", "leine", "leine_rounded", "leine_lugre", "rig", "rig_lugre")
 PAGE = (ROOT / "docs" / "known-answers.md").read_text(encoding="utf-8")
 PRINTED = {
     line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]] for line in PAGE.splitlines() if line.startswith("| ")

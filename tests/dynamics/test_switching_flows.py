@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.maths import cos, sqrt
+from stickslip.maths import atan, cos, sqrt
 
 
 def ball(restitution=0.8):
@@ -289,3 +289,16 @@ def test_maps_and_flows_that_give_no_numbers_say_so(f):
 def test_bad_numbers_of_an_exponent_are_said(given):
     with pytest.raises(ss.InputError, match=next(iter(given))):
         ss.lyapunov_of_flow(lambda x: (-x[0],), [0.1], **given)
+
+
+# derivatives by the start ---------------------------------------------------------------------------------------------
+
+
+def test_directions_whose_steps_differ_make_one_derivative():
+    """A stiff field: every direction of the start is followed in steps of its own. Before, that ended in an error of NumPy."""
+    field = lambda t, y: (y[1], -y[0] - 2.0 / math.pi * atan(1e3 * (y[1] - 0.2)))  # noqa: E731
+    watch = {0: (ss.Switch(lambda t, y: y[1], 1),), 1: (ss.Switch(lambda t, y: -y[1], 0),)}
+    flow = ss.SwitchingFlow({0: field, 1: field}, watch, states=("q", "u"))
+    exact, judge = (ss.passage(flow, [1.0, -0.5], 0, 3.0, **more) for more in ({}, {"method": "dop853", "rtol": 1e-10}))
+    assert [after for _, _, after in exact.events] == [after for _, _, after in judge.events] and exact.events
+    assert np.allclose(exact.monodromy, judge.monodromy, atol=1e-6)

@@ -134,17 +134,15 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
         _check(flow, results[-1], begin, n, most)
     whole, early = results[0], int(results[0].status[0]) == Status.SWITCHES
     last = round(float(whole.memory[0, 0]))
-    steps = whole.pieces[whole.pieces[:, 0] < 1]  # without what a lane does after its end
-    after = whole.pieces[len(steps) : len(steps) + 1, 4:6] if len(whole.pieces) > len(steps) else [[last, steps[-1, 5] + early]]
-    sides = np.concatenate([steps[:, 4:6], after])
-    where = np.flatnonzero(np.diff(sides[:, 1]) > 0)  # one switch more than before
-    told = [labels[int(number) - 1] for number in sides[:, 0]]
+    steps = _steps(whole)
+    where = _last_before_switches(whole, steps)
+    told = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
     events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
     lasts = steps[:, 2] > steps[:, 1]
     long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
     nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
     nodes[-1] = nodes[-1] if early else begin + duration
-    M, forgets = _growth(results, where, n, kernel.states) if growth else (None, False)
+    M, forgets = _growth(results, n, kernel.states) if growth else (None, False)
     coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
     state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
     return Followed(
@@ -153,23 +151,50 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     )  # fmt: skip
 
 
-def _growth(results: list[Any], where: Array, n: int, states: int) -> tuple[Array, bool]:
+def _growth(results: list[Any], n: int, states: int) -> tuple[Array, bool]:
     """The derivative of the end by the start, nan where a switch was only touched; and whether one wiped out a direction.
 
-    The results of all directions share their steps; each holds the change of the state along its own, and that of the last switch.
+    Each result holds the change of the state along a direction of its own, and that of the last switch. Their steps may differ.
     """
-    end = np.array([result.end[0, 1:] for result in results])
-    M, kept = end[:, n : 2 * n].T, np.array([result.pieces for result in results])
-    c = kept[..., _FIRST:].reshape(*kept.shape[:2], states, -1)
-    forgets, touched = False, not np.isfinite(M).all()
-    for k in where:
-        after = c[:, k + 1, n : 2 * n + 1, 0] if k + 1 < c.shape[1] else end[:, n : 2 * n + 1]
+    M = np.array([result.end[0, 1 + n : 1 + 2 * n] for result in results]).T
+    passed = [_switches(result, n, states) for result in results]
+    forgets, touched = False, not np.isfinite(M).all() or len({len(each) for each in passed}) > 1
+    for each in zip(*passed, strict=False):
+        before, after, rates = (np.array(part) for part in zip(*each, strict=True))
         forgets = forgets or bool((after[:, :n] == 0.0).all(axis=0).any())
-        h = kept[0, k, 2] - kept[0, k, 1]
-        if h > 0.0 and np.isfinite(after).all():
-            before, rates = c[:, k, n : 2 * n].sum(axis=-1), (c[0, k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h
+        if np.isfinite(after).all():
             touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before).max())
     return np.full((n, n), np.nan) if touched else M + 0.0, forgets
+
+
+def _switches(result: Any, n: int, states: int) -> list[tuple[Array, Array, Array]]:
+    """At each switch the change of the state before it, that after it with the change of its time, and the rates before it."""
+    steps = _steps(result)
+    c, found = result.pieces[:, _FIRST:].reshape(len(result.pieces), states, -1), []
+    for k in _last_before_switches(result, steps):
+        after = c[k + 1, n : 2 * n + 1, 0] if k + 1 < len(c) else result.end[0, 1 + n : 2 + 2 * n]
+        h = steps[k, 2] - steps[k, 1]
+        rates = (c[k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h if h > 0.0 else np.zeros(n)
+        found.append((c[k, n : 2 * n].sum(axis=-1), after, rates))
+    return found
+
+
+def _steps(result: Any) -> Array:
+    """The steps of a result, without what a lane does after its end."""
+    return result.pieces[result.pieces[:, 0] < 1]
+
+
+def _sides(result: Any, steps: Array) -> Array:
+    """Number of the mode and count of switches of each step, and after the last."""
+    early = int(result.status[0]) == Status.SWITCHES
+    beyond = result.pieces[len(steps) : len(steps) + 1, 4:6]
+    after = beyond if len(beyond) else [[round(float(result.memory[0, 0])), steps[-1, 5] + early]]
+    return np.concatenate([steps[:, 4:6], after])
+
+
+def _last_before_switches(result: Any, steps: Array) -> Array:
+    """The steps after which there is one switch more than before."""
+    return np.flatnonzero(np.diff(_sides(result, steps)[:, 1]) > 0)
 
 
 def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0.0) -> tuple[Array, Array, Array]:
