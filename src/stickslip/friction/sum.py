@@ -18,8 +18,8 @@ __all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]
 class Sum(Law):
     """Two laws that act simultaneously on one contact; written `a + b` or ``Sum(a, b)``.
 
-    Set-valued laws add to a set-valued law. A law with inner states takes any law that holds nothing at rest, such as `Viscous`.
-    Two laws with inner states, or one and a law that sticks, have no sum here.
+    Set-valued laws add to a set-valued law. A law with inner states can be added to a law without static friction, such as `Viscous`. Two
+    laws with inner states, or one of them and a law that sticks, cannot be added.
 
     Parameters
     ----------
