@@ -139,14 +139,14 @@ def design(
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
-    """The experiment that best determines the parameters or discriminates between rival laws; and what none of them can determine.
+    """The experiments that best determine the parameters or discriminate between rival laws, and the parameters that none can determine.
 
     Parameters
     ----------
     make : callable or Robot
         As for `identify`.
     free : dict
-        Where the parameters are supposed to be (their values, not bounds).
+        Expected values of the parameters (not bounds).
     experiments : dict of argument -> values, or list of dicts
         Settings to choose from; a dict stands for all combinations.
     noise : float
@@ -159,9 +159,9 @@ def design(
         Other makers that take the same arguments, already fitted: the design that separates them best from `make` is sought.
     using : {"velocity", "position"}
     sensor : dict, optional
-        What the sensors add, as for `identify`, which will fit it then; ``{}`` is an ideal sensor.
+        Sensor effects, as for `identify`, which will be fitted too; ``{}`` is an ideal sensor.
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     **arguments
         Arguments of `make` that are the same in all experiments.
 

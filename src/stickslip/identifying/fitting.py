@@ -106,8 +106,8 @@ def identify(
         later ones by more than the noise, and a note says so.
     transient : bool
         Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
-        unbent bristles. Of forces over a motion that does not repeat, how far the bristles are bent at the first sample is fitted
-        (``fit.sensor["start[0]"]``, from -1, as after a slow slide backwards, by 0, unbent, to 1); of logs of machines it always is.
+        undeflected bristles. For forces over a motion that does not repeat, the bristle deflection at the first sample is fitted
+        (``fit.sensor["start[0]"]``, from -1, as after slow sliding backwards, to 1; 0 is undeflected); for logs of machines it always is.
     sensor : dict, optional
         Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
@@ -115,7 +115,7 @@ def identify(
         and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
         inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
     weights : array, or list of them, optional
-        A weight for each sample (of one record, or of each): the square of its residual counts so many times. 0 leaves it out.
+        A weight for each sample (of one record, or of each): a factor on its squared residual. 0 leaves it out.
     loss : {"squares", "huber", "bisquare"}
         Loss function: the squares of the residuals, or one that grows less for large residuals, so that outliers do not dominate the fit
         ("huber": linearly beyond 1.3 standard deviations of the bulk; "bisquare": constant beyond 4.7). Intervals take the loss function
@@ -123,9 +123,9 @@ def identify(
     starts : int
         Number of starting points of the search.
     seed : int
-        Of the multistart.
+        Seed of the multistart.
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with (done, in all).
     **arguments

@@ -118,7 +118,7 @@ class Ranking(Drawn):
 
 @explains_arguments
 def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
-    """Order fits of several laws to the same records by information criteria and by records that were held out.
+    """Rank fits of several laws to the same records by information criteria and by held-out records.
 
     A law is not supported if the residuals of its fit are correlated or larger than the noise, if one of its numbers is at a bound, or
     if its search was interrupted, however much better than the others it fits; if every fit has such a fault, no law fits. Correlated
