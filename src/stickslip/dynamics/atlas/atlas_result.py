@@ -41,7 +41,7 @@ class Atlas(Drawn):
     points : dict of PointOfGrid
         What was found at each point of the grid, by its place.
     borders : tuple of Border
-        Curves that part motions, with their accuracy.
+        Curves that separate motions, with their accuracy.
     found : tuple of PointOfBorder
         Special points, each with its accuracy: those of the branches that were followed, and where borders meet.
     branches : tuple of FollowedBranch
@@ -140,7 +140,7 @@ class Atlas(Drawn):
 
     @explains_arguments
     def at(self, **values: float) -> tuple[str, ...]:
-        """The motions that attract at a point of the plane: those of the nearest point of the grid that no border parts from it.
+        """The attracting motions at a point of the plane: those of the nearest grid point that no border separates from it.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ class Atlas(Drawn):
         Raises
         ------
         InputError
-            Of a point outside the grid, or where nothing was computed.
+            For a point outside the grid, or one where nothing was computed.
         """
         here = self._place(values)
         spans = [float(np.ptp(axis)) for axis in self.plane.axes]

@@ -59,9 +59,9 @@ def attractors(
     parameter : str
         The keyword that varies.
     values : array
-        Its values, rising.
+        Its values, ascending.
     starts : dict, optional
-        The grid of starts as `basins` takes it: v [m/s], z [m], x [m], memory; single values or lists.
+        The grid of initial states, as for `basins`: v [m/s], z [m], x [m], memory; single values or lists.
     settle : int
         Drive periods to discard.
     rtol : float
@@ -77,9 +77,9 @@ def attractors(
     Returns
     -------
     xarray.Dataset
-        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s], period (drive periods until it
-        repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
-        strobe state (v, z, ...); over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
+        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s], period (drive periods until it repeats;
+        0: none up to 32, -1: absent), share of the starts with its 95 % interval share_low to share_high (Wilson), the strobe state (v, z,
+        ...); over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
 
     Examples
     --------

@@ -50,9 +50,9 @@ class Branch(Drawn):
         The parameter at each.
     special : list of Special
         Folds, flips, Neimark-Sacker points, branch points, grazings and borders of motion types, in order, each with its accuracy;
-        ``orbit.notes`` says more.
+        ``orbit.notes`` gives details.
     ended : str
-        Why it ends where it ends.
+        The reason why it ends.
 
     Examples
     --------
@@ -207,7 +207,7 @@ def continuation(
     rtol: float = RTOL,
     **fixed: Any,
 ) -> Branch:
-    """A branch of periodic orbits, followed in a parameter through folds and flips, stable or not.
+    """A branch of periodic orbits, continued in a parameter through folds and flips, stable or unstable.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def continuation(
     step : float
         First step, in the scaled space of state and parameter where start to stop is 1; it is adapted.
     points : int
-        Most points.
+        Largest number of points.
     rtol : float
         Tolerance of the strobe map for dynamic laws.
     **fixed

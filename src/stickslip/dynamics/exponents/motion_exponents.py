@@ -49,7 +49,7 @@ def lyapunov(
 ) -> Lyapunov:
     """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm).
 
-    Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
+    Small perturbations are propagated along the motion by the tangent equations, through every switch and stop. Under a set-valued law
     a body that comes to rest loses the memory of its velocity, and a controller that of its state at a sample: the exponent is -inf, and
     `note` says so. The 0 of the cyclic position is left out. Directions that contract below rounding error within a period, as those of
     stiff bristles do, share the remaining rate of volume contraction equally.
@@ -61,9 +61,9 @@ def lyapunov(
     periods : int
         Drive periods to average over.
     settle : int
-        Drive periods to run before.
+        Drive periods to discard before.
     start : dict, optional
-        Where to begin, as for `solve`; from rest if not given.
+        Initial state, as for `solve`; rest if not given.
     rtol : float
         Tolerance of the run.
     progress : callable or bool, optional
@@ -215,7 +215,7 @@ def largest_exponents(
     workers: int = 1,
     progress: Report | None = None,
 ) -> tuple[Array, Array]:
-    """The largest exponent of every case of a batch, from two neighbouring motions that are rescaled after every drive period.
+    """The largest exponent of every case of a batch, from two neighbouring motions whose distance is rescaled after every drive period.
 
     This is an independent check on `lyapunov`, and the method for maps: all cases run in one batch.
 
@@ -226,7 +226,7 @@ def largest_exponents(
     periods, settle : int
         Drive periods to average over, and to discard before.
     start : array (cases, coordinates), optional
-        Strobe states to begin with; rest if not given.
+        Initial strobe states; rest if not given.
     rtol : float
         Tolerance; well below `apart`.
     apart : float
@@ -234,7 +234,7 @@ def largest_exponents(
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then is NaN.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. Cases not computed are then NaN.
 
     Returns
     -------
@@ -309,7 +309,7 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
 @sealed
 @dataclass(frozen=True, eq=False)
 class Verdict(Face):
-    """The kind of motion that a robot settles on, with the evidence.
+    """The kind of steady motion of a robot, with the evidence.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ class Verdict(Face):
     exponents : Lyapunov
         Of the motion.
     orbit : PeriodicOrbit or None
-        The periodic orbit that it is, found by Newton's method.
+        The orbit of a periodic motion, found by Newton's method.
     why : str
         The evidence in a sentence.
 
@@ -339,7 +339,7 @@ class Verdict(Face):
     why: str
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw the orbit or, if there is none, the convergence of the exponents; returns the axes."""
+        """Draw the orbit or, if there is none, the convergence of the exponents. Returns the axes."""
         return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
 
     def _figures(self) -> list[Any]:
@@ -365,14 +365,15 @@ def verdict(
 ) -> Verdict:
     """Periodic, quasi-periodic or chaotic: decided by the exponents and the strobe point together.
 
-    Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
-    multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
-    it does not come back, and the largest exponent is zero within three errors that are small. Anything else is undecided.
+    Periodic: the strobe point returns, Newton's method finds a stable orbit there, and the largest exponent is that of its multipliers.
+    Chaotic: it does not return, and the largest exponent is positive by more than three of its errors. Quasi-periodic: it does not return,
+    and the largest exponent is zero within three errors that are small. Anything else is undecided.
 
     Parameters
     ----------
     model, periods, settle, start, rtol, progress
-        As for `lyapunov`. Of a motion that repeats the exponents are averaged over whole motion periods, somewhat more than asked for.
+        As for `lyapunov`. For a periodic motion the exponents are averaged over whole motion periods, so slightly more drive periods than
+        requested may be used.
 
     Returns
     -------

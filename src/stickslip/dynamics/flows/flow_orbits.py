@@ -44,9 +44,9 @@ class FlowOrbit(Repeating):
     multipliers : array
         The largest first; for an autonomous flow the multiplier 1 along the orbit is left out.
     residual : float
-        Distance between its end and its beginning.
+        Distance between its final and initial state.
     passage : Passage
-        Once around.
+        The passage once around the orbit.
     notes : tuple of str
         Remarks, such as that the orbit of a forced flow is an equilibrium.
     model : SwitchingFlow
@@ -135,7 +135,7 @@ def flow_orbit(
     rtol: float = 1e-12,
     method: str = "auto",
 ) -> FlowOrbit:
-    """A periodic orbit of a switching flow, by Newton's method with the derivative that saltation gives.
+    """A periodic orbit of a switching flow, by Newton's method with derivatives from saltation matrices.
 
     Parameters
     ----------
@@ -143,9 +143,9 @@ def flow_orbit(
     state, mode
         A guess.
     periods : int
-        Periods of the forcing until it repeats.
+        Number of forcing periods after which it repeats.
     duration : float
-        For a flow that does not depend on time: a guess of how long the orbit takes. The orbit found is gone around once.
+        For an autonomous flow, a guess of the orbit's period. The orbit that is found is traversed once.
     settle : int
         Periods to run before Newton's method begins.
     most : int
@@ -158,17 +158,17 @@ def flow_orbit(
     Returns
     -------
     FlowOrbit
-        Where it begins, how long it takes, and its multipliers.
+        The initial state, the period and the multipliers of the orbit.
 
     Raises
     ------
     SolveError
-        Where Newton's method finds none from this guess, goes to an equilibrium of a flow that does not depend on time, or finds a
-        forced motion that repeats before `periods` are over.
+        If Newton's method finds no orbit from this guess, converges to an equilibrium of an autonomous flow, or finds a forced motion that
+        repeats after fewer than `periods` periods.
 
     Examples
     --------
-    Den Hartog's oscillator with dry friction 0.3 at 0.7 times its own frequency never stops:
+    Den Hartog's oscillator with dry friction 0.3 at 0.7 times its natural frequency never stops:
 
     >>> from stickslip.maths import cos
     >>> slide = lambda side: lambda t, y: (y[1], -y[0] + cos(0.7 * t) - side * 0.3)
