@@ -23,7 +23,7 @@ _MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0
 def mirrored(robot: Model) -> Any:
     """The mirror image of a robot or machine: it performs the same motion in the opposite direction.
 
-    Drives and applied forces are turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill. The
+    Drives and applied forces are reversed, friction forwards and backwards is exchanged, and downhill becomes uphill. The
     last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.
 
     Parameters
@@ -35,7 +35,7 @@ def mirrored(robot: Model) -> Any:
     Returns
     -------
     Robot, mechanism or machine
-        A new one. What is mirrored twice is the first again.
+        A new one; mirrored again it is the original.
 
     Raises
     ------

@@ -24,7 +24,7 @@ def attractors(found: Grid, quantity: str = "mean_velocity", ax: Ax = None) -> A
     found : xarray.Dataset
         From `stickslip.attractors`.
     quantity : str
-        "mean_velocity", or "share": of the starts, with its 95 % interval as a band.
+        "mean_velocity", or "share", the fraction of the starts, with its 95 % interval as a band.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 

@@ -169,7 +169,7 @@ def _curve(drive: Any, name: str) -> Any:
 
 @explains_arguments
 def front(found: Grid, ax: Ax = None) -> Any:
-    """The front of two quantities: for each level of the one that is to be small the largest of the other.
+    """The Pareto front of two quantities: the largest value of one at each level of the other, which is to be small.
 
     Parameters
     ----------
