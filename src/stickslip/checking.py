@@ -302,7 +302,7 @@ class _Court:
             return _skipped(name, setting, "it is for motions that begin at rest")
         closed = closed_mean_velocity(self.robot)
         if closed is None:
-            return _skipped(name, setting, "what slides down by itself has no period")
+            return _skipped(name, setting, "a body that slides down by itself has no period")
         value = float(closed)
         if math.isnan(value):
             return _skipped(name, setting, "the motion from rest takes too long to settle")

@@ -76,7 +76,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
         except ValueError:
             problems.add(f"{name} = {values!r} is not a flat list; type for example {name}=[1.0, 2.0]")
         if masked_in(values):
-            problems.add(f"{name} has {masked_in(values)} masked values; give what is there, type {name}=array.compressed()")
+            problems.add(f"{name} has {masked_in(values)} masked values; leave them out, type {name}=array.compressed()")
     problems.check()
     if not arrays:
         problems.add("no columns are given; type for example zipped(amplitude=[4e-4, 5e-4], tilt_deg=[1.7, 2.7])")

@@ -327,7 +327,7 @@ def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) ->
     except ValueError:
         sizes = np.array(np.nan)
     if (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):
-        problems.add(f"period = {given!r}; allowed is a positive number, or None for a flow that does not depend on time")
+        problems.add(f"period = {given!r}; allowed is a positive number, or None for an autonomous flow")
 
 
 def knows_mode(fields: Mapping[Any, Any], mode: Any) -> bool:

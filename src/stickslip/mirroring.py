@@ -55,8 +55,8 @@ def mirrored(robot: Model) -> Any:
     found = _image(robot)
     wrong = _unmirrored(robot, found) if machine_of(robot).is_single else ""
     if wrong:
-        why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
-        allowed = "allowed are machines whose drive, friction and track say all"
+        why = f"the mirror images of its parts do not make up its mirror image: {wrong} is another one"
+        allowed = "allowed are machines that drive, friction and track define completely"
         raise InputError(type(robot).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
     return found
 

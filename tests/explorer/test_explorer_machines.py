@@ -102,7 +102,7 @@ def test_a_batch_and_a_machine_without_a_time_are_not_shown():
         def contacts(self):
             return {"block": ss.Contact("block", ss.Coulomb(0.1, 0.1))}
 
-    with pytest.raises(ss.InputError, match="nobody knows how long a run should be; type duration"):
+    with pytest.raises(ss.InputError, match="so a run needs a duration; type duration"):
         Shown(Sliding())
     assert Shown(Sliding(), options={"duration": 2.0}).length(Sliding(), True) == {"duration": 2.0}
 

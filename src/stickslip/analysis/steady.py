@@ -219,7 +219,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     """
     if is_flow(model):
         raise InputError(
-            "periodic_mean_velocity", ["a flow makes no way; type ss.solve(flow, keep='summary', ...) for the means of its states"]
+            "periodic_mean_velocity", ["a flow has no displacement; type ss.solve(flow, keep='summary', ...) for the means of its states"]
         )
     closed = closed_mean_velocity(model)
     if closed is not None:

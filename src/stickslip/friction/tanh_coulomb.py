@@ -36,7 +36,7 @@ class TanhCoulomb(SmoothedCoulomb):
     """
 
     approximation: ClassVar[str] = (
-        "tanh-smoothed Coulomb friction holds nothing at rest: under any force below break-away the body creeps, at a speed near width"
+        "tanh-smoothed Coulomb friction has no static friction: under any force below break-away the body creeps, at a speed near width"
     )
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:

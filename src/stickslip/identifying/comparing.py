@@ -295,4 +295,4 @@ def _words(measured: Row, rows: tuple[Row, ...]) -> list[str]:
     if not other:
         return []
     rule = "a record counts as at rest below a speed, a law with inner states below a part of its sliding force"
-    return [f"the record's type is {measured.type}, {', '.join(other)}: {rule}, so one motion may have two words; judge by rms and R²"]
+    return [f"the record's type is {measured.type}, {', '.join(other)}: {rule}, so one motion may get two types; judge by rms and R²"]

@@ -211,7 +211,7 @@ def _checked(
     settings = settings_of(experiments, problems)
     for name, value in free.items():
         if not _is_number(value):
-            problems.add(f'free: {name} = {value!r}; allowed is the value where it is supposed to be; type for example "{name}": 0.18')
+            problems.add(f'free: {name} = {value!r}; allowed is its expected value; type for example "{name}": 0.18')
     middle = {name: value if _is_number(value) else 1.0 for name, value in free.items()}
     bounds = {name: (0.5 * v, 1.5 * v) if v > 0 else (v - 1.0, v + 1.0) for name, v in middle.items()}
     varied = {k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}
@@ -337,12 +337,12 @@ def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: s
     experiment, _, covariance = best
     untold = [n for n, v in free.items() if not experiment.errors[n] < TOLD * (abs(v) or 1.0)]
     notes = [
-        f"{using} cannot tell {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
+        f"{using} cannot determine {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
         for n in untold
     ]
     notes += [
-        f"{using} hardly tells {n}: a change by 10 % moves it by {part:.2g} of the noise of a sample, as a small error of the drive does; "
-        "fix it"
+        f"{using} hardly determines {n}: a change by 10 % moves it by {part:.2g} of the noise of a sample, as a small error of "
+        "the drive does; fix it"
         for n, part in experiment.visible.items()
         if part < FAINT and n not in untold
     ]

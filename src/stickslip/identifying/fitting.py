@@ -246,7 +246,7 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     notes += [
-        f"{m.label}: the sign of the force was turned, so that friction takes energy"
+        f"{m.label}: the sign of the force was reversed, so that friction dissipates energy"
         for m in problem.targets
         if getattr(m, "flipped", False)
     ]
@@ -350,8 +350,8 @@ def _spared_note(names: list[str]) -> list[str]:
     """What it means that some numbers of sensors were spared."""
     if not names:
         return []
-    left = f"what is left of a force has a shape, so that {listed(names)} of the sensor cannot be told from what the law lacks"
-    return [f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
+    left = f"the residual force is structured, so {listed(names)} of the sensor cannot be distinguished from defects of the law"
+    return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
 
 
 def _undetermined(problem: Sensed, found: Found) -> list[int]:
@@ -364,7 +364,7 @@ def _fit(
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:
-        raise InputError("identify", ["the model could not be solved at any place that was tried; check the arguments that are fixed"])
+        raise InputError("identify", ["the model could not be solved at any starting point; check the arguments that are fixed"])
     given = all(t.given_sigma for t in problem.targets)
     dof = len(best.residuals) - n - problem.nuisances
     scale = noise_scale(problem, best)
@@ -372,7 +372,10 @@ def _fit(
         scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
-        notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
+        notes = [
+            *notes,
+            f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to estimate the noise; type noise=...",
+        ]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__

@@ -187,7 +187,7 @@ def _check_modules(modules: Any, problems: Problems) -> None:
         )
         return
     problems.found += [
-        f"modules[{i}] = {each!r}; allowed is a Robot whose drive says how its inner mass moves"
+        f"modules[{i}] = {each!r}; allowed is a Robot whose drive prescribes the motion of its inner mass"
         for i, each in enumerate(modules)
         if not hasattr(each, "drive") or isinstance(each, type) or not machine_of(each).is_single
     ]

@@ -291,7 +291,9 @@ class Joint(Machine):
         """Inputs and samples that have no common period."""
         if not self.cycles or any(self.cycles):
             return []
-        return ["torque, target and samples do not come back together within 64 periods, so the joint has no period; give runs a duration"]
+        return [
+            "torque, target and samples have no common period of at most 64 of their own, so the joint has no period; give runs a duration"
+        ]
 
     @classmethod
     def example(cls) -> Joint:

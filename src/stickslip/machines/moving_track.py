@@ -106,7 +106,7 @@ class MovingTrack(Machine):
             problems.add(periods_differ("along", first, "across", other))
         if len(drive_of(self.across).jumps):
             problems.add(
-                "across jumps in velocity, which takes an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
+                "across jumps in velocity, which needs an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
                 "ss.Pieces, whose acceleration jumps"
             )
 

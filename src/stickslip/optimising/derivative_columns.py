@@ -103,7 +103,7 @@ def _first_of(model: Any) -> Any:
 def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[list[str]]:
     """The names of columns, those of one quantity together; `InputError` for what has no derivative."""
     if why := not_followed(first):
-        raise InputError("derivative", [f"small changes are not followed along the motion of this {type(first).__name__}, as {why}"])
+        raise InputError("derivative", [f"perturbations are not propagated along the motion of this {type(first).__name__}, as {why}"])
     if first.period is None:
         raise InputError("derivative", [f"{type(first).__name__} has no period; allowed are machines with a drive, such as a Robot"])
     together: dict[Any, list[str]] = {}

@@ -190,7 +190,7 @@ def _check_middle(space: Unknowns) -> None:
     try:
         space.machine(u)
     except InputError as error:
-        told = [f"numbers in the middle of the bounds make no machine: {problem}" for problem in error.problems]
+        told = [f"no machine can be made with numbers in the middle of the bounds: {problem}" for problem in error.problems]
         raise InputError("optimise", told) from None
 
 

@@ -95,7 +95,7 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
         return [None]
     if lines is not None:
         if masked_in(lines):
-            raise InputError("line_cut", ["lines has masked values; give what is there, type lines=array.compressed()"])
+            raise InputError("line_cut", ["lines has masked values; leave them out, type lines=array.compressed()"])
         return list(lines)
     known = part[rest[0]].values
     return [known[i] for i in np.unique(np.linspace(0, len(known) - 1, min(3, len(known))).round().astype(int))]

@@ -103,7 +103,7 @@ class Atlas(Drawn):
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
-            "unsolved": (lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
+            "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
         }
 
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -121,7 +121,7 @@ class Atlas(Drawn):
         columns = ("mean_velocity", "share", "share_low", "share_high", *names)
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
-            "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
+            "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
             **{name: (numbers[..., i], told[i]) for i, name in enumerate(columns)},
         }
 

@@ -232,7 +232,7 @@ class _Making:
         told = []
         if self.stopped:
             told.append(
-                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; resume=True goes on with a folder"
+                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
             )
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
@@ -241,10 +241,10 @@ class _Making:
         if left and not followed:
             return (
                 *told,
-                f"no motion was followed, so that borders are known to a cell of the grid ({len(left)} pairs of neighbours differ)",
+                f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)",
             )
         if followed == most:
-            told.append(f"{most} motions were followed, as many as were allowed; branches= allows more")
+            told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.told for change in left)
         return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
 
@@ -263,7 +263,7 @@ def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
         else []
     )
     told += [f"{lost} starts led nowhere"] if lost else []
-    return told + [f"at {n} points there is no machine: {why}" for why, n in none.items()]
+    return told + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
 
 
 def _next(left: list[Change]) -> Change:
@@ -328,7 +328,7 @@ class AtlasTime:
         if not self.most:
             return first
         if not np.isfinite(self.branch):
-            return f"{first}; no motion in its middle could be followed, so what borders take is not known"
+            return f"{first}; no motion in its middle could be followed, so the time for borders is not known"
         whole = f"at most {self.most}: {self.branch * self.most:.3g} s"
         return f"{first}, then about {self.branch:.2g} s for each motion that is followed ({whole})"
 

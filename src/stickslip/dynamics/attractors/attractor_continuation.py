@@ -167,11 +167,11 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     both = ("attractor", parameter)
     columns: dict[str, Any] = {
         "mean_velocity": (both, V, {"units": "m/s", "long_name": "mean velocity"}),
-        "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
+        "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
         "share": (both, share, {"units": "1", "long_name": "share of the starts"}),
         "share_low": (both, low, {"units": "1", "long_name": "share of the starts, 95 % lower bound"}),
         "share_high": (both, high, {"units": "1", "long_name": "share of the starts, 95 % upper bound"}),
-        "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
+        "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
     }
     columns |= {name: (both, state[..., i], strobe_attrs(name)) for i, name in enumerate(at.names)}
     coords = {parameter: (parameter, values, robots.describe(parameter)), "attractor": np.arange(len(tracks))}

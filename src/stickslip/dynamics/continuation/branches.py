@@ -189,7 +189,7 @@ _COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duratio
 _TOLD = {
     "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
-    "residual": {"units": "1", "long_name": "miss of the strobe point"},
+    "residual": {"units": "1", "long_name": "residual of the strobe point"},
 }
 
 
@@ -255,7 +255,9 @@ def continuation(
     towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
     begun = path.point(found, towards)
     if not begun.alone:
-        raise SolveError(f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine what tells them apart, such as damping")
+        raise SolveError(
+            f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
+        )
     return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points))
 
 

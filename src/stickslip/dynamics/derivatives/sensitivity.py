@@ -27,7 +27,7 @@ from stickslip.solvers.time_dependence import check_period
 __all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
 
 Array = Any
-_ALONE = "if it alone changes, the equations do not come back after the period"
+_ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
@@ -136,9 +136,9 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     """
     model = of if is_machine(of) else getattr(of, "model", None)
     if model is None:
-        raise InputError("sensitivity", [f"{of!r} is not a machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
+        raise InputError("sensitivity", [f"{of!r} is neither a machine nor a periodic orbit nor a run; type ss.sensitivity(robot)"])
     if why := not_followed(model):
-        raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
+        raise InputError("sensitivity", [f"perturbations are not propagated along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
     moved = directions_of("sensitivity", model, wrt)
     if hasattr(of, "pieces"):
@@ -168,7 +168,7 @@ def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) ->
         return f"{pattern!r} is not a number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
     places = names[0].split(".")
     last = ".".join(places[-2:] if places[-1].isdigit() else places[-1:])
-    return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
+    return f"{pattern}: {_ALONE}; vary those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
 
 
 def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:

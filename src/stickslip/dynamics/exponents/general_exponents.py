@@ -183,7 +183,7 @@ def lyapunov_of_map(
             logs[k] = np.log(abs(np.diag(R)))
         x = numbers(f, x)
     if not np.isfinite(x).all():
-        raise InputError("lyapunov_of_map", [f"the map leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+        raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
     return gathered(logs, 1.0, "iteration")
 
 
@@ -273,6 +273,6 @@ def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rto
         done = solve_ivp(rates, (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
     end: Array = done.y[:, -1]
     if done.status != 0 or not np.isfinite(end).all():
-        told = f"the flow leaves all bounds at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
+        told = f"the flow diverges at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
         raise InputError("lyapunov_of_flow", [f"{told} Give a start on its attractor, or a shorter settle and duration"])
     return end

@@ -125,7 +125,7 @@ def _check(model: Any, periods: Any, settle: Any) -> None:
     refuse_chance(machine_of(model))
     if why := not_followed(model):
         hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
-        raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])
+        raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     _check_lengths(periods, settle)
 
 
@@ -401,13 +401,11 @@ def verdict(
         except (SolveError, InputError):
             orbit = None
         if orbit is not None and orbit.stable:
-            why = (
-                f"the strobe point comes back after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
-            )
+            why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
             return Verdict("periodic", back.period, exponents, orbit, why)
     told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
     if back.period is None and exponents.chaotic:
-        return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
+        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {told}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero")
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not return and {told}: zero")
     return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")

@@ -122,9 +122,9 @@ class PeriodicOrbit(ClosedMotion):
             return "a switch is touched without being crossed: the map has no derivative there"
         told = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
-            told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
+            told += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"
         if orders_differ(self.model, self.state, self.period, self.rtol):
-            return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
+            return f"{told}; one-sided: contacts switch at one instant, and their order under perturbations matters"
         return told
 
     @cached_property

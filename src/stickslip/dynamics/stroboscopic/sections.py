@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
 
 Array = Any
-_WAY = "way of the centre of mass since the point before"
+_WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 
 
@@ -161,7 +161,11 @@ def _dataset(run: Any, t: Array) -> Any:
     if found["z"] is not None:
         dims = ("point",) if np.ndim(found["z"]) == 1 else ("point", "inner_state")
         columns["z"] = (dims, found["z"], {"long_name": "inner state"})
-    columns["displacement"] = ("point", np.diff(found["x"], prepend=np.nan), {"units": "m", "long_name": "way since the point before"})
+    columns["displacement"] = (
+        "point",
+        np.diff(found["x"], prepend=np.nan),
+        {"units": "m", "long_name": "displacement since the previous point"},
+    )
     columns["phase"] = ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"})
     return xr.Dataset(columns)
 
