@@ -444,7 +444,7 @@ def test_the_motion_is_said_in_a_sentence(page):
     words = page.page.locator("#words")
     assert (
         words.inner_text()
-        == "In each drive period the body slides forwards, rests, slides backwards, rests. On the whole it moves downhill."
+        == "In each drive period the body slides forwards, rests, slides backwards, rests. Overall it moves downhill."
     )
     with page.change():
         page.slide("amplitude", 1e-5)

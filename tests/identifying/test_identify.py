@@ -304,7 +304,7 @@ def test_a_law_is_fitted_to_force_against_motion():
     for name, value in (("mu_plus", 0.3), ("mu_minus", 0.4), ("sigma0", 2e5)):
         low, high = fit.interval(name, level=0.9999)
         assert low < value < high and abs(fit.values[name] / value - 1) < 0.01
-    assert any("sign of the force was turned" in w for w in fit.warnings)
+    assert any("sign of the force was reversed" in w for w in fit.warnings)
     coulomb = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)}, load=10.0)
     assert ss.rank([fit, coulomb]).best.label == "LuGre"
 
