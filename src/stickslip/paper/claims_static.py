@@ -115,8 +115,8 @@ def _still(found: dict[str, Any], both: Coexistence) -> str:
     last, n = found["printed"][-1], len(found["amplitude"])
     rest = (found["exact"][:, last] == "rest").sum()
     return (
-        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so the body stays at rest once it has "
-        "stopped" + "".join(f". The LuGre body {_both(r)}" for r in both.ranges if r.f0 == 1.0)
+        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so the body stays at rest once "
+        "it has stopped" + "".join(f". The LuGre body {_both(r)}" for r in both.ranges if r.f0 == 1.0)
     )
 
 
