@@ -392,7 +392,13 @@ def test_design_reports_everything_wrong_at_once():
         ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
     told = "\n".join(error.value.problems)
     assert len(error.value.problems) == 8 and "using = 'foo'; allowed is one of velocity, position" in told
-    for words in ("experiments is empty", "mu0 = (0.1, 0.3); allowed is its expected value", "did you mean 'mu0'", "noise = -1.0", "samples = 0"):
+    for words in (
+        "experiments is empty",
+        "mu0 = (0.1, 0.3); allowed is its expected value",
+        "did you mean 'mu0'",
+        "noise = -1.0",
+        "samples = 0",
+    ):
         assert words in told
     with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
         ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": 5e-4}, noise=1e-3, tilt_deg=1.7)
