@@ -46,7 +46,7 @@ intervals and period numbers of runs on a grid; now they are periodic orbits.
 **The amplitudes are inferred.** The paper does not give the amplitudes of section 4 and of sections 5.2 to 5.4. They were found
 by scanning the amplitude for values that reproduce the printed numbers. Verdicts that depend on them say so.
 
-## Four angles, two laws, one experiment
+## Mean velocities at the four angles
 
 Mean steady-state velocities in mm/s, printed and computed (section 4).
 

@@ -155,12 +155,12 @@ def check(
     progress: Callable[[str, int, int], None] | bool | None = None,
     duration: float | None = None,
 ) -> Check:
-    """Let several methods solve one robot and say how many digits of its mean velocity are certain.
+    """Solve one robot by several methods and report how many digits of its mean velocity are certain.
 
-    The answer is the mean velocity over the second half of `periods`, or over a whole run that has no period. It is compared with
-    tighter tolerances of the same solver, with one of SciPy's integrators and the same law in plain Python over a few periods, for
-    Coulomb friction with the closed formula of the periodic motion, and with classical Runge-Kutta with fixed steps. The last does not
-    count: it shows what a hand-written script would give.
+    The answer is the mean velocity over the second half of `periods`, or over the whole run if the model has no period. It is compared with
+    tighter tolerances of the same solver, with one of SciPy's integrators and the same law in plain Python over a few periods, for Coulomb
+    friction with the closed formula of the periodic motion, and with classical Runge-Kutta with fixed steps. The last is not counted: it
+    shows what a hand-written script would give.
 
     Parameters
     ----------
@@ -302,7 +302,7 @@ class _Court:
             return _skipped(name, setting, "it is for motions that begin at rest")
         closed = closed_mean_velocity(self.robot)
         if closed is None:
-            return _skipped(name, setting, "what slides down by itself has no period")
+            return _skipped(name, setting, "a body that slides down by itself has no period")
         value = float(closed)
         if math.isnan(value):
             return _skipped(name, setting, "the motion from rest takes too long to settle")

@@ -1,4 +1,4 @@
-"""Which points of a space of numbers to solve, where a grid is not what is wanted: zipped columns, random designs, tables.
+"""Designs other than a grid: zipped columns, random designs and tables.
 
 A design is a set of named columns along one dimension. `sweep` takes any number of them before its axes, and crosses them with the
 axes: ``sweep(make, sobol(1024, amplitude=(1e-4, 8e-4), omega=(60, 300)), tilt_deg=[1.7, 2.7])``.
@@ -76,7 +76,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
         except ValueError:
             problems.add(f"{name} = {values!r} is not a flat list; type for example {name}=[1.0, 2.0]")
         if masked_in(values):
-            problems.add(f"{name} has {masked_in(values)} masked values; give what is there, type {name}=array.compressed()")
+            problems.add(f"{name} has {masked_in(values)} masked values; leave them out, type {name}=array.compressed()")
     problems.check()
     if not arrays:
         problems.add("no columns are given; type for example zipped(amplitude=[4e-4, 5e-4], tilt_deg=[1.7, 2.7])")
@@ -95,7 +95,7 @@ def table(rows: Any, dim: str = "case") -> Design:
     Parameters
     ----------
     rows : dict, DataFrame or path
-        The columns; in a CSV file a column of numbers throughout is numbers, any other is words.
+        The columns; in a CSV file, a column that holds only numbers is numeric, any other is text.
     dim : str
         Name of the dimension.
 
@@ -146,14 +146,14 @@ def _numbers(texts: list[str]) -> list[Any]:
 
 @explains_arguments
 def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
-    """A scrambled Sobol sequence: points that fill a box evenly, the next ones in the gaps of those before (Sobol 1967, Owen 1998).
+    """A scrambled Sobol sequence: points that fill a box evenly; further points fill the gaps (Sobol 1967, Owen 1998).
 
     Parameters
     ----------
     count : int
-        Number of points; a power of 2 is balanced best.
+        Number of points, best a power of 2.
     seed : int
-        Of the scrambling. The same seed gives the same points; it is stored with the results.
+        Seed of the scrambling, stored with the results. The same seed gives the same points.
     dim : str
         Name of the dimension.
     **bounds : (low, high)

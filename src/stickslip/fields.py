@@ -75,7 +75,7 @@ def number(value: Any, unit: str | None = None) -> Any:
     if _only_looks_like_one(value):
         raise ValueError(_refused(value))
     if masked := masked_in(value):
-        raise ValueError(f"{masked} of its values are masked; give what is there, type array.compressed(), or fill them, array.filled(0.0)")
+        raise ValueError(f"{masked} of its values are masked; leave them out, type array.compressed(), or fill them, array.filled(0.0)")
     try:
         if isinstance(value, (int, float)):
             return float(value)

@@ -32,9 +32,9 @@ class Switch:
     Parameters
     ----------
     guard : callable
-        g(t, y), positive while nothing happens; the switch is its fall through zero, and at once where a mode begins below zero.
+        g(t, y), positive before the switch, which occurs when it falls through zero, or immediately if a mode begins below zero.
     to : mode or callable
-        The mode after it, or a function of (t, y) that tells.
+        The mode after it, or a function of (t, y) that returns it.
     reset : callable, optional
         The state after it, from (t, y); unchanged if not given.
 
@@ -69,7 +69,7 @@ class SwitchingFlow:
     switches : dict
         Mode -> tuple of `Switch`.
     period : float or callable, optional
-        Of the forcing, or a function of the numbers that tells it; None for a flow that does not depend on time.
+        Period of the forcing, or a function of the numbers that returns it; None for an autonomous flow.
     numbers : dict, optional
         Name -> number. With them every function of the flow, those of its switches too, takes (t, y, n) with the numbers as n.name.
         Arrays mean cases, and their names are names of axes in a sweep.
@@ -81,7 +81,7 @@ class SwitchingFlow:
     Raises
     ------
     InputError
-        Where a switch leads to a mode that has no field, and the like.
+        For inconsistent modes, such as a switch to a mode that has no field.
 
     Examples
     --------
@@ -136,7 +136,7 @@ class SwitchingFlow:
         states: tuple[str, ...] | None = None,
         scales: Sequence[float] | None = None,
     ) -> SwitchingFlow:
-        """A map as a flow that stands still and jumps once in each period of 1, so that whatever takes a flow takes a map.
+        """A map as a flow that stands still and jumps once in each period of 1: every function for flows then accepts it.
 
         Parameters
         ----------
@@ -166,12 +166,12 @@ class SwitchingFlow:
 
     @property
     def period(self) -> Any:
-        """Of the forcing; None for a flow that does not depend on time."""
+        """Period of the forcing; None for an autonomous flow."""
         return self.forcing(self.given) if callable(self.forcing) else self.forcing
 
     @property
     def given(self) -> SimpleNamespace:
-        """The numbers as a flow's functions get them."""
+        """The numbers as they are passed to the flow's functions."""
         return SimpleNamespace(**self.numbers)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **numbers: Any) -> SwitchingFlow:
@@ -180,7 +180,7 @@ class SwitchingFlow:
         Raises
         ------
         InputError
-            For a name that is none of its numbers.
+            For an unknown name.
         """
         new = {**(changes or {}), **numbers}
         if wrong := [name for name in new if name not in self.numbers]:
@@ -210,7 +210,7 @@ class SwitchingFlow:
         raise InputError("SwitchingFlow", [_NO_FILE])
 
     def names(self, count: int) -> tuple[str, ...]:
-        """Names of so many coordinates."""
+        """Names of this many coordinates."""
         return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
 
     def __repr__(self) -> str:
@@ -327,7 +327,7 @@ def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) ->
     except ValueError:
         sizes = np.array(np.nan)
     if (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):
-        problems.add(f"period = {given!r}; allowed is a positive number, or None for a flow that does not depend on time")
+        problems.add(f"period = {given!r}; allowed is a positive number, or None for an autonomous flow")
 
 
 def knows_mode(fields: Mapping[Any, Any], mode: Any) -> bool:

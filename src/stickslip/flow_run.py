@@ -41,17 +41,17 @@ class FlowRun(Drawn):
     nodes : array (n + 1,)
         Ends of the steps.
     modes : array (n,) of int
-        Which of the flow's modes each step is in, by its place among `model.fields`.
+        The mode of each step, as its position in `model.fields`.
     coefficients : array
         Polynomials of the states in (t - start of the step) / (its length), lowest power first.
     passed : array
-        States in which it is for an instant, between two switches.
+        States between two switches at the same instant.
     events : list of ModeChange
         The switches in order; t, before and after.
     method : str
         "exact" by Taylor steps of the compiled engine, "dop853" by SciPy's integrator on plain Python.
     state, mode
-        Where it ends, after a switch that falls there.
+        Final state and mode, after a switch at that instant.
     periods : int, optional
         Periods of the forcing.
     samples : int
@@ -146,7 +146,7 @@ class FlowRun(Drawn):
         Parameters
         ----------
         t : float or array
-            Times within the run. At a switch the later piece counts.
+            Times within the run. At a switch the values after it are returned.
 
         Returns
         -------
@@ -223,7 +223,7 @@ class FlowRun(Drawn):
     def save(self, path: str | Path) -> Path:
         """Write the columns to .csv or .nc; returns its path.
 
-        A run is not read back: the functions of a flow are Python, which no file holds. Its columns are.
+        The columns can be read back, the run cannot: the functions of a flow are Python code, which no file holds.
         """
         path = Path(path)
         if path.suffix == ".csv":

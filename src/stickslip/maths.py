@@ -1,11 +1,11 @@
-"""The functions a law or a drive may call: at home on floats, arrays and symbols.
+"""Functions for laws and drives; they accept floats, arrays and symbols.
 
-On a float they call `math`, on an array NumPy, and on anything with a hook (``x.__ss_exp__()``) that hook:
-this is how the engine's symbols write down an equation without this module knowing of them.
+On a float they call `math`, on an array NumPy, and on an object with a hook (``x.__ss_exp__()``) that hook: this is how the engine traces
+an equation with its own symbols.
 
-All three give the same values everywhere, without an exception or a warning, because `where` has both of its branches evaluated: a
-function has NaN where it has no value, and exp, sinh and cosh keep, beyond an argument of 690, the value that
-they have there (5e299), which a factor of ordinary size leaves finite.
+All three give the same values everywhere, without exceptions or warnings, because `where` evaluates both of its branches: a function is NaN
+where it is undefined, and beyond an argument of 690 exp, sinh and cosh keep the value that they have there (5e299), which stays finite when
+multiplied by a factor of ordinary size.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def tanh(x: Any) -> Any:
 
 
 def asinh(x: Any) -> Any:
-    """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)): what rate-and-state friction has in place of a logarithm."""
+    """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)); rate-and-state friction has it in place of a logarithm."""
     return function_value("asinh", x)
 
 
@@ -139,7 +139,7 @@ def is_symbol(value: Any) -> bool:
 
 
 def where(condition: Any, yes: Any, no: Any) -> Any:
-    """`yes` where the condition holds, else `no`: what a law writes instead of ``if``.
+    """`yes` where the condition holds, else `no`; to be used in laws instead of ``if``.
 
     Examples
     --------
@@ -167,9 +167,9 @@ def minimum(a: Any, b: Any) -> Any:
 
 
 def within(t: Any, period: Any) -> Any:
-    """Time since the period began [s]: what a drive in pieces asks for before it chooses a piece.
+    """Time since the period began [s], by which a piecewise drive selects its piece.
 
-    The engine's own time starts anew with each period, so that it is handed back; of what is made of it see `wrapped`. An instant that
+    The engine's own time starts anew with each period and is returned unchanged; for shifted times see `wrapped`. An instant that
     is a whole number of periods up to rounding is the beginning of a period, never its end.
 
     Examples
@@ -191,7 +191,7 @@ def within(t: Any, period: Any) -> Any:
 
 
 def wrapped(t: Any, period: Any) -> Any:
-    """A time less than two periods before or after [0, period), put there [s]: one that is shifted, and shifted once more.
+    """A time less than two periods outside [0, period), reduced to that interval [s], as needed after shifts.
 
     Examples
     --------

@@ -23,7 +23,7 @@ _MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0
 def mirrored(robot: Model) -> Any:
     """The mirror image of a robot or machine: it performs the same motion in the opposite direction.
 
-    Drives and applied forces are turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill. The
+    Drives and applied forces are reversed, friction forwards and backwards is exchanged, and downhill becomes uphill. The
     last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.
 
     Parameters
@@ -35,7 +35,7 @@ def mirrored(robot: Model) -> Any:
     Returns
     -------
     Robot, mechanism or machine
-        A new one. What is mirrored twice is the first again.
+        A new one; mirrored again it is the original.
 
     Raises
     ------
@@ -55,8 +55,8 @@ def mirrored(robot: Model) -> Any:
     found = _image(robot)
     wrong = _unmirrored(robot, found) if machine_of(robot).is_single else ""
     if wrong:
-        why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
-        allowed = "allowed are machines whose drive, friction and track say all"
+        why = f"the mirror images of its parts do not make up its mirror image: {wrong} is another one"
+        allowed = "allowed are machines that drive, friction and track define completely"
         raise InputError(type(robot).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
     return found
 

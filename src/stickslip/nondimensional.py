@@ -155,7 +155,7 @@ class DimensionlessRobot(Frozen):
         return -self.mu * (acceleration + self.drive.acceleration(t))
 
     def robot(self, amplitude: Any, omega: Any, total_mass: Any, gravity: Any = 9.81) -> Robot:
-        """The way back: the robot in SI units that has this form, given its scales."""
+        """The inverse: the robot in SI units that has this form, given its scales."""
         law = self.friction
         mu_plus = amplitude * law.a * omega**2 / (law.d * gravity)
         mu_minus = law.k3 * mu_plus

@@ -96,13 +96,13 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     Parameters
     ----------
     function : callable
-        What is observed, of a state ``s``: ``s.t``, ``s.x``, ``s.v``, ``s.acceleration`` of the body, ``s.slip``, ``s.load``,
-        ``s.friction_force``, ``s.z`` of the contact, and ``s.model`` with its numbers. Of a machine that lists parts these are tuples in
-        its order, and ``s.bodies[name].v``, ``s.contacts[name].slip`` are those of one. It is called once, with symbols: write it with
-        + - * / ** and the functions of `stickslip.maths`, without ``if``. A condition of its own (``where``, ``abs``) ends no step: where
-        one changes within a step, the mean is known to a part of that step.
+        The observed quantity, as a function of a state ``s``: ``s.t``, ``s.x``, ``s.v``, ``s.acceleration`` of the body, ``s.slip``,
+        ``s.load``, ``s.friction_force``, ``s.z`` of the contact, and ``s.model`` with its numbers. For a machine that lists parts these are
+        tuples in its order, and ``s.bodies[name].v``, ``s.contacts[name].slip`` are those of one. It is called once, with symbols: write it
+        with + - * / ** and the functions of `stickslip.maths`, without ``if``. Its own conditions (``where``, ``abs``) are not events: if
+        one changes within a step, the mean is accurate only to a fraction of that step.
     reduce : {"mean", "integral", "min", "max", "last"}
-        What is made of it over the last motion period (the last drive period where none was found).
+        Its reduction over the last motion period (the last drive period if none was found).
     unit : str
         Unit of the result.
 
@@ -113,7 +113,7 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     Raises
     ------
     InputError
-        If an argument is of another kind. A function that cannot be traced is refused where it is used.
+        If an argument has the wrong type. A function that cannot be traced is refused where it is used.
 
     Examples
     --------

@@ -50,17 +50,17 @@ class Robot(Frozen):
     inner_mass : float or tuple of float
         Mass m of the vibrating inner mass [kg]; a tuple has one for each of several inner masses (an array means cases).
     drive : Harmonic or any drive, or a tuple of them
-        How the inner mass moves relative to the body; a tuple has a drive for each inner mass. Their periods must have a common one.
-        With a `Forced` one it moves by itself, and the robot has two bodies, "body" and "inner": results are those of the body, and
+        Motion of the inner mass relative to the body; a tuple has a drive for each inner mass, with a common period. With a `Forced` drive
+        the inner mass moves freely, and the robot has two bodies, "body" and "inner": results are those of the body, and
         ``run.bodies["inner"].x`` is where the inner mass is.
     friction : Coulomb or LuGre or any law
-        How the body rubs on the track.
+        Friction law of the body on the track.
     gravity : float
         Acceleration of gravity [m/s^2].
     track : Level, Incline, VaryingFriction, FrictionPatches or any track
         What gravity does along and across the track, and whether friction varies in time or along it.
     cycles : tuple of int, optional
-        Of several inner masses, how many periods of each drive there are in the common one: found from the periods, never given.
+        For several inner masses, the number of periods of each drive in the common period: found from the periods, never given.
 
     Examples
     --------
@@ -103,8 +103,8 @@ class Robot(Frozen):
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
 
-        Where a preset folded the incline into the friction law, another law loses it, and `notes` says so;
-        ``replace(friction=law, track=ss.Incline(tilt=0.03))`` keeps it. A track with an incline would count it twice, and is refused.
+        If a preset folded the incline into the friction law, another law does not contain it, and `notes` says so; ``replace(friction=law,
+        track=ss.Incline(tilt=0.03))`` keeps it. With the folded law, a track with an incline would count it twice and is refused.
         """
         given = {**(changes or {}), **fields}
         if "track" in given and "friction" not in given:
@@ -153,7 +153,7 @@ class Robot(Frozen):
 
     @property
     def velocity_scale(self) -> float:
-        """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
+        """Velocity scale of the drive, against which errors are measured: A omega for a harmonic one [m/s]."""
         return drive_of(self.whole_drive).velocity_scale
 
     @property

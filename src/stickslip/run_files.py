@@ -15,7 +15,7 @@ __all__ = ["RunFiles"]
 
 
 class RunFiles:
-    """The doors of a `Trajectory` to files and tables."""
+    """Files and tables of a `Trajectory`."""
 
     __slots__ = ()
 
@@ -26,7 +26,7 @@ class RunFiles:
         return trajectory_dataset(self)
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The columns as a `pandas.DataFrame`, a row for each instant; ``frame.attrs["units"]`` says their units.
+        """The columns as a `pandas.DataFrame`, a row for each instant; ``frame.attrs["units"]`` holds their units.
 
         Of a machine of several bodies the columns are called "x.head", those of several inner states "z_0".
 
@@ -58,7 +58,7 @@ class RunFiles:
     def to_excel(self, path: str | Path) -> Path:
         """Write the columns to an Excel workbook (.xlsx), names with units in its first line; returns its path.
 
-        Numbers have 16 digits there. A second sheet says the status, the method and the robot. Needs openpyxl:
+        Numbers have 16 digits there. A second sheet gives the status, the method and the robot. Needs openpyxl:
         ``pip install "stickslip[io]"``.
         """
         from stickslip.storage import to_excel

@@ -60,12 +60,12 @@ class _Placed(AroundTrack):
 class FrictionPatches(_Placed):
     r"""A track with patches: between two edges all friction coefficients are multiplied by one factor.
 
-    The factor is put on the load that the law sees, as `VaryingFriction` does it. Edges are events of the exact solver.
+    The factor multiplies the load that the law receives, as in `VaryingFriction`. Edges are events of the exact solver.
 
     Parameters
     ----------
     track : Level, Incline or any track
-        What gravity does.
+        The track that defines gravity.
     edges : tuple of float
         Where patches meet [m], in ascending order; an edge itself belongs to the patch behind it. Patches that repeat have their edges
         within one wavelength.
@@ -130,7 +130,7 @@ class FrictionWave(_Placed):
     Parameters
     ----------
     track : Level, Incline or any track
-        What gravity does.
+        The track that defines gravity.
     wavelength : float
         L, after which the friction repeats [m].
     cosines, sines : tuple of float
@@ -184,13 +184,13 @@ class FrictionWave(_Placed):
         Parameters
         ----------
         track : track
-            What gravity does.
+            The track that defines gravity.
         place, factor : array (n,)
             Where it was measured [m], and friction there in any unit, positive.
         wavelength : float
             After which the track repeats [m].
         harmonics : int
-            How many waves; 2 harmonics + 1 measured points at least.
+            Number of harmonics; at least 2 harmonics + 1 measured points.
 
         Examples
         --------
@@ -226,9 +226,9 @@ class FrictionProfile(_Placed):
     Parameters
     ----------
     track : Level, Incline or any track
-        What gravity does.
+        The track that defines gravity.
     place : tuple of float
-        Where it was measured [m], in ascending order, two places to 64. Each is a corner, and an event of the exact solver.
+        Where it was measured [m], in ascending order, 2 to 64 of them. Each is a corner, and an event of the exact solver.
     factors : tuple of float
         Factor on the friction coefficients there [-], positive.
 

@@ -1,4 +1,4 @@
-"""Tracks: what gravity does along and across the track, how friction varies in time, and the paper's folded incline."""
+"""Tracks: gravity along and across the track, friction that varies in time, and the paper's folded incline."""
 
 from __future__ import annotations
 
@@ -113,20 +113,20 @@ class VaryingInTime(AroundTrack):
 class VaryingFriction(VaryingInTime):
     r"""A track whose friction coefficients vary in time with the drive: by the factor :math:`1 + d\,\sin(n\omega t+\varphi)`.
 
-    Gravity stays as it is on the track inside. The factor is put on the load that the law sees. So it is a factor on all
-    coefficients of a law whose friction is proportional to the load (Coulomb, Stribeck, and what slides under LuGre and its kin).
-    Terms that do not know the load, as viscous friction and the stiffness of bristles, do not vary.
+    Gravity stays as it is on the track inside. The factor multiplies the load that the law receives, and thus all coefficients of a law
+    proportional to the load (Coulomb, Stribeck, and the sliding friction of LuGre and related laws). Terms independent of the load, such as
+    viscous friction and the stiffness of bristles, do not vary.
 
     Parameters
     ----------
     track : Level or Incline
-        What gravity does.
+        The track that defines gravity.
     depth : float
-        d, how far the coefficients rise and fall over their mean, 0 <= depth < 1 [-].
+        d, relative amplitude of the variation about the mean, 0 <= depth < 1 [-].
     harmonic : int
-        n, how many times they do so in one period of the drive.
+        n, number of variations in one period of the drive.
     phase : float
-        Phase against the start of the drive's period [rad].
+        Phase relative to the start of the drive's period [rad].
 
     Examples
     --------

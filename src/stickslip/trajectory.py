@@ -116,7 +116,7 @@ class Trajectory(Drawn, RunFiles):
     pieces : Pieces
         The dense output.
     periods, settle : int
-        Drive periods run, and how many of them the mean velocity leaves out.
+        Drive periods simulated, and how many of them the mean velocity excludes.
     rtol : float
         Relative tolerance of the run.
     method : str
@@ -128,7 +128,7 @@ class Trajectory(Drawn, RunFiles):
     start : dict
         The state it started from.
     provenance : dict
-        Versions and settings that make the run again.
+        Versions and settings that reproduce the run.
     counts : dict
         Steps taken, rejected, and so on.
     known_period : int, optional
@@ -391,13 +391,13 @@ class Trajectory(Drawn, RunFiles):
         Parameters
         ----------
         t : float or array
-            Times within the run [s]. At an event the later piece counts.
+            Times within the run [s]. At an event the values after it are returned.
 
         Returns
         -------
         dict
-            t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states), of a machine of several
-            bodies and contacts with their axis behind it.
+            t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states); for a machine of
+            several bodies and contacts their axis follows.
         """
         if self.parted is not self:
             every = {name: None if of is None else np.reshape(of, (-1, *of.shape[np.ndim(t) :])) for name, of in self.parted.at(t).items()}

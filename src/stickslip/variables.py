@@ -69,7 +69,7 @@ VARIABLES: dict[str, Variable] = {
         Variable("body_displacement", "Δx_b", "m", _EACH_BODY, "displacement of a body over the window after settling"),
         Variable("slip_max", "max w", "m/s", _EACH_CONTACT, "largest slip velocity over the last motion period"),
         Variable("slip_min", "min w", "m/s", _EACH_CONTACT, "smallest slip velocity over the last motion period"),
-        Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power that friction takes over the last motion period"),
+        Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power dissipated by friction over the last motion period"),
         Variable(
             "hits",
             "n_s",
@@ -90,9 +90,9 @@ VARIABLES: dict[str, Variable] = {
         Variable(
             "steadiness", "steadiness", "", _CASE, "whether the mean velocity is that of a steady motion: a code with its words", "i1"
         ),
-        Variable("settling_error", "|V − V∞|", "m/s", _CASE, "estimated distance of V from its steady value; NaN where none is in sight"),
+        Variable("settling_error", "|V − V∞|", "m/s", _CASE, "estimated distance of V from its steady value; NaN if unknown"),
         Variable("periods_run", "n", "drive periods", _CASE, "drive periods that were run", "i4"),
-        Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence", "i1"),
+        Variable("status", "status", "", _CASE, "outcome of the case: a code with its sentence", "i1"),
     )
 }
 

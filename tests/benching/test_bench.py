@@ -206,7 +206,7 @@ def test_the_numbers_survive_json(coulomb):
     told = json.loads(json.dumps(coulomb.to_dict()))
     assert told["law"] == "Coulomb" and told["parameters"]["mu_minus"] == 0.21
     assert told["numbers"]["slow_forward"] == {
-        "value": 0.18, "unit": "N", "label": "static or slow, forwards", "meaning": "largest force that rest bears forwards",
+        "value": 0.18, "unit": "N", "label": "static or slow, forwards", "meaning": "largest static friction force forwards",
     }  # fmt: skip
     assert told["experiments"]["steady"]["x"] == {"label": "speed |v|", "unit": "m/s"}
 

@@ -277,7 +277,7 @@ def test_a_bang_bang_drive_and_a_trapezoid_may_be_given_by_their_stroke():
         (lambda: ss.ThreePhase(u1=0.3, stroke=0.01, w1=10.0, w2=60.0, w3=12.0), "allowed is a motion that closes"),
         (lambda: ss.ThreePhase(w1=10.0, w2=60.0, w3=12.0), "u1 is missing; allowed is u1, stroke or u3"),
         (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w3=12.0), "w2 is missing"),
-        (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w2=1e30, w3=12.0), "too short for the digits"),
+        (lambda: ss.ThreePhase(u1=0.3, w1=10.0, w2=1e30, w3=12.0), "too short for double precision"),
         (lambda: ss.BangBang(a1=20.0, a2=40.0, t1=0.02, t2=0.02), "do not agree: t2 asks for period = 0.06"),
         (lambda: ss.BangBang(a1=20.0), "period is missing"),
         (lambda: ss.BangBang(period=0.03), "a1 is missing"),

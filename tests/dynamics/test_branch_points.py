@@ -146,7 +146,7 @@ def test_two_branches_that_come_apart_end_the_curve_of_their_crossing():
     flow = of_map(lambda y, n: ((1 + n.p) * y[0] - y[0] ** 2 + n.q,), {"p": -0.1, "q": 0.0}, ("x",))
     branch = ss.continuation(flow, parameter="p", start=-0.1, stop=0.3, guess={"x": 0.0})
     curve = ss.special_curve(branch, branch.special[0], "q", stop=0.5)
-    assert len(curve.values) == 1 and curve.ended == "the two branches come apart as q changes: no symmetry keeps them together"
+    assert len(curve.values) == 1 and curve.ended == "the two branches separate as q changes: no symmetry preserves their crossing"
 
 
 def test_symmetry_breaking_in_two_parameters_scales_as_the_equation_does():

@@ -278,7 +278,7 @@ def test_a_file_is_read_beside_the_server_and_the_next_one_by_the_same_process(r
     assert process_of(readers) is process
     assert read(readers.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
     assert "no table of numbers" in said(readers.read("velocity", "a.csv", b"no numbers"))
-    assert "does not say by its ending" in said(readers.read("velocity", "a", RECORD))
+    assert "has no known file extension" in said(readers.read("velocity", "a", RECORD))
 
 
 def test_a_file_that_unpacks_without_end_is_refused(readers, tmp_path):
@@ -291,7 +291,7 @@ def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(readers):
     os.kill(process._process.pid, signal.SIGSEGV)
     process._process.wait(60)
     process.is_alive = lambda: True  # it ends while it reads
-    assert "ended the process that read it" in said(readers.read("velocity", "a.csv", RECORD))
+    assert "the process that read the record crashed" in said(readers.read("velocity", "a.csv", RECORD))
     assert said(readers.read("velocity", "a.csv", RECORD)) == ""
 
 

@@ -442,10 +442,7 @@ def recorded(path):
 def test_the_motion_is_said_in_a_sentence(page):
     page.open()
     words = page.page.locator("#words")
-    assert (
-        words.inner_text()
-        == "In each drive period the body slides forwards, rests, slides backwards, rests. On the whole it moves downhill."
-    )
+    assert words.inner_text() == "In each drive period the body slides forwards, rests, slides backwards, rests. Overall it moves downhill."
     with page.change():
         page.slide("amplitude", 1e-5)
     assert words.inner_text() == "The drive is too weak: friction holds the body all the time."

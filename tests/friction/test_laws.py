@@ -749,8 +749,8 @@ BAD = [
     (lambda: ss.Dahl.example() + ss.LuGre.example(),
      "Dahl and LuGre both have inner states; allowed is one such law; write one law with both"),
     (lambda: ss.Coulomb.example() + ss.GMS.example(),
-     "Coulomb and GMS: one has inner states and the other sticks; allowed beside a law with memory is one that holds nothing at rest, "
-     "such as ss.Viscous"),
+     "Coulomb and GMS: one has inner states and the other sticks; allowed beside a law with inner states is one without static "
+     "friction, such as ss.Viscous"),
     (lambda: ss.Karnopp.example() + ss.Viscous.example(),
      "Karnopp balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly"),
     (lambda: ss.Coulomb.example() + 1.0,

@@ -87,7 +87,7 @@ def test_friction_of_the_cylinder_is_the_published_one_without_a_mask(which):
     free = {"mu_plus": (0.1, 60.0), "mu_minus": (0.1, 60.0), "sigma0": (1e2, 1e6, "log")}
     fit = ss.identify(record, ss.Dahl, free=free, load=1.0, exponent=1.0)
     assert 0.94 * half < 0.5 * (fit.values["mu_plus"] + fit.values["mu_minus"]) < 1.02 * half
-    assert fit.quality[0].r2 > 0.97 and any("cannot be told from what the law lacks" in note for note in fit.notes)
+    assert fit.quality[0].r2 > 0.97 and any("cannot be distinguished from defects of the law" in note for note in fit.notes)
 
 
 @pytest.mark.slow
@@ -104,5 +104,5 @@ def test_a_law_without_bristles_tells_the_sum_of_the_cylinders_frictions_and_no_
     ((formula, value, _),) = fit.combinations
     assert formula == "mu_plus + mu_minus" and fit.determined[0].holds
     assert 0.85 * half < value / 2 < 1.02 * half
-    gain, given_up = fit.sensor["gain"][0], any("cannot be told from what the law lacks" in note for note in fit.notes)
+    gain, given_up = fit.sensor["gain"][0], any("cannot be distinguished from defects of the law" in note for note in fit.notes)
     assert gain == 1.0 if given_up else abs(gain - 1.0) < 0.002  # a tenth of what is known of it beforehand

@@ -297,7 +297,7 @@ def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
     free, fixed = {**BOTH, "sigma0": (1e4, 1e6, "log")}, {"exponent": 2.0}
     fit, ideal = (ss.identify(record, ss.Dahl, free=free, starts=8, sensor=sensor, **fixed) for sensor in (None, {}))
     assert fit.values == pytest.approx(ideal.values, rel=1e-3) and any(
-        "cannot be told from what the law lacks" in note for note in fit.notes
+        "cannot be distinguished from defects of the law" in note for note in fit.notes
     )
     assert fit.errors["mu_plus"] > 1.3 * ideal.errors["mu_plus"]
 

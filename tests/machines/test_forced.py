@@ -248,7 +248,7 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
         (lambda: capsule(1.0, 0.6, 0.05, 4.0, ("wall",)), r"type stops=\(ss.Stop\(gap=0.01, restitution=0.5\),\)"),
         (
             lambda: capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=0.0, stiffness=1.0), ss.Stop(gap=0.0, stiffness=1.0, side=-1))),
-            "leave no way between them; allowed is a gap of more than zero",
+            "leave no room between them; allowed is a gap of more than zero",
         ),
         (
             lambda: capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=0.1, restitution=0.5), ss.Stop(gap=0.2, stiffness=1.0))),
@@ -256,8 +256,8 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
         ),
         (lambda: C3.replace(inner_mass=0.0), "inner_mass = 0.0; allowed is a positive mass"),
         (lambda: ss.Robot(1.0, 1.0, ss.HarmonicForce(1.0, 2.0), ss.Coulomb(0.1, 0.1)), r"type for example drive=ss.Forced\(HarmonicForce"),
-        (lambda: C3.drive.acceleration(0.0), "the inner mass moves by itself, and the robot has two bodies"),
-        (lambda: ss.Chain((C3, C3), ss.Spring(1.0)), "allowed is a Robot whose drive says how its inner mass moves"),
+        (lambda: C3.drive.acceleration(0.0), "the inner mass moves freely, and the robot has two bodies"),
+        (lambda: ss.Chain((C3, C3), ss.Spring(1.0)), "allowed is a Robot whose drive prescribes the motion of its inner mass"),
     ],
 )
 def test_what_is_wrong_is_said_with_what_to_type(make, said):

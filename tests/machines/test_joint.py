@@ -275,7 +275,7 @@ def test_derivative_by_the_time_between_samples():
 
 
 def test_a_period_that_samples_do_not_divide_is_told():
-    with pytest.raises(ss.InputError, match="do not come back after the period"):
+    with pytest.raises(ss.InputError, match="do not repeat after the period"):
         ss.sensitivity(sampled(), wrt="control.sample")
 
 

@@ -253,7 +253,7 @@ def test_a_number_that_moves_the_period_of_one_drive_alone_is_refused():
     # pieces of constant acceleration are the same a period later nearly always, also where one of them has become longer
     drive = ss.Pieces(durations=(0.01, 0.02, 0.01), accelerations=(20.0, -15.0, 10.0))
     pair = ss.Chain((MODULE.replace(drive=drive), MODULE.replace(drive=drive)), link=ss.Spring(1200.0, 0.4), phases=(0.0, 2.0))
-    with pytest.raises(ss.InputError, match=r"come back after the period; .* such as '\*.durations.0'"):
+    with pytest.raises(ss.InputError, match=r"repeat after the period; .* such as '\*.durations.0'"):
         ss.gradient(pair, wrt="modules[1].drive.durations[0]")
     assert "modules.1.drive.durations.0" not in directions_of("gradient", pair, None)
     assert directions_of("gradient", pair, ["modules.drive.durations[0]", "modules[1].drive.accelerations[0]"])

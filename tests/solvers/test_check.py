@@ -46,7 +46,7 @@ def test_fixed_steps_are_shown_but_do_not_count(coulomb):
 
 def test_a_naive_script_that_errs_is_named():
     told = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.03), periods=60, rk4_steps=(2000,), scipy=False)
-    assert "Runge-Kutta with 2000 steps per period would have said -" in told.verdict
+    assert "Runge-Kutta with 2000 steps per period would have given -" in told.verdict
 
 
 def test_a_robot_at_rest_has_no_digits():
@@ -74,7 +74,7 @@ def test_a_closed_formula_that_does_not_apply_is_skipped():
     slides = ss.presets.piezo_rig(tilt_deg=20, amplitude=5.525e-4, law="coulomb", incline="gravity")
     told = check(slides, periods=20, rk4_steps=(2000,))
     formula = told.judges[1]
-    assert formula.remark == "skipped: what slides down by itself has no period" and not formula.counts
+    assert formula.remark == "skipped: a body that slides down by itself has no period" and not formula.counts
     assert [j.name for j in told.judges if np.isfinite(j.difference)] == ["exact arcs", "scipy dop853", "RK4"]
     assert told.period is None and "our exact arcs and scipy agree" in told.verdict and "certain" not in told.verdict
 
@@ -82,7 +82,7 @@ def test_a_closed_formula_that_does_not_apply_is_skipped():
 def test_one_judge_alone_is_sure_of_nothing():
     slides = ss.presets.piezo_rig(tilt_deg=20, amplitude=5.525e-4, law="coulomb", incline="gravity")
     told = check(slides, periods=20, rk4_steps=(), scipy=False)
-    assert told.digits == 0 and np.isnan(told.uncertainty) and "no other judge that counts" in told.verdict
+    assert told.digits == 0 and np.isnan(told.uncertainty) and "no other method could confirm it" in told.verdict
 
 
 def test_a_part_of_a_study_file_without_a_kind_is_told_what_to_type():

@@ -43,7 +43,7 @@ def _checked(*alphas: Array) -> list[Array]:
     """The alphas as arrays of one shape."""
     arrays = list(np.broadcast_arrays(*(np.asarray(a, float) for a in alphas)))
     if not all(np.all(a >= 0) for a in arrays):
-        raise InputError("alpha", ["negative or not a number; allowed is zero or more: what slides down by itself has no period"])
+        raise InputError("alpha", ["negative or not a number; allowed is zero or more: a body that slides down by itself has no period"])
     return arrays
 
 

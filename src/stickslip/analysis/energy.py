@@ -99,8 +99,8 @@ class Energy(Drawn):
 def energy(run: Run) -> Energy:
     """Energy balance of a run, period by period.
 
-    The integrals are taken over the forces themselves, as the law and the drive give them at the dense output, and not from the
-    equation of motion; so the residual measures how well the run obeys it.
+    The forces in the integrals are those that the law and the drive give on the dense output, not those that the equation of motion
+    implies, so the residual measures how well the run satisfies it.
 
     Parameters
     ----------

@@ -40,18 +40,18 @@ class Motion(Drawn):
         "rest"; "presliding" (moves, but never slips); "I" (both directions, two stick intervals), "II" (one direction, one
         stick interval), "III" (both directions, one stick interval), "IV" (never sticks); "other".
     pattern : str
-        Signs of the motion period in order, beginning at a "+" that follows something else: "+0-0". A motion that never goes
-        forwards begins at a "-". Where several beginnings are possible, the text that sorts first is taken.
+        Signs of the velocity within the motion period in order, starting at a "+" that follows another sign: "+0-0". The pattern of a
+        motion that never goes forwards starts at a "-". If several starts are possible, the pattern that sorts first is taken.
     period : int or None
         Drive periods until the motion repeats; None if none was found (then the type is that of the last drive period).
     direction : int
         Sign of the net motion; 0 at rest and in presliding. A mirrored motion has the same type and direction -1.
     margin : float
-        The smaller of the shortest interval in drive periods and the relative distance of the offered force to break-away where
-        that decides the type; 0 is on a border between types. Under a dynamic law rest is what lasts `dwell`, so there it is how
-        far an elastic stretch is from lasting that long.
+        Distance from the nearest border between types, 0 on the border: the smaller of the shortest interval in drive periods and the
+        relative distance of the applied force from break-away, where that decides the type. Under a dynamic law an elastic interval counts
+        as rest if it lasts `dwell`; there the margin is the difference between its length and `dwell`.
     stick_fraction, forward_fraction, backward_fraction : float
-        Parts of the motion period.
+        Fractions of the motion period.
     intervals : tuple of (start, length, sign)
         In the order of the pattern, in drive periods; start is counted from the beginning of the motion period, a multiple of the
         drive period.
@@ -102,7 +102,7 @@ class Motion(Drawn):
 
     @cached_property
     def twin(self) -> str | None:
-        """Type of the same robot with Coulomb friction at its kinetic coefficients, solved when first asked for; None without such."""
+        """Motion type of the same robot with Coulomb friction at its kinetic coefficients (solved on first access); None if it has none."""
         return self.type if self._twin is None else self._twin()
 
 
@@ -161,12 +161,12 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
     elastic part of the friction is below `slip_ratio` of its steady sliding value for at least `dwell` of a drive period.
-    `threshold_table` shows how much the word depends on the two.
+    `threshold_table` shows how much the type depends on the two.
 
     Parameters
     ----------
     run : Trajectory
-        A run of one robot. A batch holds the same words in its columns (`many.motion_type`).
+        A run of one robot. A batch has the same results in its columns (`many.motion_type`).
     slip_ratio : float
         Between 0 and 1.
     dwell : float

@@ -46,7 +46,7 @@ def step_per_cycle(run: Run) -> float:
 
 @explains_arguments
 def throw_index(machine: Model) -> Any:
-    r"""Throw index of a contact: :math:`\Gamma = 1 - N_{\min}/\bar N`, by the least and the mean load in a period.
+    r"""Throw index of a contact: :math:`\Gamma = 1 - N_{\min}/\bar N`, from the smallest and the mean load in a period.
 
     Where it is above 1 the load falls to zero in each period. For a trough that swings harmonically with the amplitude A at an angle
     :math:`\beta` to a level track it is :math:`A\omega^2\sin\beta/g`.
@@ -54,7 +54,8 @@ def throw_index(machine: Model) -> Any:
     Parameters
     ----------
     machine : MovingTrack, Robot or another machine with a period
-        One or a batch; of several contacts that of the principal body, else the first. A load that knows the place is taken at the start.
+        A single one or a batch. With several contacts, that of the principal body counts, else the first. A load that depends on position
+        is evaluated at the initial one.
 
     Returns
     -------
@@ -107,11 +108,11 @@ class Hops:
     Parameters
     ----------
     fraction : float
-        Part of the time that it flies [-].
+        Fraction of the time in flight [-].
     landings : int
-        How often it lands.
+        Number of landings.
     speed : float
-        Largest velocity across with which it lands [m/s]; 0 where it never does.
+        Largest normal velocity at a landing [m/s]; 0 without landings.
     height : float
         Largest height above the track [m].
 

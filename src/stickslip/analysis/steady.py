@@ -38,15 +38,15 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
 
     .. math:: V = \frac{x(t_2) - x(t_1)}{t_2 - t_1}
 
-    The window is what follows after settling; the whole run where the model has no period. Where a period was found it holds
-    whole motion periods, so that a period-two motion does not leave half of it over. Of a machine of several bodies it is that of their
-    centre of mass, or of one of them.
+    The window is the part after settling, or the whole run if the model has no period. If the motion repeats, it is a whole number of
+    motion periods, not just of drive periods. For a machine of several bodies the velocity is that of their centre of mass, or of one of
+    them.
 
     Parameters
     ----------
     run : Trajectory, Summary or Record
     body : int or str, optional
-        Number (from 0) or name of one body of a machine of several; of a trajectory.
+        Number (from 0) or name of one of several bodies (trajectories only).
 
     Returns
     -------
@@ -56,7 +56,7 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
     Raises
     ------
     InputError
-        Of a run that ended before its first drive period was over, as one does that loses contact at once; in a batch it is NaN.
+        If the run ended within its first drive period, for example because contact was lost; in a batch the value is NaN.
 
     Examples
     --------
@@ -190,11 +190,11 @@ def period_number(run: Any) -> int | None:
 def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-12) -> float | NDArray[np.float64]:
     """Mean velocity of the periodic motion itself, free of transients.
 
-    Where the motion is made of closed arcs (Coulomb friction and a harmonic drive) it comes from the closed formulas, to rounding.
-    Any other robot is run until its strobe point is estimated to be within 3 rtol of the periodic one, in units of A mu omega
-    (`free_velocity`). At the default the means of 240 random robots (LuGre, Dahl, Stribeck, viscous) are within 2e-12 A mu omega of
-    those of long runs. A case that is not so near after `periods`, as rounding or a slow approach may have it, is tried again with
-    100 and with 10,000 times that tolerance, and is NaN only after that.
+    Where the motion is made of closed arcs (Coulomb friction and a harmonic drive) it comes from the closed formulas, to rounding. Any
+    other robot is run until its strobe point is estimated to be within 3 rtol of the periodic one, in units of A mu omega
+    (`free_velocity`). At the default the means of 240 random robots (LuGre, Dahl, Stribeck, viscous) are within 2e-12 A mu omega of those
+    of long runs. A case that has not come so close after `periods`, because of rounding or slow convergence, is tried again with 100 and
+    with 10,000 times that tolerance, and is NaN only after that.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     """
     if is_flow(model):
         raise InputError(
-            "periodic_mean_velocity", ["a flow makes no way; type ss.solve(flow, keep='summary', ...) for the means of its states"]
+            "periodic_mean_velocity", ["a flow has no displacement; type ss.solve(flow, keep='summary', ...) for the means of its states"]
         )
     closed = closed_mean_velocity(model)
     if closed is not None:

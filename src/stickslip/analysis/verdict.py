@@ -33,7 +33,7 @@ def sentence(answer: float, uncertainty: float, digits: int, period: int | None,
     """What the judges that count found about this answer."""
     late = " No motion period was found, so the mean still depends on the length of the run." if period is None else ""
     if math.isnan(uncertainty):
-        return f"The mean velocity is {answer:.6e} m/s, but no other judge that counts could answer: no digit is certain.{late}"
+        return f"The mean velocity is {answer:.6e} m/s, but no other method could confirm it: no digit is certain.{late}"
     if abs(answer) <= max(uncertainty, _small(robot)):
         within = f"zero to within {max(uncertainty, abs(answer)):.1e} m/s" if answer or uncertainty else "exactly zero"
         return f"There is no net motion: the mean velocity is {within}.{late}"
@@ -57,4 +57,4 @@ def naive(answer: float, judges: list[Any], robot: Any) -> str:
     if not wrong:
         return ""
     coarse = max(wrong, key=lambda j: abs(j.difference))
-    return f" Runge-Kutta with {coarse.setting.replace(' per', ' steps per', 1)} would have said {coarse.mean_velocity:.3e} m/s."
+    return f" Runge-Kutta with {coarse.setting.replace(' per', ' steps per', 1)} would have given {coarse.mean_velocity:.3e} m/s."

@@ -85,7 +85,7 @@ class Contact:
     def _idle(self, count: int) -> int:
         """How many stretches in a row took no time; an error if the memories of the law switch for ever."""
         if count > 100:
-            raise SolveError(f"{self.probe.law.name} switches its memories for ever at one instant; check its switches")
+            raise SolveError(f"{self.probe.law.name} switches its memories endlessly at one instant; check its switches")
         return count
 
     def _run(self, t: float, length: float, velocity: Motion, dense: bool) -> Any:

@@ -37,7 +37,7 @@ def drift(bench: Setup) -> Experiment:
     t, x = seen(run, "x", 0.0, periods * T, periods * _SHOWN, bench.pace)
     return Experiment(
         "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, x),),
-        (Quantity("drift", "drift", way, "m", f"way per period of {T:.3g} s, mean of the last {periods // 2}"),),
+        (Quantity("drift", "drift", way, "m", f"displacement per period of {T:.3g} s, mean of the last {periods // 2}"),),
         {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
         _remark(bench, pushed),
     )  # fmt: skip
@@ -54,8 +54,8 @@ def _per_period(run: Any, periods: int, T: float) -> float:
 def _remark(bench: Setup, pushed: bool) -> str:
     if not pushed:
         return ""
-    what = "the mass starts with a push, so that one sees whether it comes to rest"
+    what = "the mass starts with a push, to show whether it comes to rest"
     if bench.set_valued:
         held = bench.holds[1] > 0
-        return what + ("; it does, exactly" if held else "; this law holds nothing")
+        return what + ("; it does, exactly" if held else "; this law has no static friction")
     return f"{what}; it creeps on"

@@ -49,13 +49,13 @@ def bench(
     experiments: Iterable[str] | None = None,
     progress: Callable[[str, int, int], None] | bool | None = None,
 ) -> Any:
-    r"""The behaviour of a friction law by itself: the standard experiments of the friction literature, with numbers and curves.
+    r"""Test a friction law by itself: the standard experiments of the friction literature, with numbers and curves.
 
-    Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss
-    per cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, ways and
-    forces are chosen as typical of the law, and are listed in ``conditions`` of each experiment.
+    Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss per
+    cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, displacements
+    and forces are chosen as typical of the law, and are listed in ``conditions`` of each experiment.
 
-    The contact is moved as prescribed in the first four, by the law as it is written; the last three are mechanisms solved by
+    In the first four the motion of the contact is prescribed and the law is evaluated as written; the last three are mechanisms solved by
     `stickslip.solve`, whose kernels are compiled once for each law that has inner states.
 
     Parameters
@@ -72,12 +72,12 @@ def bench(
     experiments : list of str, optional
         Which of `EXPERIMENTS`; all of them if not given.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (what is done, how many are done, how many there are).
+        True for a progress line, or a function that is called with (current experiment, experiments done, in all).
 
     Returns
     -------
     Bench or Benches
-        One of them for one law, the other for a list.
+        A `Bench` for one law, `Benches` for a list.
 
     References
     ----------

@@ -116,13 +116,13 @@ class Bench(Drawn):
     Parameters
     ----------
     law : law
-        What was measured.
+        The law that was tested.
     load, mass : float
         Normal force [N] and moved mass [kg] of the experiments.
     experiments : tuple of Experiment
         Also by name: ``found["hysteresis"]``.
     notes : tuple of str
-        Remarks of the law, such as that it is an approximation.
+        Remarks on the law, such as that it is an approximation.
 
     Examples
     --------

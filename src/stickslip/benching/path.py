@@ -30,7 +30,7 @@ def hysteresis(bench: Setup) -> Experiment:
         "hysteresis", "pre-sliding hysteresis", ("displacement x", "m"), ("friction force R", "N"),
         (Curve("to and fro", *zip(*points, strict=True)),),
         (
-            Quantity("stiffness", "contact stiffness", stiffness, "N/m", "slope of the force over the way of a fresh contact"),
+            Quantity("stiffness", "contact stiffness", stiffness, "N/m", "slope of the force over the displacement of a fresh contact"),
             Quantity("loop_loss", "loss of the loop", marks[2][0] - marks[0][0], "J", f"over +-{reach:.3g} m, slowly"),
             Quantity("gap", "gap of the inner loop", _gap(bench, marks), "N",
                      "force after an inner loop minus the force before it; 0 is memory of reversal points"),
@@ -45,10 +45,14 @@ def _gap(bench: Setup, marks: list[tuple[float, float]]) -> float:
 
 def _path_remark(bench: Setup) -> str:
     if bench.set_valued:
-        return HELD + "there is no pre-sliding, force jumps from one side to the other at a reversal, and no reversal is remembered"
+        return HELD + "there is no pre-sliding: the force jumps to the other side at a reversal, and reversals are not remembered"
     if bench.probe.law.needs_applied:
-        return "moved at ten times its band; inside the band the law asks for the other forces, and counts as zero force here"
-    return "" if bench.remembers else "a film: force follows the velocity, not the way, and slow motion costs almost nothing"
+        return "moved at ten times its band; inside the band the law needs the other forces, and counts as zero force here"
+    return (
+        ""
+        if bench.remembers
+        else "a viscous film: the force depends on velocity, not on displacement, and slow motion dissipates almost nothing"
+    )
 
 
 def dissipation(bench: Setup) -> Experiment:

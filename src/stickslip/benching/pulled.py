@@ -43,7 +43,7 @@ def _breakaway_remark(bench: Setup) -> str:
     if bench.set_valued:
         return HELD + "break-away is the static limit, at every force rate"
     return "" if bench.remembers or bench.probe.law.needs_applied else (
-        f"the law holds nothing: this is the friction at which the creep has become faster than {FAST * bench.typical_speed:.3g} m/s"
+        f"the law has no static friction: this is the friction at which creep becomes faster than {FAST * bench.typical_speed:.3g} m/s"
     )  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def stick_slip(bench: Setup) -> Experiment:
             Quantity("stick_share", "share at rest", still, "", f"of a cycle, slower than {STILL:g} of the pull"),
         ),
         {"stiffness": (stiffness, "N/m"), "speed": (speed, "m/s"), "mass": (bench.mass, "kg")},
-        "no stick-slip: it ends in steady sliding, or swings on without coming to rest" if not sticks else "",
+        "no stick-slip: it ends in steady sliding, or oscillates without coming to rest" if not sticks else "",
     )  # fmt: skip
 
 

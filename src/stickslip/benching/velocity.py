@@ -52,7 +52,7 @@ def shown(bench: Setup, v: float) -> float:
 
 def _holding(bench: Setup) -> str:
     if bench.set_valued or not bench.remembers:
-        return "largest force that rest bears forwards"
+        return "largest static friction force forwards"
     return f"steady friction at {0.01 * bench.typical_speed:.3g} m/s forwards"
 
 
@@ -60,8 +60,8 @@ def _steady_remark(bench: Setup) -> str:
     if bench.probe.law.needs_applied:
         return f"inside its band, |v| <= {bench.typical_speed:.3g} m/s, the law balances the other forces; there is no curve there"
     if bench.random:
-        return "bonds form at random places: means over a short way, which scatter"
-    return "" if bench.set_valued or bench.remembers else "friction goes to zero with the speed: the law holds nothing"
+        return "bonds form at random places: means over a short displacement, which scatter"
+    return "" if bench.set_valued or bench.remembers else "friction goes to zero with the speed: the law has no static friction"
 
 
 def lag(bench: Setup) -> Experiment:

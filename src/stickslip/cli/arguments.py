@@ -60,14 +60,14 @@ class Parser(argparse.ArgumentParser):
             options = [option for option in self._option_string_actions if option.startswith("--")]
             if found[1].startswith("-"):
                 return f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
-            return f"{found[1]!r} is one word too many; options are {', '.join(options)}"
+            return f"{found[1]!r} is an unexpected argument; options are {', '.join(options)}"
         if found := re.search(r"arguments are required: (.+)", message):
             missing = found[1].split(", ")
             robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.525e-4"
             verb = "is" if len(missing) == 1 else "are"
             return f"{' and '.join(missing)} {verb} missing; {robot if 'ROBOT' in missing else f'type for example {self._example()}'}"
         if found := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
-            return f"{found[1]} needs a value behind it: {found[1]} {self._metavar(found[1])}"
+            return f"{found[1]} needs a value: {found[1]} {self._metavar(found[1])}"
         if found := re.search(r"argument (\S+?)(?:/\S+)?: invalid (int|float) value: (.+)", message):
             return f"{found[1]} {found[3]}; allowed is a {'whole number' if found[2] == 'int' else 'number'}"
         return message
@@ -327,7 +327,7 @@ def check_driven(command: str, name: str) -> None:
     if callable(model) or model.period is not None:
         return
     kind = type(model).__name__
-    why = f"{kind} has no period, and {command} goes by drive periods; give a robot or a mechanism with a drive"
+    why = f"{kind} has no period, and {command} counts drive periods; give a robot or a mechanism with a drive"
     raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
 
 

@@ -19,16 +19,18 @@ _MORE = """\
 values
   amplitude=3e-4..9e-4:24 mu0=0.1..0.3:16      two numbers, each with a range; the others have one value
 
-Before the work its time is estimated, and told on stderr; --estimate stops there. Ctrl-C ends the work and prints what there is.
-With --out FOLDER everything is kept as it is found, and `stickslip resume FOLDER` goes on."""
+The computing time is estimated first and reported on stderr; --estimate stops there. Ctrl-C prints the results so far.
+With --out FOLDER every result is saved as it is found, and `stickslip resume FOLDER` goes on."""
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Every motion over two numbers of a robot, the regions in which each attracts, and their borders.", more=_MORE)
+    made = parser(
+        command, "All motions found over two numbers of a robot, the regions in which each attracts, and their borders.", more=_MORE
+    )
     made.add_argument("--starts", type=int, default=5, metavar="N", help="starts at each point (default 5)")
-    made.add_argument("--branches", type=int, default=40, metavar="N", help="most motions that are followed (default 40; 0: none)")
-    made.add_argument("--estimate", action="store_true", help="tell how long it will take, and stop")
+    made.add_argument("--branches", type=int, default=40, metavar="N", help="largest number of motions to follow (default 40; 0: none)")
+    made.add_argument("--estimate", action="store_true", help="report the expected computing time, and stop")
     made.add_argument("--figure", metavar="FILE", help="draw the atlas (.png, .svg or .pdf)")
     made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
     made.add_argument(

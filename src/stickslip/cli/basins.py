@@ -23,8 +23,8 @@ def act(command: str, typed: list[str]) -> int:
     """Do the command."""
     made = parser(
         command,
-        "Which of several coexisting motions a robot settles on, over a grid of starts: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10. "
-        "With a range of one of the robot's numbers: what becomes of the motions along it.",
+        "Basins of attraction over a grid of initial states: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10. "
+        "With a range of one of the robot's numbers: the attractors along it.",
     )
     add_targets(made, "the map", "the map")
     asked = made.parse_intermixed_args(typed)

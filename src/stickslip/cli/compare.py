@@ -16,7 +16,7 @@ _MORE = "example: stickslip compare piezo_rig tilt_deg=1.7 amplitude=5.525e-4 --
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "A record and several laws on one phase: mean velocity, type, rms over the cycle.", more=_MORE)
+    made = parser(command, "Compare a record with several laws, aligned in phase: mean velocity, type, rms over the cycle.", more=_MORE)
     made.add_argument("--record", metavar="FILE", required=True, help="the measured record")
     made.add_argument("--laws", metavar="A,B", default="coulomb,lugre", help="laws (default: coulomb,lugre)")
     recorded.add_options(made)
@@ -54,7 +54,7 @@ def _check_robot(name: str) -> None:
     if name.lower() not in LAWS or name in PRESETS:
         return
     robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.525e-4", f"ss.identify(rec, ss.{LAWS[name.lower()].__name__}, free={{...}})"
-    said = f"{name!r} is a law and no robot; give a robot, such as {robot}; laws are fitted to records of force with"
+    said = f"{name!r} is a law, not a robot; give a robot, such as {robot}; laws are fitted to records of force with"
     typed = f"stickslip identify {name} --record FILE --free NAME=A..B, and ranked in Python: ss.rank([{fit}, ...])"
     raise InputError("compare", [f"{said} {typed}"])
 

@@ -59,7 +59,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
     asked = made.parse_args(words)
     if asked.shell not in SHELLS:
-        raise InputError("completion", [f"{asked.shell!r} is not a shell that is known; {did_you_mean(asked.shell, SHELLS)}"])
+        raise InputError("completion", [f"{asked.shell!r} is not a known shell; {did_you_mean(asked.shell, SHELLS)}"])
     text = script(asked.shell)
     if asked.json:
         show.print_json({"shell": asked.shell, "script": text})

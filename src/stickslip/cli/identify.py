@@ -60,15 +60,19 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (may be repeated)")
     made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
     made.add_argument(
-        "--free", metavar="NAME=A..B", action="append", default=[], help="a free parameter and its bounds; :log behind it for its logarithm"
+        "--free",
+        metavar="NAME=A..B",
+        action="append",
+        default=[],
+        help="a free parameter and its bounds; append :log to search its logarithm",
     )
     made.add_argument("--noise", type=float, help="standard deviation of one value [SI]")
-    made.add_argument("--transient", action="store_true", help="fit the start of the records too, simulated from their first samples")
+    made.add_argument("--transient", action="store_true", help="fit the transients of the records too, simulated from their first samples")
     made.add_argument(
         "--sensor", metavar="NAME=VALUE", action="append", default=[],
-        help="of the sensor: offset=0 holds it, gain=normal:1:0.02 says what is known of it, drift=fit leaves it free; ideal: nothing",
+        help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
     )  # fmt: skip
-    made.add_argument("--level", type=float, default=0.95, help="of the intervals (default 0.95)")
+    made.add_argument("--level", type=float, default=0.95, help="level of the intervals (default 0.95)")
     made.add_argument("--profile", action="store_true", help="intervals from profile likelihoods")
     recorded.add_options(made)
     made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")

@@ -20,7 +20,7 @@ _FEW = 4  # things of which every argument is shown at once
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    parse = parser(command, f"List the {command}; of those that are named, also their arguments.", robot=False)
+    parse = parser(command, f"List the {command}, and the arguments of those that are named.", robot=False)
     parse.add_argument("names", metavar="NAME", nargs="*", help=f"{command} to explain (default: a line on each)")
     asked = parse.parse_intermixed_args(words)
     known = things(command)

@@ -50,7 +50,9 @@ def act(command: str, words: list[str]) -> int:
         "--limit", metavar="NAME=A..B", action="append", default=[], help="a limit; either end may be omitted (may be repeated)"
     )
     made.add_argument("--uncertain", metavar="NAME=A..B", action="append", default=[], help="an uncertain number (may be repeated)")
-    made.add_argument("--quantile", type=float, help="the fraction of the sample that may be worse than what counts (default: none of it)")
+    made.add_argument(
+        "--quantile", type=float, help="the fraction of the sample that may be worse than the result that counts (default: none)"
+    )
     made.add_argument("--starts", metavar="WORD", help="closed: begin also with drives known in closed form (default); none: without")
     made.add_argument("--seed", type=int, help="the same seed gives the same result (0)")
     made.add_argument("--out", metavar="FILE", help="write the best machine as a study file (.toml)")

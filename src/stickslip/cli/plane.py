@@ -35,7 +35,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
     made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .svg or .pdf)")
     made.add_argument("--velocity", metavar="FILE", help="draw the mean velocity")
-    made.add_argument("--x", metavar="NAME", help="the axis that goes across; by default the first")
+    made.add_argument("--x", metavar="NAME", help="the horizontal axis; by default the first")
     asked = made.parse_intermixed_args(words)
     pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
     file = out_file(asked.out)

@@ -19,7 +19,7 @@ def act(command: str, words: list[str]) -> int:
     made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
     made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
     recorded.add_options(made)
-    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of what else there is (.png, .svg or .pdf)")
+    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of another channel (.png, .svg or .pdf)")
     asked = made.parse_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     with recorded.in_words_of_the_shell():

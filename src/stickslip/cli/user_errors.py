@@ -36,7 +36,7 @@ def in_your_code(error: BaseException) -> str | None:
 
 
 def _sentence(file: str, line: int | None, what: str) -> str:
-    return f"your code: {file}, line {line}{what}; mend it there, or set STICKSLIP_TRACEBACK=1 to see how it was called"
+    return f"your code: {file}, line {line}{what}; correct it there, or set STICKSLIP_TRACEBACK=1 to see how it was called"
 
 
 _OURS = (str(Path(__file__).resolve().parent.parent),)

@@ -1,4 +1,4 @@
-"""Drives: how the inner mass is shaken. One drive, one file; `DRIVES` lists them by name."""
+"""Drives: prescribed motions of the inner mass. One drive, one file; `DRIVES` lists them by name."""
 
 from typing import Any
 

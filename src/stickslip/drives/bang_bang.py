@@ -20,7 +20,7 @@ class BangBang(PeriodicDrive):
     r"""Relative acceleration :math:`+a_1` for :math:`t_1`, then :math:`-a_2` for :math:`t_2`, with :math:`a_1t_1 = a_2t_2 = 2V`.
 
     The relative velocity is a triangle from -V to V; it begins at -V, with the phase of +a1. Equal accelerations are the symmetric
-    bang-bang; other ones stay longer on the weaker side. Moved in time by t1/2 it is a `ThreePhase` with w1 = w3 = a1 and w2 = a2.
+    bang-bang; unequal ones act longer on the weaker side. Moved in time by t1/2 it is a `ThreePhase` with w1 = w3 = a1 and w2 = a2.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class BangBang(PeriodicDrive):
     stroke : float, optional
         Stroke of the inner mass, V^2/2 (1/a1 + 1/a2) [m].
     t1, t2 : float, optional
-        How long the phases last [s].
+        Durations of the phases [s].
 
     Examples
     --------
@@ -73,12 +73,12 @@ class BangBang(PeriodicDrive):
 
     @property
     def t1(self) -> float:
-        """How long the phase of +a1 lasts, T a2/(a1 + a2) [s]."""
+        """Duration of the phase of +a1, T a2/(a1 + a2) [s]."""
         return self.period * self.a2 / (self.a1 + self.a2)
 
     @property
     def t2(self) -> float:
-        """How long the phase of -a2 lasts [s]."""
+        """Duration of the phase of -a2 [s]."""
         return self.period * self.a1 / (self.a1 + self.a2)
 
     @property

@@ -39,7 +39,7 @@ class Drive(Frozen):
 
 
 class OfPeriod:
-    """What names its period and not its angular frequency."""
+    """Base of the drives that are given by their period."""
 
     if TYPE_CHECKING:
         period: Any
@@ -56,7 +56,7 @@ class OfPeriod:
 
 
 class OfFrequency:
-    """What names its angular frequency (of its first harmonic) and not its period."""
+    """Base of the drives that are given by their angular frequency (of the first harmonic)."""
 
     if TYPE_CHECKING:
         omega: Any
@@ -73,7 +73,7 @@ class OfFrequency:
 
 
 class Remarked(Frozen):
-    """What has remarks on where its numbers come from."""
+    """Base of the parts that have remarks on the source of their numbers."""
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed, without the remarks on the old ones."""
@@ -81,7 +81,7 @@ class Remarked(Frozen):
 
 
 class PeriodicDrive(OfPeriod, Drive):
-    """A drive that names its period."""
+    """A drive that is given by its period."""
 
 
 def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:

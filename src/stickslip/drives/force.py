@@ -44,7 +44,7 @@ class Force(Frozen):
 class ForceSum(Force):
     r"""Forces that act simultaneously; written ``a + b``.
 
-    Its period is the smallest that all of them have in common.
+    Its period is their smallest common period.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class ForceSum(Force):
 
     @property
     def breaks(self) -> tuple[Any, ...]:
-        """Where one of them is not smooth, in each of its periods, and where such a one begins anew [s]."""
+        """Instants at which one of them is not smooth, in each of its periods, or at which such a one starts anew [s]."""
         broken = [(part, count) for part, count in zip(self.parts, self._repeats, strict=True) if _broken(part)]
         return tuple(instant for part, count in broken for instant in repeated(part.breaks, part.period, count))
 
@@ -124,7 +124,7 @@ class ForceSum(Force):
         return own_time(within(t, self.period), part.period, count) if count > 1 and _broken(part) else t
 
     def mirrored(self) -> ForceSum:
-        """The sum turned round."""
+        """The reversed sum."""
         return ForceSum(tuple(part.mirrored() for part in self.parts))
 
     @classmethod

@@ -25,7 +25,7 @@ class Harmonic(OfFrequency, Remarked, Drive):
     frequency : float
         Frequency [Hz].
     phase : float, optional
-        Phase :math:`\varphi` where a run begins [rad]; none if it is left out. What several inner masses have between them.
+        Phase :math:`\varphi` at the start of a run [rad]; zero if left out. It sets the phase difference between several inner masses.
     notes : tuple of str, optional
         Remarks on where these numbers come from; `Robot.notes` repeats them. A copy with other numbers has none.
 

@@ -24,7 +24,7 @@ class HarmonicForce(OfFrequency, Force):
     omega : float
         Angular frequency [rad/s]. Give exactly one of `omega` and `frequency`.
     phase : float, optional
-        How far it is ahead at t = 0 [rad]; pi/2 makes a cosine.
+        Phase at t = 0 [rad]; pi/2 makes a cosine.
     frequency : float
         Frequency [Hz].
 
@@ -50,7 +50,7 @@ class HarmonicForce(OfFrequency, Force):
         return self.amplitude * sin(self.omega * t + self.phase)
 
     def mirrored(self) -> HarmonicForce:
-        """The force turned round."""
+        """The reversed force."""
         return replace(self, amplitude=-self.amplitude)
 
     @classmethod

@@ -20,7 +20,7 @@ _EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4),
 class MultiHarmonic(OfFrequency, FourierDrive):
     r"""Relative motion :math:`\xi(t) = A_1 \sin(\omega t + \varphi_1) + A_2 \sin(2 \omega t + \varphi_2) + \dots`.
 
-    A second harmonic makes the motion lopsided, so that even a robot with the same friction on both sides moves.
+    A second harmonic makes the motion asymmetric, so that even a robot with the same friction in both directions moves.
 
     Parameters
     ----------
@@ -69,5 +69,5 @@ class MultiHarmonic(OfFrequency, FourierDrive):
 
     @classmethod
     def example(cls) -> MultiHarmonic:
-        """One that moves the paper's robot forwards."""
+        """An example that moves the paper's robot forwards."""
         return cls(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, -0.5 * pi))

@@ -19,18 +19,18 @@ _CLOSED = 1e-9  # of all changes of the velocity: what may be left of their sum
 
 @dataclass(frozen=True, eq=False)
 class Pieces(PeriodicDrive):
-    r"""Constant accelerations of the inner mass, one after the other: any motion of bounded acceleration, as near as you like.
+    r"""Piecewise constant acceleration of the inner mass, which approximates any motion of bounded acceleration.
 
     .. math:: \ddot\xi = a_k \quad\text{for so long as}\quad d_k, \qquad \sum_k a_k d_k = 0
 
-    The relative velocity at t = 0 is the one with which the motion comes back to where it began; it begins at :math:`\xi = 0`.
+    The relative velocity at t = 0 is the one for which the motion closes; it starts at :math:`\xi = 0`.
 
     Parameters
     ----------
     durations : tuple of float
-        How long each piece lasts, in order from t = 0 [s].
+        Durations of the pieces, in order from t = 0 [s].
     accelerations : tuple of float
-        The relative acceleration on each [m/s^2]. Times the durations they add up to zero.
+        The relative accelerations [m/s^2]. Weighted with the durations they sum to zero.
 
     Examples
     --------
@@ -96,12 +96,12 @@ class Pieces(PeriodicDrive):
 
     @property
     def period(self) -> float:
-        """All durations together [s]."""
+        """Sum of the durations [s]."""
         return self._ends[-1]
 
     @property
     def breaks(self) -> tuple[Any, ...]:
-        """Where one piece follows another [s]."""
+        """Boundaries of the pieces [s]."""
         return self._ends[:-1]
 
     @property
@@ -153,7 +153,7 @@ class Pieces(PeriodicDrive):
 
     @classmethod
     def verge(cls, acceleration: Any, stroke: Any, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: float = 9.81) -> Pieces:
-        r"""The fastest motion known of a robot with Coulomb friction whose relative acceleration and stroke are bounded.
+        r"""The fastest known drive of a robot with Coulomb friction, within bounds of relative acceleration and stroke.
 
         The body waits on the verge of slipping back while the inner mass gathers speed, is thrown forwards by the whole acceleration, and
         comes to rest as the next period begins. It was found by a search over drives in pieces and is not proved to be the best.

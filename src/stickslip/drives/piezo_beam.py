@@ -35,8 +35,8 @@ class PiezoBeam(Frozen):
     .. math:: T(t) = d_{31}(h_1+h_2)\,b\,E_2\,V(t)
 
     The tip moves as xi(t) = u(L, t). The beam is uniform: the stiffness and the mass of the patches are left out, as in the paper, and so
-    is what the motion of the body does to the beam. The defaults are a rig of ours with the paper's inner mass and a first resonance
-    at 33.4 Hz, near the paper's 32.7 Hz; the paper does not print its beam.
+    is the effect of the body's motion on the beam. The defaults are a rig of ours with the paper's inner mass and a first resonance at 33.4
+    Hz, near the paper's 32.7 Hz; the paper does not give the data of its beam.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class PiezoBeam(Frozen):
     damping : float or tuple of float
         Damping ratio of all modes, or a tuple with one for each [-]; above 0 and below 1.
     modes : int
-        How many modes the tip's motion is summed from.
+        Number of modes in the sum for the tip's motion.
 
     Examples
     --------
@@ -164,7 +164,8 @@ class PiezoBeam(Frozen):
         Returns
         -------
         TipMotion
-            amplitude [m] and phase [rad]: u(L, t) = amplitude sin(2 pi frequency t + phase). Behind the voltage the phase is negative.
+            amplitude [m] and phase [rad]: u(L, t) = amplitude sin(2 pi frequency t + phase). The phase is negative if the tip lags behind
+            the voltage.
         """
         import numpy as np
 
@@ -196,9 +197,10 @@ class PiezoBeam(Frozen):
 
     @explains_arguments
     def drive(self, voltage: Numbers, frequency: Numbers) -> Harmonic:
-        """The motion of the tip as a robot's drive: amplitude and frequency of `response`, and what there is to remark.
+        """The motion of the tip as a robot's drive: amplitude and frequency of `response`, with remarks.
 
-        The phase is left out. It only moves the origin of time: a robot started at rest differs in its first moments, not in how it runs.
+        The phase is left out: it only shifts the origin of time. A robot started at rest has another transient, and where several motions
+        coexist it may reach another one.
         """
         tip = self.response(voltage, frequency)
         return Harmonic(amplitude=tip.amplitude, frequency=frequency, notes=tuple(self.notes(voltage, frequency)))

@@ -14,7 +14,7 @@ __all__ = ["Pulses"]
 
 @dataclass(frozen=True, eq=False)
 class Pulses(Force):
-    r"""A force on the inner mass of a `Forced` drive that is on for a part of each period, as pulse width modulation makes it.
+    r"""A force on the inner mass of a `Forced` drive that is on for a part of each period, as in pulse-width modulation.
 
     .. math:: F(t) = A \text{ for } 0 \le t < d\,T, \quad 0 \text{ for } d\,T \le t < T
 
@@ -25,7 +25,7 @@ class Pulses(Force):
     period : float
         T [s].
     duty : float
-        d, the part of the period for which it is on, between 0 and 1.
+        d, the fraction of the period for which it is on, between 0 and 1.
 
     Examples
     --------
@@ -49,15 +49,15 @@ class Pulses(Force):
 
     @property
     def breaks(self) -> tuple[Any, ...]:
-        """When it is switched off [s]."""
+        """Instant at which it is switched off [s]."""
         return (self.duty * self.period,)
 
     def at(self, t: Any) -> Any:
-        """The force [N]; at an instant of switching that after it."""
+        """The force [N]; at a switching instant the value after it."""
         return where(within(t, self.period) < self.duty * self.period, self.amplitude, 0.0)
 
     def mirrored(self) -> Pulses:
-        """The force turned round."""
+        """The reversed force."""
         return replace(self, amplitude=-self.amplitude)
 
     @classmethod

@@ -85,14 +85,14 @@ class Recorded(OfPeriod, Remarked, FourierDrive):
         period : float
             Period of the record [s].
         tolerance : float
-            Harmonics are kept until what is left out is below this part of the r.m.s. of the record.
+            Harmonics are kept until the remainder is below this fraction of the r.m.s. of the record.
         order : int, optional
             How many harmonics to keep, instead of `tolerance`.
 
         Returns
         -------
         Recorded
-            Its `order` is the number of harmonics kept; its `notes` say what they leave of the record.
+            Its `order` is the number of harmonics kept; its `notes` give the remainder.
 
         Raises
         ------

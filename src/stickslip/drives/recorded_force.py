@@ -64,7 +64,7 @@ class RecordedForce(Remarked, Force):
         return self.mean + series((2 * pi / self.period) * t, self.cosines, self.sines)
 
     def mirrored(self) -> RecordedForce:
-        """The force turned round."""
+        """The reversed force."""
         cosines, sines = (tuple(-c for c in side) for side in (self.cosines, self.sines))
         return RecordedForce(self.period, -self.mean, cosines, sines, self.notes)
 
@@ -81,14 +81,14 @@ class RecordedForce(Remarked, Force):
         period : float
             Period of the record [s].
         tolerance : float
-            Harmonics are kept until what is left out is below this part of the r.m.s. of the record about its mean.
+            Harmonics are kept until the remainder is below this fraction of the r.m.s. of the record about its mean.
         order : int, optional
             How many harmonics to keep, instead of `tolerance`.
 
         Returns
         -------
         RecordedForce
-            Its `notes` say what the harmonics leave of the record.
+            Its `notes` give the remainder of the record.
 
         Raises
         ------

@@ -12,18 +12,19 @@ __all__ = ["Sawtooth"]
 
 @dataclass(frozen=True, eq=False)
 class Sawtooth(Wedge):
-    r"""Forwards by the stroke at one speed, back at another: the voltage of a stick-slip stage.
+    r"""Forwards by the stroke at one speed, back at another, as the voltage of a stick-slip stage.
 
     .. math:: \dot\xi = L/t_r \text{ for the time } t_r, \quad -L/t_f \text{ for the time } t_f
 
-    It begins with the rise. The velocity jumps where it turns, and these jumps are taken as such: they are `TwoPhase` by durations.
+    It begins with the rise. The velocity jumps at the turning points, and the jumps are treated as impulses. It is a `TwoPhase` drive given
+    by its durations.
 
     Parameters
     ----------
     stroke : float
         From end to end [m].
     rise, fall : float
-        How long it takes forwards, and back [s].
+        Durations of the motion forwards and back [s].
 
     Examples
     --------
@@ -50,12 +51,12 @@ class Sawtooth(Wedge):
 
     @property
     def t1(self) -> float:
-        """How long it rises [s]."""
+        """Duration of the rise [s]."""
         return self.rise
 
     @property
     def t2(self) -> float:
-        """How long it falls [s]."""
+        """Duration of the fall [s]."""
         return self.fall
 
     @classmethod

@@ -73,7 +73,7 @@ class ThreePhase(PeriodicDrive):
 
     def _check(self, problems: Problems) -> None:
         if not problems.found and not everywhere(self._turned > self._pushed):
-            problems.add(f"w2 = {describe(self.w2)} makes a return too short for the digits of a number; allowed is less; type w2=1e12")
+            problems.add(f"w2 = {describe(self.w2)} makes the return too short for double precision; allowed is less; type w2=1e12")
 
     @property
     def u3(self) -> float:

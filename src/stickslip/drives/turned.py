@@ -21,7 +21,7 @@ class Reversed(Around):
     Parameters
     ----------
     drive : any drive
-        What is turned round.
+        The drive to reverse.
 
     Examples
     --------

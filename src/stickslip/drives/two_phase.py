@@ -16,7 +16,7 @@ _EXAMPLE = "type for example TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
 
 
 class Wedge(PeriodicDrive):
-    """Base of the motions of two speeds: they say their stroke, the speeds u1 and u2 and how long each lasts, t1 and t2."""
+    """Base of the motions with two speeds: they have a stroke, the speeds u1 and u2, and their durations t1 and t2."""
 
     if TYPE_CHECKING:
         u1: Any
@@ -59,7 +59,7 @@ class TwoPhase(Wedge):
     r"""Relative velocity :math:`+u_1` for :math:`L/u_1`, then :math:`-u_2` for :math:`L/u_2`; it begins with the phase of +u1.
 
     The relative velocity jumps, so the velocity of the body jumps too, by :math:`-\mu(u_1+u_2)` where a period begins and by
-    :math:`+\mu(u_1+u_2)` at :math:`t_1 = L/u_1`. These are impulses, and they are taken as such.
+    :math:`+\mu(u_1+u_2)` at :math:`t_1 = L/u_1`. They are treated as impulses.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ class TwoPhase(Wedge):
     u1, u2 : float
         Relative speeds forwards and backwards [m/s].
     t1, t2 : float, optional
-        How long the phases last [s]. Any three of stroke, u1, u2, t1, t2 that settle the rest will do; more must agree with
-        stroke = u1 t1 = u2 t2.
+        Durations of the phases [s]. Give any three of stroke, u1, u2, t1, t2 that determine the rest; more must agree with stroke = u1 t1 =
+        u2 t2.
 
     References
     ----------
@@ -100,12 +100,12 @@ class TwoPhase(Wedge):
 
     @property
     def t1(self) -> float:
-        """How long the phase of +u1 lasts [s]."""
+        """Duration of the phase of +u1 [s]."""
         return self.stroke / self.u1
 
     @property
     def t2(self) -> float:
-        """How long the phase of -u2 lasts [s]."""
+        """Duration of the phase of -u2 [s]."""
         return self.stroke / self.u2
 
 

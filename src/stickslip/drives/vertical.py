@@ -21,8 +21,8 @@ class VerticalVibration(Around):
 
     .. math:: N(t) = (M+m)\,g\cos\theta + m\,\ddot\eta(t)
 
-    The load is largest where the inner mass is lowest. Where it falls to zero the contact is lost, and a run ends there with that
-    status: such a robot hops, which is another equation of motion.
+    The load is largest where the inner mass is lowest. Where it falls to zero the contact is lost, and a run ends there with that status: a
+    hopping robot has another equation of motion.
 
     Parameters
     ----------
@@ -31,10 +31,10 @@ class VerticalVibration(Around):
     amplitude : float
         Amplitude B of the vertical motion [m].
     phase : float
-        Phase against the start of the drive's period [rad]. To have :math:`N = W (1 + b \sin(\omega t + \varphi))` take phase
+        Phase relative to the start of the drive's period [rad]. To have :math:`N = W (1 + b \sin(\omega t + \varphi))` take phase
         :math:`\varphi + \pi`.
     harmonic : int
-        How many vertical vibrations there are in one period of the drive.
+        Number of vertical vibrations in one period of the drive.
 
     Examples
     --------

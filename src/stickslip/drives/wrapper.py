@@ -13,7 +13,7 @@ __all__ = ["Around"]
 
 
 class Around(Drive):
-    """Base of the drives that change one thing of another `drive`."""
+    """Base of the drives that modify one property of another `drive`."""
 
     drive: Any
 

@@ -55,7 +55,7 @@ def _read(name: str, data: bytes) -> Any:
 
     suffix = Path(name).suffix.lower()
     if not re.fullmatch(r"\.[a-z0-9]{1,5}", suffix):
-        raise InputError("record", [f"{name[-40:]!r} does not say by its ending what it is; allowed is for example .csv, .mat or .uff"])
+        raise InputError("record", [f"{name[-40:]!r} has no known file extension; allowed is for example .csv, .mat or .uff"])
     return read_bytes(data, f"record{suffix}")
 
 
@@ -96,7 +96,7 @@ def drive_of(name: str, data: bytes) -> bytes:
     t, v = t[good][-MOST_DRIVE:], v[good][-MOST_DRIVE:]
     period, mean = 1 / _frequency(t, v), float(np.mean(v))
     if abs(mean) > _DRIFT * float(np.std(v)):
-        notes.append(f"its mean of {mean:.4g} m/s is taken off, as the drive has to come back")
+        notes.append(f"its mean of {mean:.4g} m/s is subtracted, as the drive has to return")
     kept = t >= t[-1] - int((t[-1] - t[0]) / period + 1e-6) * period
     found = Recorded.from_samples(t[kept], velocity=_periodic(t[kept], v[kept], period), period=period, tolerance=1e-2)
     if found.order > MOST_HARMONICS:

@@ -71,9 +71,9 @@ def affordable(robot: Any, periods: int) -> int:
     """As many periods as asked for, or as many fewer as the bristles' swings allow; `InputError` where even few would take too long."""
     swings, decays = map(float, effort(robot))
     if swings > MOST:
-        how = "ask for a higher frequency, a larger mass or softer bristles"
-        raise InputError("run", [f"the bristles swing {swings:.4g} times in a drive period; allowed here are {MOST:g}; {how}"])
+        how = "choose a higher frequency, a larger mass or softer bristles"
+        raise InputError("run", [f"the bristles oscillate {swings:.4g} times in a drive period; allowed here are {MOST:g}; {how}"])
     if decays > MOST_DECAYS:
-        how = "ask for a higher frequency, a larger mass or less viscous friction"
+        how = "choose a higher frequency, a larger mass or less viscous friction"
         raise InputError("run", [f"viscous friction decays {decays:.4g} times in a drive period; allowed here are {MOST_DECAYS:g}; {how}"])
     return max(min(periods, int(MOST_IN_ALL / max(swings, 1.0))), min(periods, 40))

@@ -64,7 +64,7 @@ def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None 
     after = values_of(page.make(space.changes(place)), _RTOL)
     if not abs(after["mean_velocity"]) > (1.0 + _GAIN) * abs(before["mean_velocity"]):
         place, after = here, before
-        notes.append("it is as fast as these sliders make it, between their ends")
+        notes.append("no faster setting was found within the ranges of these sliders")
     ends = [each.name for each, u in zip(space.varied, place, strict=True) if min(u, 1.0 - u) < _END]
     rows = [{"name": name, "unit": _unit(name), "before": before[name], "after": after[name]} for name in _TOLD if name in before]
     return {"kind": "faster", "values": space.changes(place), "rows": rows, "ends": ends, "tried": worth.tried, "notes": notes}
@@ -101,9 +101,7 @@ def _of_machine(asked: Message, kernels: Kernels, shown: Shown | None) -> _Page:
 
 def _check(page: _Page, sliders: tuple[str, ...]) -> None:
     """What a search cannot move is said."""
-    unknown = [
-        f"{name[:40]!r} does not matter here; {did_you_mean(name[:40], page.sliders)}" for name in sliders if name not in page.sliders
-    ]
+    unknown = [f"{name[:40]!r} has no effect here; {did_you_mean(name[:40], page.sliders)}" for name in sliders if name not in page.sliders]
     if page.model.period is None:
         unknown.append(f"{type(page.model).__name__} has no drive period, and a mean velocity is that of periods")
     if unknown:

@@ -42,7 +42,7 @@ class Shown:
     Raises
     ------
     InputError
-        Of a batch, and of a machine of which nobody knows how long a run should be.
+        For a batch, or a machine without a period and without a duration.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class Shown:
         elif self.model.shape != ():
             problems.add(f"the machine is a batch of shape {self.model.shape}; allowed is one; type one number where an array stands")
         elif self.model.period is None and "duration" not in self.options and not machine_of(self.model).time_scale:
-            problems.add(f"{type(self.model).__name__} has no period, and nobody knows how long a run should be; type duration=20.0 [s]")
+            problems.add(f"{type(self.model).__name__} has no period, so a run needs a duration; type duration=20.0 [s]")
         problems.check()
 
     @cached_property

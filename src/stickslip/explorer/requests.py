@@ -263,7 +263,7 @@ def _plane(given: Any, found: State, count: int) -> Plane:
     names = [axis.get("name") for axis in given]
     for name, axis in zip(names, given, strict=True):
         if name not in found.active:
-            problems.add(f"{_short(name)} does not matter here; {did_you_mean(str(name)[:40], found.active)}")
+            problems.add(f"{_short(name)} has no effect here; {did_you_mean(str(name)[:40], found.active)}")
         elif all(_number(name, axis.get(end), f"{name} {end}", problems) for end in ("from", "to")) and not axis["from"] < axis["to"]:
             problems.add(f"{name} reaches from {axis['from']:.6g} to {axis['to']:.6g}; allowed is a rising span")
         if not is_whole(axis.get("cells")) or not 2 <= axis["cells"] <= MOST_CELLS * (3 - count):

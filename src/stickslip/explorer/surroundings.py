@@ -94,7 +94,7 @@ def watch(stop: Stop) -> Callable[[int, int], None]:
             raise Stopped
         if time.perf_counter() - began > PATIENCE:
             took = f"{100 * done // whole} % took {PATIENCE:g} s"
-            raise InputError("map", [f"{took}, which is the most that is given; zoom in, or ease the numbers"])
+            raise InputError("map", [f"{took}, which is the limit; zoom in, or choose less demanding numbers"])
 
     return tell
 

@@ -65,7 +65,7 @@ class Readers:
             try:
                 reader = self._taken()
             except OSError as error:
-                return _problem(f"no process could be started that reads the record: {error.strerror}")
+                return _problem(f"no process could be started to read the record: {error.strerror}")
             answer = reader.ask(what, name, data, self._seconds)
             if answer is None:
                 why = self._drop(reader)
@@ -154,7 +154,7 @@ class _Reader:
                 pipe.close()
         if self._late:
             return "the record was not read in time; cut it, or read it with stickslip.read, which has no deadline"
-        return "the record ended the process that read it: it is damaged, or made to do so; export it again"
+        return "the process that read the record crashed: the file is damaged or malicious; export it again"
 
 
 def _put(pipe: Any, data: bytes) -> None:

@@ -31,7 +31,7 @@ class Uploads:
         """The answer to a file: its "velocity" or its "drive", or what is wrong."""
         address = request.client.host if request.client else ""
         if self._under_way[address] >= self._limits.uploads:
-            return PlainTextResponse("two records are being read already; try again when they are\n", 503, {"Retry-After": "5"})
+            return PlainTextResponse("two records are being read already; try again later\n", 503, {"Retry-After": "5"})
         self._under_way[address] += 1
         try:
             return await self._answer(request, what)

@@ -26,13 +26,13 @@ class ExportedLaw:
     ----------
     language : str
     name : str
-        What its functions are called.
+        Name of its functions.
     text : str
     numbers : dict
-        Of ``"mujoco"``: frictionloss, damping, armature, error (the largest of steady friction over the speeds), worst (the velocity
-        where it is) and largest (the law's largest friction there). Of the others nothing.
+        For ``"mujoco"``: frictionloss, damping, armature, error (the largest of steady friction over the speeds), worst (the velocity where
+        it is) and largest (the law's largest friction there). Empty for the others.
     notes : tuple of str
-        What of the law is not in the text.
+        Properties of the law that the text does not contain.
 
     Examples
     --------
@@ -84,40 +84,40 @@ def export_law(
     speeds: tuple[float, float] | None = None,
     armature: float = 0.0,
 ) -> ExportedLaw:
-    """A friction law, as code that needs nothing of this package: C, MATLAB and Octave, TOML, or attributes of a MuJoCo joint.
+    """A friction law as code that does not need this package: C, MATLAB and Octave, TOML, or attributes of a MuJoCo joint.
 
-    C and MATLAB are written from the law's own equations, which are traced as the solvers trace them, so that a law of your own goes too.
+    C and MATLAB code follows from the law's own equations, traced as for the solvers, so user-defined laws can be exported too.
 
     Parameters
     ----------
     law : law, robot, mechanism or Fit
-        A law; or what has one contact, or a fit, whose law is taken.
+        A law; or a model with one contact or a fit, whose law is taken.
     language : {"c", "matlab", "octave", "toml", "mujoco"}
-        C is one C99 file of static functions to include: ``NAME_fitted`` holds the numbers, ``NAME_start`` a fresh state,
-        ``NAME_force`` the friction force, ``NAME_rate`` the rates of the inner states and ``NAME_step`` advances them over a
-        time step; its head says how. A set-valued law has ``NAME_sliding``, ``NAME_breakaway``, ``NAME_force``, to which what would hold
-        the body at rest is given, and a ``NAME_step`` for time-stepping simulations, in which bodies stop and stay. MATLAB is a function
-        NAME that returns a struct with the same. TOML is the table ``[robot.friction]`` of a study file.
+        C is one C99 file of static functions to include: ``NAME_fitted`` holds the numbers, ``NAME_start`` a fresh state, ``NAME_force``
+        the friction force, ``NAME_rate`` the rates of the inner states and ``NAME_step`` advances them over a time step; its header
+        explains the use. A set-valued law has ``NAME_sliding``, ``NAME_breakaway``, ``NAME_force``, which takes the force that would hold
+        the body at rest, and a ``NAME_step`` for time-stepping simulations, in which bodies come to rest and stay at rest. MATLAB is a
+        function NAME that returns a struct with the same. TOML is the table ``[robot.friction]`` of a study file.
     name : str, optional
-        What the functions (or the joint) are called; by default the law's name in lower case.
+        Name of the functions (or the joint); by default the law's name in lower case.
     load : float, optional
-        Of ``"mujoco"``: load on the contact [N]. By default that of a robot whose load is a number, else 1, at which coefficients of
-        friction are forces.
+        For ``"mujoco"``: load on the contact [N]. By default that of a robot whose load is a number, else 1, for which friction
+        coefficients are forces.
     speeds : tuple of float, optional
-        Of ``"mujoco"``, needed there: the range (slowest, fastest) [m/s] in which the joint is to be right.
+        For ``"mujoco"``, where it is required: the range (slowest, fastest) [m/s] over which the joint is fitted to the law.
     armature : float, optional
-        Of ``"mujoco"``: inertia of the rotor as the joint feels it, gear ratio squared times the motor's [kg m^2].
+        For ``"mujoco"``: inertia of the rotor as the joint feels it, gear ratio squared times the motor's [kg m^2].
 
     Returns
     -------
     ExportedLaw
-        The text, and of ``"mujoco"`` the numbers with their error: a joint of MuJoCo has dry friction and damping that are the same both
-        ways, so that the two that come closest (smallest largest error) over the range of speed are taken.
+        The text, and for ``"mujoco"`` the numbers with their error: a MuJoCo joint has dry friction and damping that are the same in both
+        directions; the pair with the smallest maximum error over the range of speeds is taken.
 
     Raises
     ------
     InputError
-        If the law cannot be written in this language: one that draws by chance, or in TOML one of your own.
+        If the law cannot be written in this language: a law with random numbers, or in TOML a user-defined one.
 
     Examples
     --------

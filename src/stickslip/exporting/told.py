@@ -8,11 +8,11 @@ __all__ = ["head"]
 
 _UNITS = (
     "SI units: v [m/s] (of a joint rad/s), load and friction force [N] (of a joint with load 1: N m).",
-    "The friction force brakes: it is positive where v is, and is subtracted in the equation of motion.",
+    "The friction force opposes sliding: it has the sign of v, and is subtracted in the equation of motion.",
 )
 _STEP = (
-    "One step holds v and load: give the means of the step. Inner states go by exponential Rosenbrock-Euler steps,",
-    "z + dt phi1(dt J) f with phi1(x) = (exp(x) - 1)/x, which no stiffness makes unstable.",
+    "v and load are constant within a step: give their means. Inner states go by exponential Rosenbrock-Euler steps,",
+    "z + dt phi1(dt J) f with phi1(x) = (exp(x) - 1)/x, which are stable for any stiffness.",
 )
 _EXACT = "The rates of this law are linear in its states, so that this is exact for the v and load that are held."
 _SECOND = "The error of a step is of third order in dt."
@@ -21,7 +21,7 @@ _MODES = (
     "between steps, it switches as at the instant of v = 0.",
 )
 _SET_VALUED = (
-    "The law is set-valued: at rest friction is whatever holds the body, between the limits of breakaway. force() takes what would hold",
+    "The law is set-valued: at rest friction balances the other forces, between the limits of breakaway. force() takes what would hold",
     "it; step() takes `needed`, the force that would leave the body at rest at the end of a time step, applied + mass v / dt, and gives",
     "the one that acts in this step: the body then stops, and stays, up to rounding. The error is of first order in dt.",
 )

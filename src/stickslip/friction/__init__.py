@@ -1,4 +1,4 @@
-"""Friction laws: one law, one file. `LAWS` lists those that stand for themselves by name; `Sum` adds any of them up."""
+"""Friction laws: one law, one file. `LAWS` lists the elementary ones by name; `Sum` adds them."""
 
 from stickslip.contracts import Law
 from stickslip.friction.bristle import Bristle

@@ -12,7 +12,7 @@ __all__ = ["Approximation", "SmoothedCoulomb"]
 
 
 class Approximation(Law):
-    """Base of the laws that exist to show how wrong they are; each brings its force and its sentence."""
+    """Base of the laws that serve to show their own error; each has its force and a sentence on the error."""
 
     states: ClassVar[int] = 0
     approximation: ClassVar[str] = ""

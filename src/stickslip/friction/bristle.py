@@ -37,7 +37,7 @@ class Bristle(Law):
     bristles : int
         Number of bristles.
     seed : int
-        Picks the random places.
+        Seed of the random positions.
 
     References
     ----------

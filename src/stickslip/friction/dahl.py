@@ -20,9 +20,9 @@ class Dahl(Law):
     .. math:: R = \sigma_0 z, \qquad \dot z = v\,|u|^i \operatorname{sgn} u, \qquad
               u = 1 - \frac{\sigma_0 z}{\mu_\pm N}\operatorname{sgn} v
 
-    The force depends on the path alone, not on how fast it is travelled. There is no Stribeck effect, no static friction above the
-    kinetic one, and no true rest. With an exponent below 1 sliding is reached after a finite way; the curve is rounded
-    off where :math:`|u| < 10^{-12}`, so that it has a slope everywhere.
+    The force depends on the path alone, not on how fast it is travelled. There is no Stribeck effect, no static friction above the kinetic
+    one, and no true rest. With an exponent below 1 sliding is reached after a finite displacement; the curve is rounded off where
+    :math:`|u| < 10^{-12}`, so that it has a slope everywhere.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Dahl(Law):
     sigma0 : float
         Stiffness of the contact at rest [N/m].
     exponent : float
-        Exponent i, the shape of the way into sliding [-]: 1 for ductile materials, less for brittle ones.
+        Exponent i, the shape of the transition to sliding [-]: 1 for ductile materials, less for brittle ones.
 
     References
     ----------

@@ -18,7 +18,7 @@ class DeadBand(SmoothedCoulomb):
 
     .. math:: R = \mu_\pm N\,v/w \;(|v| < w), \qquad R = \pm\mu_\pm N \;(|v| \ge w)
 
-    It exists so that you can see how wrong it is. For friction that rests, take `Coulomb`, which is solved exactly.
+    It serves to show the error of such approximations. For true sticking use `Coulomb`, which is solved exactly.
 
     Parameters
     ----------

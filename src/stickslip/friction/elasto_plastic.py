@@ -33,7 +33,7 @@ class ElastoPlastic(Law):
               \alpha = \tfrac12 + \tfrac12\sin\!\left(\pi\,\frac{s - (z_{ss}+z_{ba})/2}{z_{ss}-z_{ba}}\right) \;(z_{ba} < s < z_{ss}), \quad
               \alpha = 1 \;(s \ge z_{ss}), \qquad s = z\operatorname{sgn} v
 
-    with LuGre's :math:`g_\pm`. Up to the deflection :math:`z_{ba}` the contact is purely elastic: what the body moved it moves back. Where
+    with LuGre's :math:`g_\pm`. Up to the deflection :math:`z_{ba}` the contact is purely elastic: displacements are fully recovered. Where
     the load falls so far that it would be elastic beyond sliding, it is elastic up to :math:`0.99\,z_{ss}`.
 
     Parameters

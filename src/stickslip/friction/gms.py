@@ -34,9 +34,9 @@ class GMS(Law):
               k_i \dot z_i = \operatorname{sgn}(v)\,C\left(\alpha_i - \frac{k_i z_i}{S}\operatorname{sgn} v\right) \;\text{(slips)}, \qquad
               S = N g_\pm(v)
 
-    with LuGre's :math:`g_\pm`. An element sticks until its force in the direction of motion reaches :math:`\alpha_i S`, and then
-    slips until v passes zero: this is discrete memory, kept as modes (0 sticks, 1 slips). It has what measured contacts have and one
-    bristle has not: hysteresis with non-local memory in pre-sliding, frictional lag in sliding, and no drift below break-away.
+    with LuGre's :math:`g_\pm`. An element sticks until its force in the direction of motion reaches :math:`\alpha_i S`, and then slips
+    until v passes zero: this is discrete memory, kept as modes (0 sticks, 1 slips). Like measured contacts, and unlike a single bristle, it
+    has hysteresis with non-local memory in pre-sliding, frictional lag in sliding, and no drift below break-away.
 
     Parameters
     ----------

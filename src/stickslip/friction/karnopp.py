@@ -20,8 +20,8 @@ class Karnopp(Approximation):
 
     .. math:: R = \pm\mu_\pm N \;(|v| > w), \qquad R = \min(\max(R_0, -f_- N), f_+ N) \;(|v| \le w)
 
-    R_0 is the friction force that would keep v constant. The body is not stopped inside the band but keeps the
-    velocity with which it came in. For friction that rests, take `Coulomb`, which is solved exactly.
+    R_0 is the friction force that would keep v constant. The body is not stopped inside the band but keeps the velocity with which it
+    entered. For true sticking use `Coulomb`, which is solved exactly.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class Stribeck(Law):
     .. math:: R = \pm N\left(\mu_\pm + (f_\pm-\mu_\pm)\,e^{-|v/v_s|^\delta}\right) + c\,v \;(v \ne 0), \qquad
               -f_- N \le R \le f_+ N \;(v = 0)
 
-    Measured curves want exponents between 1/2 and 2. With another exponent than 1 and 2 the curve is rounded off where
+    Measured curves have exponents between 1/2 and 2. With exponents other than 1 and 2 the curve is rounded off where
     :math:`|v| < 10^{-12} v_s`, so that it has a slope everywhere.
 
     Parameters
@@ -35,7 +35,7 @@ class Stribeck(Law):
     exponent : float
         Exponent of the Stribeck curve [-].
     viscous : float
-        Viscous friction c, not times the load [N s/m].
+        Viscous friction c, independent of the load [N s/m].
 
     References
     ----------

@@ -18,8 +18,8 @@ __all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]
 class Sum(Law):
     """Two laws that act simultaneously on one contact; written `a + b` or ``Sum(a, b)``.
 
-    Set-valued laws add to a set-valued law. A law with inner states takes any law that holds nothing at rest, such as `Viscous`.
-    Two laws with inner states, or one and a law that sticks, have no sum here.
+    Set-valued laws add to a set-valued law. A law with inner states can be added to a law without static friction, such as `Viscous`. Two
+    laws with inner states, or one of them and a law that sticks, cannot be added.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class SlidingSum(Sum):
 
 
 class DynamicSum(Sum):
-    """The sum of a dynamic law and one that holds nothing at rest."""
+    """The sum of a dynamic law and one without static friction."""
 
     def _parts(self) -> tuple[Any, Any]:
         one, two = adapted(self.first), adapted(self.second)
@@ -181,8 +181,8 @@ def _kind(parts: list[Any]) -> type:
     if any(memory) and any(sticks):
         raise InputError(
             "Sum",
-            [f"{names[0]} and {names[1]}: one has inner states and the other sticks; allowed beside a law with memory is one that holds "
-             "nothing at rest, such as ss.Viscous"],
+            [f"{names[0]} and {names[1]}: one has inner states and the other sticks; allowed beside a law with inner states is one "
+             "without static friction, such as ss.Viscous"],
         )  # fmt: skip
     if any(law.modes for law in known):
         return ModalSum

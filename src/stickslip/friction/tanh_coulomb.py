@@ -18,7 +18,7 @@ class TanhCoulomb(SmoothedCoulomb):
 
     .. math:: R = \mu_\pm N \tanh(v/w)
 
-    It exists so that you can see how wrong it is. For friction that rests, take `Coulomb`, which is solved exactly.
+    It serves to show the error of such approximations. For true sticking use `Coulomb`, which is solved exactly.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class TanhCoulomb(SmoothedCoulomb):
     """
 
     approximation: ClassVar[str] = (
-        "tanh-smoothed Coulomb friction holds nothing at rest: under any force below break-away the body creeps, at a speed near width"
+        "tanh-smoothed Coulomb friction has no static friction: under any force below break-away the body creeps, at a speed near width"
     )
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:

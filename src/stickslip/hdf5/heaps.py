@@ -20,7 +20,7 @@ def check_heaps(data: Any) -> None:
     while (place := data.find(_BEGIN, place + 1)) >= 0:
         (size,) = struct.unpack("<Q", data[place + 8 : place + _HEAD].ljust(8, b"\0"))
         if not _HEAD <= size <= len(data) - place:
-            raise ValueError(f"a heap of its texts says {size} bytes")
+            raise ValueError(f"a heap of its texts declares {size} bytes")
         _check_objects(data, place + _HEAD, place + size)
 
 
@@ -29,8 +29,8 @@ def _check_objects(data: Any, place: int, end: int) -> None:
         number, _, _, size = struct.unpack("<HHIQ", data[place : place + _HEAD])
         if number == 0:
             if size != end - place:
-                raise ValueError("a heap of its texts does not end where it says")
+                raise ValueError("a heap of its texts does not end where declared")
             return
         place += _HEAD + -(-size // 8) * 8
     if place > end:
-        raise ValueError("a heap of its texts does not end where it says")
+        raise ValueError("a heap of its texts does not end where declared")

@@ -205,8 +205,8 @@ def _check_machine(model: Any, label: str) -> None:
     parts = f"{m.coordinates} bodies and {len(m.contacts)} contacts"
     raise InputError(
         "identify",
-        [f"{label}: what is applied tells one body with one contact; the machine has {parts}; "
-         'take away what makes it several (gear_stiffness, backlash), or fit its steady motion with using="velocity"'],
+        [f"{label}: an applied force is fitted for one body with one contact; the machine has {parts}; "
+         'remove what makes it several (gear_stiffness, backlash), or fit its steady motion with using="velocity"'],
     )  # fmt: skip
 
 

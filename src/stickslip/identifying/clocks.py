@@ -137,7 +137,7 @@ def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, A
     a, b = t[known][np.clip(near - 1, 0, None)], t[known][np.clip(near, None, known.sum() - 1)]
     inside = (b - a) <= 3 * h
     jitter = float(np.std(np.diff(t)[np.diff(t) < 3 * h]) / h)
-    notes.append(f"the times are uneven (by {100 * jitter:.2g} % of a step), so that motion and input are taken at even ones, by splines")
+    notes.append(f"the times are uneven (by {100 * jitter:.2g} % of a step), so motion and input are resampled at even ones, by splines")
     values = [CubicSpline(t[known], of[known])(even) for of in (x, y)]
     return even, *values, np.where(inside, np.interp(even, t[known], weight[known]), 0.0)
 

@@ -155,7 +155,7 @@ def compare(
     settle: int | str = "auto",
     rtol: float = 1e-8,
 ) -> Comparison:
-    """Compare a record with several friction laws for the same robot: curves on one phase, mean velocities, rms, events and motion types.
+    """Compare a record with several friction laws for one robot: curves aligned in phase, mean velocities, rms, events and motion types.
 
     Each law's curve is shifted in the drive's phase until it fits the record best; nothing else is fitted.
 
@@ -175,7 +175,7 @@ def compare(
     settle : int or "auto"
         Drive periods at the start of the record that are left out; "auto" finds those that differ from the later ones, and a note says so.
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
 
     Returns
     -------
@@ -295,4 +295,4 @@ def _words(measured: Row, rows: tuple[Row, ...]) -> list[str]:
     if not other:
         return []
     rule = "a record counts as at rest below a speed, a law with inner states below a part of its sliding force"
-    return [f"the record's type is {measured.type}, {', '.join(other)}: {rule}, so one motion may have two words; judge by rms and R²"]
+    return [f"the record's type is {measured.type}, {', '.join(other)}: {rule}, so one motion may get two types; judge by rms and R²"]

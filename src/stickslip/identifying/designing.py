@@ -139,14 +139,14 @@ def design(
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
-    """The experiment that best determines the parameters or discriminates between rival laws; and what none of them can determine.
+    """The experiments that best determine the parameters or discriminate between rival laws, and the parameters that none can determine.
 
     Parameters
     ----------
     make : callable or Robot
         As for `identify`.
     free : dict
-        Where the parameters are supposed to be (their values, not bounds).
+        Expected values of the parameters (not bounds).
     experiments : dict of argument -> values, or list of dicts
         Settings to choose from; a dict stands for all combinations.
     noise : float
@@ -159,9 +159,9 @@ def design(
         Other makers that take the same arguments, already fitted: the design that separates them best from `make` is sought.
     using : {"velocity", "position"}
     sensor : dict, optional
-        What the sensors add, as for `identify`, which will fit it then; ``{}`` is an ideal sensor.
+        Sensor effects, as for `identify`, which will be fitted too; ``{}`` is an ideal sensor.
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     **arguments
         Arguments of `make` that are the same in all experiments.
 
@@ -211,7 +211,7 @@ def _checked(
     settings = settings_of(experiments, problems)
     for name, value in free.items():
         if not _is_number(value):
-            problems.add(f'free: {name} = {value!r}; allowed is the value where it is supposed to be; type for example "{name}": 0.18')
+            problems.add(f'free: {name} = {value!r}; allowed is its expected value; type for example "{name}": 0.18')
     middle = {name: value if _is_number(value) else 1.0 for name, value in free.items()}
     bounds = {name: (0.5 * v, 1.5 * v) if v > 0 else (v - 1.0, v + 1.0) for name, v in middle.items()}
     varied = {k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}
@@ -337,12 +337,12 @@ def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: s
     experiment, _, covariance = best
     untold = [n for n, v in free.items() if not experiment.errors[n] < TOLD * (abs(v) or 1.0)]
     notes = [
-        f"{using} cannot tell {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
+        f"{using} cannot determine {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
         for n in untold
     ]
     notes += [
-        f"{using} hardly tells {n}: a change by 10 % moves it by {part:.2g} of the noise of a sample, as a small error of the drive does; "
-        "fix it"
+        f"{using} hardly determines {n}: a change by 10 % moves it by {part:.2g} of the noise of a sample, as a small error of "
+        "the drive does; fix it"
         for n, part in experiment.visible.items()
         if part < FAINT and n not in untold
     ]

@@ -98,11 +98,11 @@ class Fit(Face):
         Covariance of all numbers that were fitted, on the scale of the search; infinite variance for those that the data do not determine.
     problem : Sensed
     place, jacobian, residuals : arrays
-        Where the search ended, on its own scale; the derivatives have a row more for each number of which something is known beforehand.
+        End of the search, on its own scale; the Jacobian has an additional row for each number with a prior.
     scale : float
-        Factor on the noise: 1 where the noise was given, else what the residuals ask for.
+        Factor on the noise: 1 if the noise was given, else estimated from the residuals.
     starts, agree, steps : int
-        Places of the multistart, how many polished ones ended here, steps of the last polish.
+        Starting points of the search, number of refined ones that ended here, steps of the last refinement.
     notes : tuple of str
     law : str
     provenance : dict
@@ -204,7 +204,7 @@ class Fit(Face):
 
     @cached_property
     def determined(self) -> tuple[Combination, ...]:
-        """The same, each with whether it holds far from the fitted values too."""
+        """The same, each with whether it also holds far from the fitted values."""
         from stickslip.identifying.formulas import combinations
 
         return tuple(combinations(self))
@@ -223,14 +223,14 @@ class Fit(Face):
 
     @cached_property
     def open(self) -> tuple[str, ...]:
-        """Parameters whose interval reaches from bound to bound, though the curvature at the best place tells a standard error."""
+        """Parameters whose interval reaches from bound to bound, although the curvature at the optimum gives a standard error."""
         from stickslip.identifying.uncertainty import open_parameters
 
         return tuple(open_parameters(self))
 
     @property
     def slopes(self) -> NDArray[np.float64]:
-        """Change of each free parameter for a change of its place in the search: array (parameters,)."""
+        """Derivative of each free parameter with respect to its search coordinate: array (parameters,)."""
         return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.place, strict=False)])
 
     @property
@@ -255,7 +255,7 @@ class Fit(Face):
             From the curvature at the optimum (immediate); by refitting the other parameters on either side, which accounts for a
             likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1``; the same numbers
             for any workers). "auto" uses the covariance if the sum of squares is parabolic within two standard errors and to the ends of
-            the interval, otherwise the profile; also for a parameter that changes nothing near its value, but may farther away.
+            the interval, otherwise the profile; also for a parameter that has no effect near its value but may have one farther away.
         part : {"total", "statistical", "systematic"}
             The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
             is what these add. The squares of the lengths on either side add up to that of the total.
@@ -294,27 +294,26 @@ class Fit(Face):
     ) -> xr.Dataset:
         """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
 
-        Beforehand numbers are even between their bounds (their logarithms, of ``"log"``), or as they were typed:
-        ``("normal", mean, sd)``. Noise that is not known has Jeffreys' distribution and is integrated away; correlated residuals count as
-        often as they are independent. The fit itself is where the posterior is highest, if nothing typed is ("uniform", low, high), of
-        which a fit takes mean and standard deviation.
+        Priors are uniform between the bounds (in the logarithm with ``"log"``) or as given: ``("normal", mean, sd)``. Unknown noise has
+        Jeffreys' prior and is integrated out; of correlated residuals only the independent number counts. The fit is the mode of this
+        posterior unless a prior is ("uniform", low, high), of which the fit uses mean and standard deviation.
 
         Parameters
         ----------
         draws : int
-            Of each walker, after the first `burn`.
+            Draws of each walker after the first `burn`.
         walkers : int, optional
-            2 for each number and 2 more, if that is 16 or more.
+            By default 2 for each number and 2 more, at least 16.
         burn : int, optional
-            Half of the draws, 100 or more.
+            By default half of the draws, at least 100.
         seed : int
         progress : callable or bool, optional
 
         Returns
         -------
         xarray.Dataset
-            A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes tell acceptance,
-            the longest autocorrelation time, how many draws are independent, and a note where they are too few.
+            A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes give the
+            acceptance rate, the longest autocorrelation time, the number of independent draws, and a note if these are too few.
 
         References
         ----------
@@ -357,24 +356,24 @@ class Fit(Face):
         Parameters
         ----------
         experiments : dict of name -> values, or list of dicts
-            What an experiment sets: arguments of the model (amplitude, frequency, tilt, a known mass), how it is measured (``using``,
-            ``sensor``, ``noise``), and of forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
-            ``load``. All else is as in the first record. A dict stands for all combinations.
+            Settings of an experiment: arguments of the model (amplitude, frequency, tilt, a known mass), the measurement (``using``,
+            ``sensor``, ``noise``), and for forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
+            ``load``. Everything else is as in the first record. A dict stands for all combinations.
         noise : float, optional
-            Standard deviation of one value; that of the records so far.
+            Standard deviation of one value; by default that of the present records.
         samples : int
         using, sensor
-            As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor calibrated anew. What is named in an
-            experiment counts more.
+            As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor recalibrated. Settings of an experiment take
+            precedence.
 
         Returns
         -------
         Design
-            The experiments that determine most first, with the standard errors that are expected of all records together.
+            The most informative experiments first, with the expected standard errors of a fit to all records.
 
         Examples
         --------
-        A body that never rests says nothing of static friction.
+        The motion of a body that never rests contains no information on static friction.
 
         >>> import stickslip as ss
         >>> rig, how = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}

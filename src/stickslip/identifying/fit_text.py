@@ -76,7 +76,7 @@ def undetermined(fit: Any) -> list[str]:
         if len(members) == 1 and names[0] in fit.bent and names[0] not in fit.open:
             continue
         if len(members) == 1:
-            found.append(f"{names[0]} is not determined: it changes nothing that was measured; fix it, or {fit.remedy}")
+            found.append(f"{names[0]} is not determined: it has no effect on the measured values; fix it, or {fit.remedy}")
             continue
         phases = " the phases and offsets of the records" if len(names) + len(sensors) < len(members) else ""
         beside = f" beside {listed([f'the {s} of the sensor' for s in sensors])}" if sensors else f" beside{phases}" if phases else ""
@@ -102,7 +102,7 @@ def _advice(fit: Any, sensors: list[str], count: int) -> str:
 def _determined(fit: Any) -> list[str]:
     """The combinations of undetermined parameters that the data do determine."""
     return [
-        f"what the data determine of these is {found.formula} = {rounded(found.value, found.error)} {sure(found.error)}"
+        f"the data determine {found.formula} = {rounded(found.value, found.error)} {sure(found.error)}"
         + ("" if found.holds else ", near the fitted values: no formula that was tried holds farther away")
         for found in fit.determined
     ]
@@ -174,5 +174,5 @@ def told(fit: Any) -> str:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
         rows.append(f"  {q.label}, {q.kind}: rms {q.rms:.3g} {q.unit}{noise}{explained}, neighbours correlated {q.correlation:.2f}")
-    rows.append(f"  search: {fit.starts} places tried, {fit.agree} of those polished ended here")
+    rows.append(f"  search: {fit.starts} starting points, {fit.agree} of the refined ones ended here")
     return "\n".join([*rows, *(f"note: {sentence}" for sentence in fit.warnings)])

@@ -106,8 +106,8 @@ def identify(
         later ones by more than the noise, and a note says so.
     transient : bool
         Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
-        unbent bristles. Of forces over a motion that does not repeat, how far the bristles are bent at the first sample is fitted
-        (``fit.sensor["start[0]"]``, from -1, as after a slow slide backwards, by 0, unbent, to 1); of logs of machines it always is.
+        undeflected bristles. For forces over a motion that does not repeat, the bristle deflection at the first sample is fitted
+        (``fit.sensor["start[0]"]``, from -1, as after slow sliding backwards, to 1; 0 is undeflected); for logs of machines it always is.
     sensor : dict, optional
         Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
@@ -115,7 +115,7 @@ def identify(
         and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
         inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
     weights : array, or list of them, optional
-        A weight for each sample (of one record, or of each): the square of its residual counts so many times. 0 leaves it out.
+        A weight for each sample (of one record, or of each): a factor on its squared residual. 0 leaves it out.
     loss : {"squares", "huber", "bisquare"}
         Loss function: the squares of the residuals, or one that grows less for large residuals, so that outliers do not dominate the fit
         ("huber": linearly beyond 1.3 standard deviations of the bulk; "bisquare": constant beyond 4.7). Intervals take the loss function
@@ -123,9 +123,9 @@ def identify(
     starts : int
         Number of starting points of the search.
     seed : int
-        Of the multistart.
+        Seed of the multistart.
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with (done, in all).
     **arguments
@@ -246,7 +246,7 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     notes += [
-        f"{m.label}: the sign of the force was turned, so that friction takes energy"
+        f"{m.label}: the sign of the force was reversed, so that friction dissipates energy"
         for m in problem.targets
         if getattr(m, "flipped", False)
     ]
@@ -350,8 +350,8 @@ def _spared_note(names: list[str]) -> list[str]:
     """What it means that some numbers of sensors were spared."""
     if not names:
         return []
-    left = f"what is left of a force has a shape, so that {listed(names)} of the sensor cannot be told from what the law lacks"
-    return [f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
+    left = f"the residual force is structured, so {listed(names)} of the sensor cannot be distinguished from defects of the law"
+    return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
 
 
 def _undetermined(problem: Sensed, found: Found) -> list[int]:
@@ -364,7 +364,7 @@ def _fit(
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:
-        raise InputError("identify", ["the model could not be solved at any place that was tried; check the arguments that are fixed"])
+        raise InputError("identify", ["the model could not be solved at any starting point; check the arguments that are fixed"])
     given = all(t.given_sigma for t in problem.targets)
     dof = len(best.residuals) - n - problem.nuisances
     scale = noise_scale(problem, best)
@@ -372,7 +372,10 @@ def _fit(
         scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
-        notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
+        notes = [
+            *notes,
+            f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to estimate the noise; type noise=...",
+        ]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__

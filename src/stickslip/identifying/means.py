@@ -30,7 +30,7 @@ class MeansProblem:
     targets : tuple of Target
         All of kind "mean".
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero

@@ -36,7 +36,7 @@ class SteadyProblem:
     parameters : Parameters
     targets : tuple of Target
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero

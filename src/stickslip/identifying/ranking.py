@@ -118,7 +118,7 @@ class Ranking(Drawn):
 
 @explains_arguments
 def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
-    """Order fits of several laws to the same records by information criteria and by records that were held out.
+    """Rank fits of several laws to the same records by information criteria and by held-out records.
 
     A law is not supported if the residuals of its fit are correlated or larger than the noise, if one of its numbers is at a bound, or
     if its search was interrupted, however much better than the others it fits; if every fit has such a fault, no law fits. Correlated
@@ -273,15 +273,15 @@ def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[tuple
     """The supported laws, whether it is one, and a sentence."""
     sound = [r for r in rows if not r.faults]
     if not sound:
-        return (), False, f"no law fits: what is left of the best, {rows[0].label}, is not noise, or its numbers are not to be believed"
+        return (), False, f"no law fits: the residual of the best, {rows[0].label}, is not noise, or its numbers are not credible"
     first = sound[0]
     alike = tuple(r.label for r in sound if r.aicc - first.aicc < UNDECIDED)
     other = next(r for r in rows if r is not first)
     apart = other.aicc - first.aicc
     if not np.isfinite(first.aicc) or not np.isfinite(apart):
-        return alike, False, "these data cannot tell: there are fewer independent values than fitted numbers"
+        return alike, False, "these data cannot decide: there are fewer independent values than fitted numbers"
     if len(alike) > 1:
-        return alike, False, f"these data cannot tell {first.label} from {alike[1]}: ΔAICc is {apart:.2g}, less than {UNDECIDED:g}"
+        return alike, False, f"these data cannot distinguish {first.label} from {alike[1]}: ΔAICc is {apart:.2g}, less than {UNDECIDED:g}"
     if apart < UNDECIDED:
         return alike, True, f"{first.label} is supported: {other.label} has an AICc that is higher by {apart:.3g}, but its fit has a fault"
     if held_out is not None and first.label in held_out and other.label in held_out:
@@ -294,7 +294,7 @@ def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[boo
     first = rows[0]
     outside = min((r for r in rows if r.label in held_out), key=lambda r: r.held_out)
     if outside.label != first.label and outside.held_out < 0.98 * first.held_out:
-        return False, f"these data cannot tell: {first.label} fits best, but {outside.label} predicts the held-out records better"
+        return False, f"these data cannot decide: {first.label} fits best, but {outside.label} predicts the held-out records better"
     second = rows[1]
     wins = int(np.sum(np.asarray(held_out[first.label]) <= np.asarray(held_out[second.label])))
     return (

@@ -40,14 +40,14 @@ def virtual_rig(
     offset: float = 0.0,
     rtol: float = 1e-9,
 ) -> Record:
-    """A synthetic record of a robot, always labelled so.
+    """A synthetic record of a robot, always labelled as such.
 
     Parameters
     ----------
     robot : Robot
-        The truth; with a richer law, or gravity on an incline, than the one that will be fitted.
+        The true robot; its law may be richer than the one that will be fitted, and its incline may have gravity.
     noise : float
-        Standard deviation of white noise on every velocity channel [m/s]; the same part of the range on other channels.
+        Standard deviation of white noise on every velocity channel [m/s]; the same fraction of the range on other channels.
     seed : int
     periods : int
         Drive periods in the record.
@@ -60,15 +60,15 @@ def virtual_rig(
     phase : float
         Drive phase of the first sample, in drive periods.
     bandwidth : float, optional
-        Of the sensor: a first-order low-pass [Hz].
+        Bandwidth of the sensor, a first-order low-pass filter [Hz].
     harmonics : tuple of float
-        Second and third harmonic of a harmonic drive, as parts of its amplitude: what an amplifier or a beam adds.
+        Second and third harmonic of a harmonic drive, as fractions of its amplitude, such as an amplifier or a beam adds.
     resolution : float
-        Step between neighbouring numbers of the digitizer [SI unit of the channel]; 0 for none.
+        Quantisation step of the digitiser [SI unit of the channel]; 0 for none.
     offset : float
-        Of the velocity channels [m/s].
+        Offset of the velocity channels [m/s].
     rtol : float
-        Of the solver.
+        Relative tolerance of the solver.
 
     Returns
     -------

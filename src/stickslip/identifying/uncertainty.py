@@ -179,7 +179,7 @@ def _against_what_is_known(fit: Fit) -> list[str]:
     """Sentences on numbers that are far off what was known of them."""
     off = fit.problem.against_what_is_known(fit.place).items()
     sensor = [number.name for number in fit.problem.numbers]
-    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off what is known of it" for name, size in off]
+    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off its prior" for name, size in off]
 
 
 def _at_bounds(fit: Fit) -> list[str]:
@@ -192,7 +192,7 @@ def _at_bounds(fit: Fit) -> list[str]:
 def _at_bound(fit: Fit, k: int) -> str:
     """What it means that a parameter ends at a bound."""
     if min(fit.place[k], 1 - fit.place[k]) < _AT_BOUND:
-        return "widen the bound, or these data cannot tell it"
+        return "widen the bound, or these data do not determine it"
     return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
 
 
@@ -211,17 +211,19 @@ def remarks(fit: Fit) -> list[str]:
         elif free.name in fit.flat:
             found.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
         elif not _inner_error(fit, k) < 0.3:
-            found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
+            found.append(
+                f"{free.name} is hardly determined by these data: its standard error is a third of the distance of its bounds or more"
+            )
     if told := [name for name in fit.bent if name not in fit.open]:
         found.append(
             f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
-            f"its interval is by profile; covariance and bootstrap are not to be believed"
+            f"its interval is by profile; covariance and bootstrap are not reliable"
         )
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
-        found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
+        found.append("only one refined start ended here; type starts= with a larger number to look for a better place")
     return found
 
 

@@ -23,9 +23,9 @@ class Bodies(Frozen):
     mass : float or tuple of float
         Mass of each body [kg]; a tuple has one for each, from head to tail.
     count : int
-        How many there are, two or more.
+        Number of bodies, two or more.
     friction : Coulomb or LuGre or any law
-        How each of them rubs on the track.
+        Friction law of each body on the track.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Bodies(Frozen):
 
     @property
     def masses(self) -> tuple[Any, ...]:
-        """That of each body [kg]."""
+        """Mass of each body [kg]."""
         return self.mass if isinstance(self.mass, tuple) else (self.mass,) * self.count
 
     def mirrored(self) -> Bodies:

@@ -36,11 +36,11 @@ class Chain(Machine):
     Parameters
     ----------
     modules : tuple of Robot, or Bodies
-        The modules from head to tail, with one common period. One robot with arrays of numbers is a batch and no chain.
+        The modules from head to tail, with one common period. One robot with arrays of numbers is a batch, not a chain.
     link : Spring, Rigid, Gait or any link
-        What joins neighbours; a tuple of links, one for each pair, where they differ.
+        The link between neighbours, or a tuple with one for each pair.
     phases : tuple of float, optional
-        How far the drive of each module is ahead [rad], from -2 pi to 2 pi; none where it is left out.
+        Phase lead of the drive of each module [rad], from -2 pi to 2 pi; zero if left out.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Chain(Machine):
     >>> pair.mechanics.bodies, pair.mechanics.masses[0] == module.total_mass
     (('module 1', 'module 2'), True)
 
-    A worm of three masses, of which one always holds: it goes three amplitudes in a period.
+    A worm of three masses, one of which always sticks: it advances by three amplitudes per period.
 
     >>> wave = ss.Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2 * pi / 3)
     >>> worm = ss.Chain(ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.3)), link=wave)
@@ -126,7 +126,7 @@ class Chain(Machine):
         return tuple(f"module {i + 1}" for i in range(len(self._robots))) or self.modules.names
 
     def module(self, i: int) -> Any:
-        """One module, its drive ahead by its phase."""
+        """One module, with the phase lead of its drive."""
         own = self.modules[i]
         return own if self.phases is None else replace_leaf(own, {"drive": begun_at(own.drive, self.phases[i] / (2 * pi), own.cycles)})
 
@@ -187,7 +187,7 @@ def _check_modules(modules: Any, problems: Problems) -> None:
         )
         return
     problems.found += [
-        f"modules[{i}] = {each!r}; allowed is a Robot whose drive says how its inner mass moves"
+        f"modules[{i}] = {each!r}; allowed is a Robot whose drive prescribes the motion of its inner mass"
         for i, each in enumerate(modules)
         if not hasattr(each, "drive") or isinstance(each, type) or not machine_of(each).is_single
     ]

@@ -32,7 +32,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
     listed = {what: getattr(machine, what)() for what in _EXAMPLES}
     for what, parts in listed.items():
         if not isinstance(parts, dict):
-            hint = "a list where parts are meant has no names; " if isinstance(parts, (list, tuple)) else ""
+            hint = "a list gives its parts no names; " if isinstance(parts, (list, tuple)) else ""
             problems.add(f"{what}() gives {parts!r}; {hint}allowed is a dictionary; type return {_EXAMPLES[what]}")
     if problems.found:
         return
@@ -99,7 +99,7 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         if contact.on not in bodies:
             problems.add(f"{where}.on = {contact.on!r}; {did_you_mean(contact.on, bodies)}")
         elif contact.on == contact.body:
-            problems.add(f"{where} has the body {contact.body!r} rub on itself; allowed is another body, or on=None for the track")
+            problems.add(f"{where} has the body {contact.body!r} in contact with itself; allowed is another body, or on=None for the track")
     elif contact.on is not None and not all(callable(getattr(contact.on, name, None)) for name in ("velocity", "acceleration")):
         allowed = "the name of a body, a speed [m/s], or a motion with position, velocity and acceleration"
         checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
@@ -219,7 +219,7 @@ def _check_groups(machine: Any, problems: Problems) -> None:
         _check_flight(name, contact, machine, problems)
     joined = sum(len(group) - 1 for group in mechanics.groups)
     if joined < len(mechanics.told):
-        problems.add("links() prescribes distances in a closed loop; allowed is one way from body to body; leave one of them out")
+        problems.add("links() prescribes distances in a closed loop; allowed is one path from body to body; leave one of them out")
     for ends, link in mechanics.told if machine.period is not None else ():
         begun, back = link.position(0.0), link.position(machine.period)
         reach = abs(link.position(machine.period / 3) - begun) + abs(link.position(machine.period / 2) - begun)

@@ -65,8 +65,8 @@ class Forced(Frozen):
 
     def __getattr__(self, name: str) -> Any:
         if name in ("position", "velocity", "acceleration"):
-            told = f"Forced has no {name}, because the inner mass moves by itself, and the robot has two bodies"
-            allowed = "allowed are drives that say how it moves, such as ss.Harmonic"
+            told = f"Forced has no {name}, because the inner mass moves freely, and the robot has two bodies"
+            allowed = "allowed are drives that prescribe its motion, such as ss.Harmonic"
             raise OneContactNeeded("Forced", [f"{told}; {allowed}; type ss.solve(robot).bodies['inner'] for its motion"])
         raise AttributeError(f"Forced has no {name!r}")
 
@@ -180,7 +180,7 @@ def _check_stops(stops: tuple[Stop, ...], problems: Problems) -> None:
     for i, one in enumerate(stops):
         for j, other in enumerate(stops[:i]):
             if one.side != other.side and not everywhere(one.gap + other.gap > 0):
-                problems.add(f"stops[{j}] and stops[{i}] leave no way between them; allowed is a gap of more than zero; type gap=0.01")
+                problems.add(f"stops[{j}] and stops[{i}] leave no room between them; allowed is a gap of more than zero; type gap=0.01")
             if one.side == other.side and not _both_met(one, other):
                 problems.add(
                     f"stops[{j}] and stops[{i}] are on one side, and the one behind a stop with restitution is never met; leave it out"

@@ -42,9 +42,9 @@ class Joint(Machine):
 
     .. math:: J\ddot q = n\,\tau - G\sin q - R(\dot q, N), \qquad N = N_0 + \lambda\,|G\sin q|
 
-    q [rad] is measured from hanging: gravity pulls back to q = 0 where `gravity_torque` is positive. The torque :math:`\tau` is the
-    motor's: what is applied, and what the controller adds. With a motor inertia :math:`J_m` and a rigid gear J is
-    :math:`J + n^2 J_m`. With an elastic gear motor and joint are two bodies,
+    q [rad] is measured from the hanging position: gravity pulls back to q = 0 if `gravity_torque` is positive. The motor's torque
+    :math:`\tau` is the sum of the applied torque and the controller's. With a motor inertia :math:`J_m` and a rigid gear J is :math:`J +
+    n^2 J_m`. With an elastic gear motor and joint are two bodies,
 
     .. math:: n^2 J_m\ddot\vartheta = n\,\tau - T(\vartheta - q), \qquad J\ddot q = T(\vartheta - q) - G\sin q - R,
 
@@ -56,10 +56,10 @@ class Joint(Machine):
     inertia : float
         Moment of inertia J on the side of the joint [kg m^2].
     friction : Coulomb or LuGre or any law
-        How the joint rubs. At the load 1, which is the default, coefficients of friction are torques [N m].
+        Friction law of the joint. At the load 1, which is the default, its coefficients are torques [N m].
     torque : float, force or record, optional
-        Applied torque at the motor [N m]: a number; what has `at(t)` and a period, such as a force; or one period of a record, a pair of
-        arrays (times, torques), which is kept as a sum of harmonics. It adds to that of the controller.
+        Applied torque at the motor [N m]: a number; an object with `at(t)` and a period, such as a force; or one period of a record, a pair
+        of arrays (times, torques), which is kept as a sum of harmonics. It adds to that of the controller.
     gravity_torque : float, optional
         G = m g l [N m].
     gear_ratio : float, optional
@@ -69,23 +69,23 @@ class Joint(Machine):
     control : PID, optional
         The controller. Without it a torque must be given.
     load : float, optional
-        N_0, what friction coefficients are multiplied with.
+        N_0, the factor of the friction coefficients.
     load_gain : float, optional
         How much the load grows with the torque of gravity, lambda [1/(N m)].
     motor_inertia : float, optional
-        J_m, at the motor [kg m^2]. Without it none where the gear is rigid; where it is elastic that of the joint as the motor sees it,
-        J/n^2.
+        J_m, at the motor [kg m^2]. By default zero if the gear is rigid; if it is elastic the joint's inertia referred to the motor, J/n^2.
     gear_stiffness : float, optional
-        k, at the joint [N m/rad]. Without it the gear is rigid where it has no backlash, and else 1e4 N m/rad, a small strain-wave gear.
+        k, at the joint [N m/rad]. By default the gear is rigid if it has no backlash, otherwise 1e4 N m/rad, as a small strain-wave gear
+        has.
     gear_damping : float, optional
         [N m s/rad].
     motor_constant : float, optional
-        K, torque of the motor for each ampere [N m/A]: what a record of its current is multiplied with.
+        K, torque of the motor for each ampere [N m/A]: the factor of a record of its current.
     angle : float, optional
         Initial angle [rad], unless a run specifies another one.
     cycles : tuple of int, optional
-        How many periods of torque and target make one period of the joint, in which samples come back too; the joint finds them itself.
-        Zeros: they have no common period, and a run has a duration.
+        Numbers of periods of torque and target in one period of the joint, in which samples repeat too; found by the joint itself. Zeros:
+        there is no common period, and a run needs a duration.
 
     References
     ----------
@@ -196,7 +196,7 @@ class Joint(Machine):
 
     @property
     def period(self) -> Any:
-        """Time after which torque, target and samples come back together [s]; None where nothing does, or not within 64 periods."""
+        """Common period of torque, target and samples [s]; None if there is none, or none within 64 periods."""
         return self.cycles[0] * self._inputs[0].period if self.cycles and any(self.cycles) else None
 
     @property
@@ -291,7 +291,9 @@ class Joint(Machine):
         """Inputs and samples that have no common period."""
         if not self.cycles or any(self.cycles):
             return []
-        return ["torque, target and samples do not come back together within 64 periods, so the joint has no period; give runs a duration"]
+        return [
+            "torque, target and samples have no common period of at most 64 of their own, so the joint has no period; give runs a duration"
+        ]
 
     @classmethod
     def example(cls) -> Joint:

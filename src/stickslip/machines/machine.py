@@ -23,10 +23,10 @@ class Machine(Frozen):
 
     .. math:: M\ddot q = F(t, q, \dot q) - \sum_i g_i R_i(w_i, N_i, z_i), \qquad w_i = g_i\cdot\dot q + b_i(t)
 
-    `bodies()` and `contacts()` must be there; `links()`, `stops()`, `forces(t, x, v)` and `period` may be. Every part has a name, which
-    is the key of its dictionary; results are asked for by these names.
+    `bodies()` and `contacts()` must be there; `links()`, `stops()`, `forces(t, x, v)` and `period` may be. Every part has a name, which is
+    the key of its dictionary; results are selected by these names.
 
-    A field annotated ``float`` is a number of the machine: it may be an array, it can be swept, and it is found in files.
+    A field annotated ``float`` is a number of the machine: it may be an array, it can be swept, and it is saved in files.
     Write `stickslip.maths` functions (``sin``, ``where``, …) in forces and loads: they are traced and compiled.
 
     Examples

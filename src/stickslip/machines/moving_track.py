@@ -37,20 +37,20 @@ class MovingTrack(Machine):
     mass : float
         Mass m [kg].
     along : any drive
-        How the track moves forwards [m].
+        Motion of the track, positive forwards [m].
     across : any drive, optional
-        How it moves up, away from the ground [m], with the same period and a velocity that does not jump.
+        Its motion across itself, positive away from the ground [m], with the same period and a continuous velocity.
     tilt : float
         Angle of the track [rad], positive where forwards is downhill, as of `Incline`.
     friction : Coulomb or LuGre or any law
-        How the mass rubs on the track.
+        Friction law of the mass on the track.
     load : float, optional
         Normal force on a track that does not move across [N]; its weight where it is left out, m g cos(tilt).
     force : float
-        Force F from outside, positive forwards [N].
+        External force F, positive forwards [N].
     restitution : float or None
-        Velocity of parting over velocity of approach where the mass lands after a hop, 0 <= restitution < 1 [-]. With None, and under a
-        law with inner states, a run ends where the load falls to zero.
+        Coefficient of restitution of a landing after a hop, 0 <= restitution < 1 [-]. With None, and under a law with inner states, a run
+        ends when the load falls to zero.
     gravity : float
         Acceleration of gravity [m/s^2].
 
@@ -106,7 +106,7 @@ class MovingTrack(Machine):
             problems.add(periods_differ("along", first, "across", other))
         if len(drive_of(self.across).jumps):
             problems.add(
-                "across jumps in velocity, which takes an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
+                "across jumps in velocity, which needs an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
                 "ss.Pieces, whose acceleration jumps"
             )
 
@@ -132,7 +132,7 @@ class MovingTrack(Machine):
         return self.mass * self.gravity * cos(self.tilt) if self.load is None else self.load
 
     def normal_force(self, t: Any) -> Any:
-        """Normal force while the mass stays on the track [N]; below zero where only glue would hold it."""
+        """Normal force while the mass stays on the track [N]; negative where only adhesion would hold it."""
         return self.still_load if self.across is None else self.still_load + self.mass * self.across.acceleration(t)
 
     @property

@@ -23,7 +23,7 @@ class Body(Frozen):
     Parameters
     ----------
     mass : float
-        All that moves with it [kg].
+        Total mass that moves with it [kg].
     force : float or callable, optional
         Applied force, all but links and friction [N]: a number, or a function of time [s], its position [m] and its velocity [m/s].
     position : float, optional
@@ -34,7 +34,8 @@ class Body(Frozen):
         Instants in (0, period) at which the force is not smooth [s]; conditions on time that are written with
         `stickslip.maths.where` are found without being named.
     gravity : float or callable, optional
-        What of the applied force is gravity's, as `force` is given [N]; `stickslip.energy` counts its work apart from that of the drive.
+        The part of the applied force that is due to gravity, in the form of `force` [N]; `stickslip.energy` counts its work apart from that
+        of the drive.
 
     Examples
     --------
@@ -73,17 +74,16 @@ class Contact(Frozen):
     body : str
         Name of the body.
     friction : law
-        Any friction law; it sees the slip velocity, that of the body less that of what it rubs on.
+        Any friction law; it receives the slip velocity, that of the body minus that of the opposing surface.
     on : optional
-        Nothing is the track; the name of another body; the speed of a belt [m/s]; or a motion, which has `position(t)`,
-        `velocity(t)` and `acceleration(t)` as every drive has.
+        The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; or a motion, which has
+        `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has.
     load : float or callable, optional
         Normal force [N]: a number, or a function of time [s] and the position of the body [m]. Without it, the weight of the body
         where gravity is the machine's `gravity`, or 9.81 m/s^2.
     restitution : float, optional
-        With it the body flies where the load falls to zero, and lands again: velocity of parting over velocity of approach, from 0 to
-        below 1. Its only contact must be this one, and what it rubs on no body. Without it, and under a law with inner states, a run
-        ends where the load falls to zero.
+        Coefficient of restitution, from 0 to below 1: the body takes off when the load falls to zero, and lands again. This must be its
+        only contact, and not with another body. If not given, and under a law with inner states, a run ends when the load falls to zero.
 
     Examples
     --------
@@ -117,9 +117,9 @@ class Spring(Frozen):
     length : float, optional
         Distance at which it is relaxed, from the second body to the first [m].
     cubic : float, optional
-        What it has of the third power of its extension [N/m^3]: positive hardens, negative softens. None where it is left out.
+        Coefficient of the third power of its extension [N/m^3]: positive hardens, negative softens. Zero if left out.
     clearance : float, optional
-        Play [m]: the spring takes hold where the distance is more than half of it from `length`, on either side. None where there is none.
+        Play [m]: the spring acts where the distance differs from `length` by more than half of it. Zero if left out.
 
     Examples
     --------
@@ -164,7 +164,7 @@ class Rigid(Frozen):
     """
 
     def position(self, t: Any) -> Any:
-        """What is added to the distance at the start [m]."""
+        """Change of the distance since the start [m]."""
         return 0.0
 
     def velocity(self, t: Any) -> Any:
@@ -187,9 +187,9 @@ class Gait(Frozen):
     Parameters
     ----------
     drive : any drive
-        How the first distance varies.
+        Variation of the first distance.
     lag : float
-        How much later each next distance does the same, as a phase [rad]; negative runs the wave from tail to head.
+        Phase lag of each distance behind the preceding one [rad]; if negative, the wave runs from tail to head.
     length : float, optional
         Distance about which it varies [m].
 
@@ -227,9 +227,9 @@ class Stop(Frozen):
     Parameters
     ----------
     gap : float
-        How far the distance from the second body to the first may go before they touch [m].
+        Distance from the second body to the first at which they touch [m].
     restitution : float, optional
-        Of a hit: velocity of parting over velocity of approach, from 0 to 1. Give this, or a stiffness.
+        Coefficient of restitution of an impact, from 0 to 1. Give this, or a stiffness.
     stiffness, damping : float, optional
         Of an elastic stop [N/m], [N s/m]; it pushes and never pulls.
     side : {1, -1}, optional

@@ -68,7 +68,7 @@ class PeriodicRecord(OfPeriod, FourierDrive):
         values : array (n,)
             The record there [rad or N m]; its last value is its first again.
         tolerance : float
-            Harmonics are kept until what is left out is below this part of the r.m.s. of the record about its mean.
+            Harmonics are kept until the remainder is below this fraction of the r.m.s. of the record about its mean.
         order : int, optional
             How many harmonics to keep, instead of `tolerance`.
 

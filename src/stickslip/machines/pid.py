@@ -46,12 +46,12 @@ class PID(Frozen):
     kd : float
         Derivative gain [N m s/rad]; 0 is none.
     target : float, motion or record
-        The angle that is wanted [rad]: a number; a motion, which has position, velocity and period as every drive has; or one period of a
+        Target angle [rad]: a number; a motion, which has position, velocity and period as every drive has; or one period of a
         record, a pair of arrays (times, angles), which is kept as a sum of harmonics.
     sample : float, optional
         Time between samples [s]; without it the controller acts continuously.
     feedforward : float, optional
-        Torque f against friction, given in the direction in which the target moves [N m].
+        Torque f against friction, in the direction in which the target moves [N m].
     feedback : {"joint", "motor"}, optional
         Which angle is measured: that of the joint, or that of the motor as the joint sees it (its angle over the gear ratio).
 

@@ -1,6 +1,7 @@
-"""Mechanisms: the test benches of the field, each equations of motion with one contact.
+"""Mechanisms: the standard test benches of the field, each with one contact.
 
-`MECHANISMS` lists by name what stands in the table [mechanism] of a study file: the benches, chains of robots, and masses on moving tracks.
+`MECHANISMS` lists by name what the table [mechanism] of a study file may contain: the benches, chains of robots, and masses on moving
+tracks.
 """
 
 from typing import Any

@@ -29,7 +29,7 @@ class BlockOnBelt(SpringMass):
     speed : float
         Speed u of the belt [m/s].
     friction : Coulomb or LuGre or any law
-        How the block rubs on the belt; plus is a block that moves faster than the belt.
+        Friction law of the block on the belt; plus is a block that moves faster than the belt.
     load : float
         Normal force [N]; with 1 the coefficients of the law are forces.
     damping : float

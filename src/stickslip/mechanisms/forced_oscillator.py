@@ -31,9 +31,9 @@ class ForcedOscillator(Mechanism):
     force : float
         Amplitude F of the force [N].
     omega : float
-        Angular frequency of the force [rad/s]. Also without a force it says what one period is.
+        Angular frequency of the force [rad/s]. It defines the period even if there is no force.
     friction : Coulomb or LuGre or any law
-        How the mass rubs.
+        Friction law of the mass.
     load : float
         Normal force [N]; with 1 the coefficients of the law are forces.
     bias : float

@@ -87,7 +87,7 @@ class SpringMass(Mechanism):
 
     @property
     def velocity_scale(self) -> float:
-        """Speed of what moves steadily, against which errors are measured [m/s]."""
+        """Speed of the steady motion, the scale of errors [m/s]."""
         return abs(self.speed)
 
     @property

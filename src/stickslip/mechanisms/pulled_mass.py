@@ -28,7 +28,7 @@ class PulledMass(SpringMass):
     speed : float
         Speed u of its far end [m/s].
     friction : Coulomb or LuGre or any law
-        How the mass rubs on the track.
+        Friction law of the mass on the track.
     load : float
         Normal force [N]; with 1 the coefficients of the law are forces.
     damping : float

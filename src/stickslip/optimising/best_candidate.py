@@ -60,14 +60,14 @@ def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
 
 
 def _remarks(values: dict[str, Any]) -> list[str]:
-    rests = ["the best machine makes no way: its mean velocity is 0"] if values.get("mean_velocity") == 0.0 else []
+    rests = ["the best machine does not move: its mean velocity is 0"] if values.get("mean_velocity") == 0.0 else []
     return [*rests, *(["the motion had not settled: V is that of its last periods"] if values.get("steadiness", 0) != 0 else [])]
 
 
 def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
     """Sentences on limits beyond which the search began."""
     beyond = [limit for limit in limits if limit.name in given and np.min(limit.margins(given[limit.name])) < -KEPT]
-    return [f"the machine that was given does not keep {limit.told()}" for limit in beyond]
+    return [f"the given machine violates {limit.told()}" for limit in beyond]
 
 
 def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:
@@ -82,7 +82,7 @@ def _another_way(V: float, way: float | None) -> list[str]:
     """A sentence where the motion that is continued from that of the given machine is another one than that from rest."""
     if way is None or abs(way - V) <= _SAME * abs(V):
         return []
-    return [f"continued from the motion of the machine that was given, V = {way:.6g} m/s; from rest it is {V:.6g}"]
+    return [f"continued from the motion of the given machine, V = {way:.6g} m/s; from rest it is {V:.6g}"]
 
 
 def _active_limits(limits: list[Limit], values: dict[str, Any]) -> list[str]:

@@ -87,7 +87,7 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
     low, high = -np.inf if least is None else least, np.inf if largest is None else largest
     if not low < high or (np.isinf(low) and np.isinf(high)) or (name in LIMITS and high <= 0.0):
         typed = f'type subject_to={{"{name}": ({high:g}, {low:g})}}' if np.isfinite(low) and 0.0 < high < low else _TYPED
-        problems.add(f"subject_to[{name!r}] = {ends!r} cannot be kept; allowed is (least, largest), the lesser first; {typed}")
+        problems.add(f"subject_to[{name!r}] = {ends!r} cannot be satisfied; allowed is (least, largest), the lesser first; {typed}")
         return None
     return Limit(name, low, high)
 

@@ -30,9 +30,9 @@ _PART = 512  # machines that are followed together
 def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     """A derivative as a column of a sweep: ``observe={"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}``.
 
-    It is exact, by the tangent of the equations along the steady motion on which each machine settles from rest, as by `gradient`. It is
-    NaN if the motion does not repeat or touches a switch. Next to a change of the sequence of modes it is the derivative on the side of
-    the machine; `gradient` of that machine gives both.
+    It is exact, from the tangent equations along the steady motion that each machine reaches from rest, as in `gradient`. It is NaN if the
+    motion does not repeat or touches a switch. Next to a change of the mode sequence it is the derivative on the machine's side; `gradient`
+    of that machine gives both.
 
     Parameters
     ----------
@@ -40,9 +40,10 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
         "mean_velocity", "drive_power", "cost_of_transport", "friction_power", a state on the strobe such as "state.v", or the mean or the
         integral of an observable of your own.
     by : str
-        A number, or numbers of all parts that are moved together, as for `gradient`.
+        A number, or numbers of all parts that vary together, as for `gradient`.
     unit : str, optional
-        Unit of the result. If not given it is the unit of `of` over that of the number: "m/s/m" of a mean velocity by an amplitude.
+        Unit of the result. If not given it is the unit of `of` over that of the number: "m/s/m" for a mean velocity with respect to an
+        amplitude.
 
     Returns
     -------
@@ -51,7 +52,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     Raises
     ------
     InputError
-        Where it is used: for an unknown name, and for what is not derived over a grid.
+        When it is used: for an unknown name, and for a quantity that cannot be differentiated over a grid.
 
     Examples
     --------
@@ -102,7 +103,7 @@ def _first_of(model: Any) -> Any:
 def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[list[str]]:
     """The names of columns, those of one quantity together; `InputError` for what has no derivative."""
     if why := not_followed(first):
-        raise InputError("derivative", [f"small changes are not followed along the motion of this {type(first).__name__}, as {why}"])
+        raise InputError("derivative", [f"perturbations are not propagated along the motion of this {type(first).__name__}, as {why}"])
     if first.period is None:
         raise InputError("derivative", [f"{type(first).__name__} has no period; allowed are machines with a drive, such as a Robot"])
     together: dict[Any, list[str]] = {}

@@ -42,7 +42,7 @@ class Gradient(dict[str, float]):
     slopes : dict of float
         The derivatives.
     of : str
-        What they are of.
+        The differentiated quantity.
     value : float
         Its value.
     notes : sequence of str
@@ -70,8 +70,8 @@ def gradient(
 ) -> Gradient:
     """Derivatives of a result of the steady motion with respect to numbers of the machine.
 
-    The motion is the one on which the machine settles from rest. Derivatives are exact, by the tangent of the equations through every
-    switch (see `sensitivity`); a note names those that are extrapolated differences.
+    The motion is the one that the machine reaches from rest. Derivatives are exact, from the tangent equations through every switch (see
+    `sensitivity`); a note names those that are extrapolated differences.
 
     Parameters
     ----------
@@ -80,12 +80,12 @@ def gradient(
     of : str or Observable
         "mean_velocity", "drive_power", "cost_of_transport", "friction_power", an extreme ("velocity_max", "velocity_min", "slip_max",
         "slip_min", "stop_force_max"), the state on the strobe ("state.v"), or the mean, the integral or an extreme of an observable of your
-        own. Of a machine of several parts with their number: "velocity_max.0". Of any other column of a sweep, of "multiplier", the
-        largest one, and under laws that creep (`RateState`), derivatives are differences.
+        own. For a machine of several parts, append the number: "velocity_max.0". For any other column of a sweep, for "multiplier" (the
+        largest one) and under laws that creep (`RateState`), derivatives are differences.
     wrt : str or sequence of str, optional
         Names as in ``robot.replace``: "drive.amplitude", "friction.mu_plus", "track.tilt"; of a machine of several parts
-        "modules[1].drive.amplitude", "phases[1]", "link.stiffness"; without an index the numbers of all parts are moved together. If not
-        given, every number by itself.
+        "modules[1].drive.amplitude", "phases[1]", "link.stiffness"; without an index the numbers of all parts vary together. If not given,
+        every number separately.
     rtol : float
         Tolerance of the runs under laws with inner states, 1e-6 to 1e-12. With 1e-9 derivatives of V are good to 1e-5 of how much V
         changes; to 3e-5 for the steepest friction that was tested, a `TanhCoulomb` whose width is a thousandth of V.

@@ -44,37 +44,38 @@ def optimise(
 ) -> Optimum:
     """The best numbers and drives of a machine, within limits.
 
-    A population is searched in the lanes of the solver, one candidate in each (differential evolution); from its best SciPy's SLSQP goes
-    on with exact derivatives through every switch; then both again in ever smaller boxes, because optima of stick-slip often lie where
-    the sequence of modes changes and no derivative is zero. Every candidate is run from rest until its motion repeats.
+    Differential evolution runs one candidate in each lane of the solver; SciPy's SLSQP continues from the best one with exact derivatives
+    through every switch; both are repeated in ever smaller boxes, because optima of stick-slip motions often lie where the mode sequence
+    changes and no derivative is zero. Every candidate is run from rest until its motion repeats.
 
     Parameters
     ----------
     model : Robot or machine
-        Where what is not searched comes from. With a period.
+        The machine, with all numbers that are not varied. It must have a period.
     over : dict
-        What varies: (low, high), such as (2e-4, 8e-4) or ("0.2 mm", "0.8 mm"), for a number by its name as in ``robot.replace``, such as
-        "drive.amplitude" or "track.tilt", of several parts "modules[1].drive.amplitude", "phases[1]"; without an index those of all parts
-        together. A `waveform` for a drive: "drive", "modules[0].drive".
+        The ranges (low, high), such as (2e-4, 8e-4) or ("0.2 mm", "0.8 mm"), of numbers by their names as in ``robot.replace``:
+        "drive.amplitude", "track.tilt", or for several parts "modules[1].drive.amplitude", "phases[1]"; without an index the numbers of all
+        parts vary together. For a drive ("drive", "modules[0].drive") a `waveform`.
     maximise, minimise : str
         Exactly one of them: "mean_velocity", "cost_of_transport", "drive_power", or another column of a sweep.
     subject_to : dict, optional
-        Limits as (least, largest), None for no limit: of "stroke" [m], "relative_velocity" [m/s] and "relative_acceleration" [m/s^2] of
-        the drives, and of columns of a sweep, such as "drive_power" [W]. A waveform needs the acceleration, and stroke or velocity.
+        Limits as (least, largest), None for no limit: of "stroke" [m], "relative_velocity" [m/s] and "relative_acceleration" [m/s^2] of the
+        drives, and of columns of a sweep, such as "drive_power" [W]. A waveform needs a limit of acceleration and one of stroke or
+        velocity.
     robust : dict or Fit, optional
-        What is uncertain, as for `propagate`: {"friction.mu_plus": ("uniform", 0.13, 0.17)}, or a Fit. Every candidate is run with 64
-        points of a Sobol sample, the same for all, and what counts is the worst of them.
+        Uncertain numbers, as for `propagate`: {"friction.mu_plus": ("uniform", 0.13, 0.17)}, or a Fit. Every candidate is run at the same
+        64 points of a Sobol sample, and its worst result counts.
     quantile : float, optional
-        With `robust`: the part of the sample that may be worse than what counts, such as 0.05.
+        With `robust`, the fraction of the sample that may be worse than the result that counts, such as 0.05.
     starts : "closed" or None
-        "closed" tries drives that are known in closed form with the first generation; None nothing but random ones.
+        "closed" includes drives known in closed form in the first generation; None starts from random ones only.
     seed : int
         The same seed gives the same result.
     workers : int
         Threads. The result does not depend on it.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (candidates tried, at most); it ends the search by returning False.
-        So does Ctrl-C, and the best so far is returned.
+        True for a progress line, or a function that is called with (candidates tried, largest number); return False to stop. The best so
+        far is returned, also after Ctrl-C.
 
     Returns
     -------
@@ -84,8 +85,8 @@ def optimise(
     Raises
     ------
     InputError
-        For unknown names, contradictory bounds, bounds or a sample beyond what a number may be, what would be set twice, and where no
-        candidate keeps the limits.
+        For unknown names, contradictory bounds, bounds or a sample outside the allowed range, numbers that are set twice, and if no
+        candidate satisfies the limits.
 
     References
     ----------
@@ -189,7 +190,7 @@ def _check_middle(space: Unknowns) -> None:
     try:
         space.machine(u)
     except InputError as error:
-        told = [f"numbers in the middle of the bounds make no machine: {problem}" for problem in error.problems]
+        told = [f"no machine can be made with numbers in the middle of the bounds: {problem}" for problem in error.problems]
         raise InputError("optimise", told) from None
 
 

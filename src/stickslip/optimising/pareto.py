@@ -37,10 +37,10 @@ def pareto(
     workers: int = 1,
     progress: Any = None,
 ) -> xr.Dataset:
-    """The front of two quantities: for each of some levels of the one that is to be small, the largest of the other.
+    """The Pareto front of two quantities: the largest value of one under several limits on the other.
 
-    Each point is an optimum of its own (`optimise`), with the level as a limit; levels are evenly spaced from the least value there is to
-    that of the machine with the largest of the other. Points that another one beats in both are left out.
+    Each point is a separate optimum (`optimise`) under one limit. The limits are evenly spaced from the smallest possible value to the
+    value of the machine that maximises the other quantity. Dominated points are left out.
 
     Parameters
     ----------
@@ -49,15 +49,15 @@ def pareto(
     maximise, minimise : str
         The two quantities: "mean_velocity", "cost_of_transport", "drive_power", ….
     points : int
-        Levels, 2 or more.
+        Number of limits, 2 or more.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (searches done, in all); it ends them by returning False.
+        True for a progress line, or a function that is called with (searches done, in all); return False to stop.
 
     Returns
     -------
     xarray.Dataset
-        Along the dimension "point", by rising `minimise`: both quantities, and the numbers of the machines that differ between them.
-        `stickslip.plot.front` draws it.
+        Along the dimension "point", in ascending order of `minimise`: both quantities, and the numbers of the machines that differ between
+        them. `stickslip.plot.front` draws it.
 
     Raises
     ------

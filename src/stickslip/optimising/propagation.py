@@ -153,19 +153,20 @@ def propagate(
         One machine with a period.
     uncertain : dict or Fit
         By the names of numbers ("uniform", least, largest), ("normal", mean, standard deviation), or (mean, "1%") for a normal distribution
-        whose standard deviation is that part of the mean; independent of one another. Without an index a name stands for the numbers of
-        all parts, which are then the same. A `Fit` stands for what it found: its parameters are normal on the scale of its search, with
-        its covariance, and end at its bounds; whatever numbers of its model depend on them go into `model`.
+        whose standard deviation is that fraction of the mean; independent of one another. Without an index a name stands for the numbers of
+        all parts, which are then equal. A `Fit` stands for its fitted parameters: they are normally distributed on the scale of its search,
+        with its covariance, and truncated at its bounds; the numbers of `model` that depend on them are set.
     of : str
         "mean_velocity", or another column of a sweep.
     samples : int
-        Of a scrambled Sobol sequence; rounded to a power of two.
+        Number of points of a scrambled Sobol sequence; rounded to a power of two.
     seed : int
-        Of its scrambling.
+        Seed of its scrambling.
     workers : int
         Threads.
     indices : bool
-        Sobol indices of the numbers, which must be independent: for n numbers n + 2 times as many cases are run (Saltelli 2010).
+        Whether to compute Sobol indices of the numbers, which must be independent; n numbers need n + 2 times as many cases (Saltelli
+        2010).
 
     Returns
     -------
@@ -175,8 +176,8 @@ def propagate(
     Raises
     ------
     InputError
-        For unknown names, for distributions that make no machine, for parameters that a fit's data do not determine, and for indices of a
-        fit of several parameters, which are not independent.
+        For unknown names, for distributions that reach values which are not allowed, for parameters that a fit's data do not determine, and
+        for Sobol indices of a fit of several parameters, which are not independent.
 
     References
     ----------
@@ -188,7 +189,7 @@ def propagate(
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     >>> found = ss.propagate(robot, uncertain={"friction.mu_plus": ("normal", 0.15, 0.005)}, of="mean_velocity", samples=256)
-    >>> round(found.std / 0.005, 2)  # the slope by the coefficient of friction, about
+    >>> round(found.std / 0.005, 2)  # about the slope with respect to the friction coefficient
     0.09
     """
     check_quantity("propagate", "of", of, model)

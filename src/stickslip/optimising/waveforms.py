@@ -71,12 +71,12 @@ def waveform(pieces: int | None = None, fourier: int | None = None, spline: int 
     Parameters
     ----------
     pieces : int, optional
-        Pieces of constant relative acceleration: their durations and accelerations are found. The result is a `Pieces`.
+        Number of pieces of constant relative acceleration; their durations and accelerations are searched. The result is a `Pieces`.
     fourier : int, optional
-        Harmonics: amplitudes, phases and the frequency are found. The result is a `MultiHarmonic`.
+        Number of harmonics; amplitudes, phases and the frequency are searched. The result is a `MultiHarmonic`.
     spline : int, optional
-        Points, evenly spaced in the period, of a periodic cubic spline through relative positions. The result is a `Recorded` with the
-        first harmonics of the spline, two for each point.
+        Number of points, evenly spaced in the period, of a periodic cubic spline through relative positions. The result is a `Recorded`
+        with the first harmonics of the spline, two for each point.
 
     Returns
     -------

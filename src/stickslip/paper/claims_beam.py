@@ -37,15 +37,15 @@ def sum_of_modes(study: Study) -> Claim:
         "Using the method of separation of variables, u(x,t) = Σ Y_i(x) η_i(t)",
         verdict(products < 1e-12 and falls),
         (
-            "With Eq. 3.1 set right the modes are orthogonal, the tip mass counted: of the first five, the products over the beam differ "
+            "With Eq. 3.1 corrected the modes are orthogonal, the tip mass included: the matrix of products of the first five differs "
             f"from the unit matrix by at most {plain(products, 1)}.",
             "Without damping the problem has a closed solution without modes. The largest error of the sum at "
             f"{len(FREQUENCIES)} frequencies from 5 to 60 Hz, with "
             + listed(f"{n} mode{'s' * (n > 1)}: {percent(m)}" for n, m in misses.items())
             + ".",
-            "As printed, with u_xx where u_tt belongs, Eq. 3.1 does not separate with Eq. 3.4: Y″/Y of the first mode would have to be one "
-            f"number, and is {listed(plain(x, 3) for x in bent)} at a quarter, a half and three quarters of the length (in 1/L²).",
-            f"{OURS.format(hertz=plain(beam.frequency, 3))}; the numbers are its own.",
+            "As printed, with u_xx where u_tt belongs, Eq. 3.1 does not separate with Eq. 3.4: Y″/Y of the first mode would have to be "
+            f"constant, but is {listed(plain(x, 3) for x in bent)} at a quarter, a half and three quarters of the length (in 1/L²).",
+            f"{OURS.format(hertz=plain(beam.frequency, 3))}; the numbers are those of this beam.",
         ),
         "high: two independent solutions of one equation agree",
         {"products": products, "misses": {str(n): m for n, m in misses.items()}, "curvature_over_shape": bent.tolist()},

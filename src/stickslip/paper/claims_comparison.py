@@ -51,13 +51,13 @@ def anisotropy(study: Study) -> Claim:
         (
             f"With μ₊ = μ₋ the mean velocity of {len(A)} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} is at most "
             f"{plain(level['coulomb'], 2)} (Coulomb) and {plain(level['lugre'], 2)} (LuGre) of Aμω.",
-            f"At 1.7° it is up to {plain(found['coulomb', 'forwards'].max(), 3)} Aμω, and it turns its sign when μ₊ and μ₋ change places "
-            f"(to {plain(max(mirror.values()), 2)} of Aμω; the body starts at the same phase, so traces of the start are in it).",
+            f"At 1.7° it is up to {plain(found['coulomb', 'forwards'].max(), 3)} Aμω, and it changes sign when μ₊ and μ₋ are exchanged "
+            f"(to {plain(max(mirror.values()), 2)} of Aμω, which includes the rest of the transient).",
             f"The drive must overcome friction: at A ≤ {millimetres(still[-1], 3)} the Coulomb robot rests."
             if len(still)
             else "No amplitude here is too small to move.",
         ),
-        "high: exact arcs and converged integration agree, and the mirror image is a symmetry of the equations",
+        "high: the mirror image is a symmetry of the equations, and the computed motions of both laws have it to the numbers above",
         {"isotropic_over_scale": level, "mirror_over_scale": mirror, "largest_over_scale": float(found["coulomb", "forwards"].max())},
     )
 
@@ -161,7 +161,7 @@ def six_groups(study: Study) -> Claim:
             f"Results are printed for {len(tilts)} angles: {listed(f'{t}°' for t in tilts)}. Nothing is said about the other "
             f"{6 - len(tilts)}.",
         ),
-        "high: the text can be counted",
+        "high: the printed results can be counted",
         {"reported": len(tilts)},
     )
 
@@ -194,7 +194,7 @@ def closer_in_number(study: Study) -> Claim:
             "One amplitude was inferred for each angle from the printed simulations, so neither law was fitted to the measurement; the "
             "measured values come without error bars.",
         ),
-        "high for the numbers, low for what they say about the laws: four means with two digits",
+        "high for the numbers, low for the comparison of the laws: four means with two digits",
         {"closer": [r.closer for r in study.table], "won": won},
         tuple(parts),
     )
@@ -223,7 +223,7 @@ def closer_in_shape(study: Study) -> Claim:
             "The measured curves are printed as pictures only and are not available as numbers.",
             "The following can be said: while the Coulomb body rests, the LuGre body keeps moving at up to "
             + listed(f"{speed(slow, 3)} at {tilt}° ({percent(slow / fast, 2)} of its peak)" for tilt, (slow, fast) in found.items())
-            + "; a vibrometer with a precision of 0.001 mm/s would see that, as the paper reports of its measurement.",
+            + "; a vibrometer with a precision of 0.001 mm/s would resolve that.",
         ),
         "moderate: consistent with what the paper describes, but any compliance in the contact or the body would look alike",
         {"velocity_at_rest_and_peak": {str(k): v for k, v in found.items()}},
@@ -260,6 +260,6 @@ def type_four_same(study: Study) -> Claim:
             + listed(f"{percent(s)} and {percent(m)} (type {k})" for k, (s, m) in rows.items() if k != "IV")
             + ".",
         ),
-        "high for the numbers; 'nearly' is a matter of what can be measured",
+        "high for the numbers; 'nearly' depends on the accuracy of the measurement",
         {k: {"curve": s, "mean": m} for k, (s, m) in rows.items()},
     )

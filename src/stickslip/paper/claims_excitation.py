@@ -44,7 +44,7 @@ def harmonic(study: Study) -> Claim:
         (
             f"All higher harmonics together are {percent(distortion)} of the first.",
             f"The amplitude of v/(Aω) is {plain(lines[1], 6)}; the linearised bristle gives μ/√((a−1)²+(b+c)²) = {plain(linear, 6)}.",
-            "The body only stretches its bristles and never slides: presliding.",
+            "The body only deflects its bristles and never slides: presliding.",
         ),
         "high: agrees with the closed formula",
         {"distortion": distortion, "amplitude": float(lines[1]), "linear": float(linear)},
@@ -95,7 +95,8 @@ def always_periodic(study: Study) -> Claim:
             + (f"it repeats after one drive period, and no multiplier is larger than {plain(found.multiplier, 3)}." if holds else
                f"there it {found.low.why}."),
         ),
-        "high: an orbit with its multipliers, not a run that may not have settled; between two steps it is continuous",
+        "high: an orbit with its multipliers, not a run that may not have settled; between the steps it was not computed, and "
+        "other coexisting motions were not searched for",
         {"low": found.low.value, "high": high, "ends": found.low.kind, "largest_multiplier": found.multiplier, "orbits": found.orbits},
     )  # fmt: skip
 

@@ -99,7 +99,7 @@ def quasi_periodic(study: Study) -> Claim:
             "With too few steps Runge-Kutta can be irregular, as the paper describes its motion; at which step sizes depends on the "
             "rounding of the machine, so no single row proves anything.",
         ),
-        "high: independent methods agree, and the failure of the paper's method can be shown",
+        f"high: {'several tolerances' if study.fast else 'independent methods'} agree, and the failure of the paper's method can be shown",
         {
             "converged": ours,
             "second_method": judge,

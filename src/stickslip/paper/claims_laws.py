@@ -136,9 +136,10 @@ def bristle_is_slow(study: Study) -> Claim:
             f"{grouped(counts['bristle']['steps'])} steps and {grouped(counts['bristle']['evaluations'])} evaluations of the force, "
             f"against {grouped(counts['lugre']['steps'])} and {grouped(counts['lugre']['evaluations'])} with LuGre friction.",
             f"Every snap ends a step: {grouped(snaps)} of them on the first {plain(1e6 * path['bristle'], 3)} µm, one in "
-            f"{plain(1e9 * path['bristle'] / max(snaps, 1), 3)} nm, so the mean step is {plain(1e6 * step, 2)} µs. A settled period, in "
-            f"which the body goes {plain(1e3 * whole, 3)} mm, has about {grouped(100 * round(whole / path['bristle'] * snaps / 100))}.",
-            f"The motion itself is LuGre's to {percent(away)} there ({speed(runs['bristle'].v[-1])} and {speed(last.v[-1])}).",
+            f"{plain(1e9 * path['bristle'] / max(snaps, 1), 3)} nm, so the mean step is {plain(1e6 * step, 2)} µs. At this rate a settled "
+            f"period, in which the body moves {plain(1e3 * whole, 3)} mm, has about "
+            f"{grouped(100 * round(whole / path['bristle'] * snaps / 100))} snaps.",
+            f"At the end the velocity differs from LuGre's by {percent(away)} ({speed(runs['bristle'].v[-1])} and {speed(last.v[-1])}).",
         ),
         "high for the steps: they follow from the stiffness of the bristles; the second sentence names no measure",
         {

@@ -77,7 +77,7 @@ def all_types_by_static(study: Study) -> Claim:
             f"Scan of {n} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} by {len(found['f0'])} static coefficients "
             "from 0.18 to 1: at none of these amplitudes do the four printed ones show the four types, neither exactly nor by the LuGre "
             "labels at the default thresholds.",
-            f"At f₀ = 1 {_still(found, study.coexistence)}. Rest and presliding are none of the four.",
+            f"At f₀ = 1 {_still(found, study.coexistence)}. Rest and presliding are not among the four types.",
             *_coexisting(study.coexistence),
             "In a wider reading (any f₀ for each type, at one well-chosen amplitude) the claim holds: with break-away at f₀ the exact "
             "motion passes through "
@@ -115,8 +115,8 @@ def _still(found: dict[str, Any], both: Coexistence) -> str:
     last, n = found["printed"][-1], len(found["amplitude"])
     rest = (found["exact"][:, last] == "rest").sum()
     return (
-        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so that every stop is final"
-        + "".join(f". The LuGre body {_both(r)}" for r in both.ranges if r.f0 == 1.0)
+        f"the exact body rests at {rest} of the {n} amplitudes: the drive force stays below break-away, so the body stays at rest once "
+        "it has stopped" + "".join(f". The LuGre body {_both(r)}" for r in both.ranges if r.f0 == 1.0)
     )
 
 
@@ -124,15 +124,16 @@ def _both(r: Range) -> str:
     """Where a LuGre body has two motions."""
     low, high = r.slide.low, r.rest.high
     return (
-        "slides from some starts and from others only stretches its bristles, or creeps, at amplitudes from "
+        "slides from some initial states, and from others only deflects its bristles or creeps, at amplitudes from "
         f"{millimetres(low.value, 3)} (below, the sliding motion {low.why}) to {millimetres(high.value, 3)} (above, the motion near rest "
-        f"{high.why}), by continuation of both; these starts find both from {millimetres(r.found[0], 2)} to {millimetres(r.found[1], 2)}"
+        f"{high.why}), by continuation of both; these initial states reach both from "
+        f"{millimetres(r.found[0], 2)} to {millimetres(r.found[1], 2)}"
     )
 
 
 def _starts() -> str:
     """The starts in words."""
-    return f"v = {listed(plain(v, 2) for v in STARTS)} times Aμω at drive phase 0, bristles unstretched"
+    return f"v = {listed(plain(v, 2) for v in STARTS)} times Aμω at drive phase 0, bristles undeflected"
 
 
 def _coexisting(both: Coexistence) -> tuple[str, ...]:
@@ -147,7 +148,7 @@ def _coexisting(both: Coexistence) -> tuple[str, ...]:
         f"From {len(STARTS)} starts ({_starts()}): at {two} of {cases} pairs of f₀ and A two LuGre motions coexist, one that slides and "
         "one near rest"
         + (f", besides f₀ = 1 {listed(others)}" if others else "")
-        + f". The exact motion is the same from every start at {cases - int((both.exact > 1e-9).sum())} of {cases} pairs.",
+        + f". The exact motion is the same from every initial state at {cases - int((both.exact > 1e-9).sum())} of {cases} pairs.",
         f"Even with a separate initial state for each of the four figures, at most {_most_of_any(both)} of the four types appear at any of "
         f"{len(both.fine)} amplitudes.",
     )

@@ -67,7 +67,7 @@ class Around:
 
     @cached_property
     def chaotic(self) -> Any:
-        """Where the strobe point does not come back and the largest exponent is positive by three of its errors."""
+        """Where the strobe point does not return and the largest exponent is positive by three of its errors."""
         return (self.grid.period.values == 0) & (self.grid.exponent.values > 3 * self.grid.error.values)
 
     @property

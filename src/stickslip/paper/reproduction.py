@@ -47,17 +47,17 @@ class Reproduction:
     cases : tuple of dict
         Sections 5.1 to 5.4, figure by figure.
     motions : dict
-        By the number of the figure: what kind of motion it is, by multipliers and exponents.
+        By the number of the figure: the kind of motion, from multipliers and exponents.
     around : Around
         Period number and largest exponent over amplitude and kinetic coefficient.
     claims : tuple of Claim
     errata : tuple of Erratum
     equations : tuple of Equation
-        What is solved, as LaTeX.
+        The equations solved, as LaTeX.
     coexistence : Coexistence
         Where two motions exist over static coefficient and amplitude.
     amplitudes : Amplitudes
-        The inferred ones, with the intervals that would do.
+        The inferred amplitudes, with the intervals that fit as well.
     figures : tuple of Picture
         With the paths of their files.
     provenance : dict
@@ -65,7 +65,7 @@ class Reproduction:
     fast : bool
         Whether this is the fast subset.
     seconds : float
-        How long it took.
+        Computing time [s].
     """
 
     folder: Path
@@ -125,7 +125,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     fast : bool
         A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (what is being done, how much of it is done, of how much).
+        True for a progress line, or a function that is called with (current task, amount done, amount in all).
 
     Returns
     -------

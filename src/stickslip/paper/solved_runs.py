@@ -11,7 +11,7 @@ from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 
 __all__ = ["Runs", "Tell", "batch", "solve_all"]
 
-#: Called with (what is being done, how much of it is done, of how much).
+#: Called with (current task, amount done, amount in all).
 Tell = Callable[[str, int, int], None]
 
 

@@ -1,4 +1,4 @@
-"""Pictures of runs, records, benches and maps, and of what becomes of motions along a parameter. They take what was computed before."""
+"""Figures of runs, records, benches, maps and continuations. They draw results that were computed before."""
 
 from stickslip.plot.atlas_figure import atlas
 from stickslip.plot.attractors_along import attractors

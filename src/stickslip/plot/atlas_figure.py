@@ -46,7 +46,7 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     points : bool
-        Whether to mark special points beside which a motion attracts, a sign for each kind.
+        Whether to mark special points next to which a motion attracts, with a symbol for each kind.
 
     Returns
     -------

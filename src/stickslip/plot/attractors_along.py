@@ -24,8 +24,8 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     found : xarray.Dataset
         From `stickslip.attractors`.
     quantity : str, optional
-        "share": of the starts, with its 95 % interval as a band; "mean_velocity", or a number of the strobe state, such as "v". If not
-        given, the mean velocity; of a flow, which has none, its first state.
+        "mean_velocity", "share" (the fraction of the starts, with its 95 % interval as a band), or a number of the strobe state, such as
+        "v". If not given, the mean velocity; of a flow, which has none, its first state.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 

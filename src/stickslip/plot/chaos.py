@@ -35,7 +35,7 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
         Where to draw; a new figure if not given.
     quantity : str
         "motion": period numbers, and where the largest exponent is positive by three of its errors. "exponent": the largest exponent,
-        orange where neighbours part, violet where they meet.
+        orange where neighbouring motions diverge, violet where they converge.
     curves : Curve or list of Curve
         From `stickslip.special_curve`, in the same two parameters: drawn over the map.
 

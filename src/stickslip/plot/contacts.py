@@ -41,8 +41,8 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     Returns
     -------
     matplotlib Axes
-        A row for each contact by its name, the first at the top, then one for each stop. A triangle is a hit or a landing, a cross a
-        contact that was lost.
+        A row for each contact by its name, the first at the top, then one for each stop. A triangle is an impact or a landing, a cross the
+        loss of a contact.
 
     Examples
     --------

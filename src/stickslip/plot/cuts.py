@@ -27,11 +27,11 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
     grid : Dataset
         From `sweep` or `map`. A dimension ``way`` (see ``continue_along``) is drawn as a full and a dashed line.
     along : str
-        The axis to go along.
+        The horizontal axis.
     at : dict, optional
-        Values of other axes to stay at (the nearest ones there are).
+        Fixed values of other axes (the nearest grid values are used).
     lines : sequence of float, optional
-        Values of the one axis that is left; by default up to three of it.
+        Values of the remaining axis; by default up to three.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -95,7 +95,7 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
         return [None]
     if lines is not None:
         if masked_in(lines):
-            raise InputError("line_cut", ["lines has masked values; give what is there, type lines=array.compressed()"])
+            raise InputError("line_cut", ["lines has masked values; leave them out, type lines=array.compressed()"])
         return list(lines)
     known = part[rest[0]].values
     return [known[i] for i in np.unique(np.linspace(0, len(known) - 1, min(3, len(known))).round().astype(int))]

@@ -203,7 +203,7 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
             legend_above(ax, ncols=3)
         else:
             ax.set_yticks([])
-            ax.text(0.5, 0.6, "−∞: disturbances are forgotten at once", transform=ax.transAxes, ha="center")
+            ax.text(0.5, 0.6, "−∞: perturbations vanish at once", transform=ax.transAxes, ha="center")
         return ax
 
 

@@ -19,7 +19,7 @@ _NONE = 1e-12  # of the largest work: smaller ones are not drawn
 
 @explains_arguments
 def energy(found: Balance, ax: Ax = None) -> Any:
-    """The energy balance of a run: work that comes in upwards, work that is taken downwards, for each drive period.
+    """The energy balance of a run, for each drive period: work supplied upwards, work taken out downwards.
 
     The bars of a period add up to the change of the kinetic and the potential energy, which is a line; periods that are left out of the
     mean velocity are shaded.

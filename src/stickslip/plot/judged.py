@@ -26,7 +26,7 @@ _LEAST, _MOST = 1e-3, 1e3  # per cent, between which errors are drawn
 
 @explains_arguments
 def check(found: Checked, ax: Ax = None) -> Any:
-    """How far each method is from the reference in mean velocity, on a logarithmic axis; methods that were skipped are left out.
+    """Distance of each method's mean velocity from the reference, on a logarithmic axis; skipped methods are left out.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def check(found: Checked, ax: Ax = None) -> Any:
 
 @explains_arguments
 def ranking(found: Ranks, ax: Ax = None) -> Any:
-    """A bar for each law: by how much its AICc is above the least. In the grey band laws cannot be told apart.
+    """A bar for each law: the excess of its AICc over the smallest one. Laws in the grey band cannot be distinguished.
 
     Laws that the data support are filled; those that they do not support are hollow. A cross marks the BIC.
 

@@ -44,7 +44,7 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     grid : Dataset
         From `sweep` or `map`, with two axes of numbers.
     x, y : str, optional
-        Which axis goes where; by default the first across and the second up.
+        Horizontal and vertical axis; by default the first and the second.
     borders : bool or "twin"
         Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they separate. Under
         another law they are the borders of the same robot with Coulomb friction, and are drawn on request ("twin").
@@ -96,14 +96,14 @@ def velocity_map(
 ) -> Any:
     """The mean velocity over a plane, or another number, with the borders of the motion types and the fastest point marked.
 
-    Of a machine of several parts choose one beforehand: ``velocity_map(grid.sel(body="module 1"), quantity="body_velocity")``.
+    For a machine of several parts, select one first: ``velocity_map(grid.sel(body="module 1"), quantity="body_velocity")``.
 
     Parameters
     ----------
     grid : Dataset
         From `sweep` or `map`, with two axes of numbers.
     x, y : str, optional
-        Which axis goes where; by default the first across and the second up.
+        Horizontal and vertical axis; by default the first and the second.
     borders : bool
         Whether to draw lines between the motion types that were computed.
     optimum : bool

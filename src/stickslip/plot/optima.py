@@ -83,7 +83,7 @@ def _cuts(found: Any, ax: Any) -> Any:
     best = found[found.of] if found.robust is None else found.robust
     unit = unit_of(found.of.partition(".")[0], found.model)
     factor, letter = scaled([best, *(v for name in names for v in found.cuts[name][2] if np.isfinite(v))], unit)
-    right, across = _across(found, alone) if alone else (1.0, "way from the lower to the upper bound")
+    right, across = _across(found, alone) if alone else (1.0, "fraction of the range from the lower to the upper bound")
     for i, name in enumerate(names):
         way, number, values, kept = found.cuts[name]
         x, line = right * (number if alone else way), {"color": COLOURS[i % 7], "linestyle": DASHES[i % 7]}
@@ -169,7 +169,7 @@ def _curve(drive: Any, name: str) -> Any:
 
 @explains_arguments
 def front(found: Grid, ax: Ax = None) -> Any:
-    """The front of two quantities: for each level of the one that is to be small the largest of the other.
+    """The Pareto front of two quantities: the largest value of one at each level of the other, which is to be small.
 
     Parameters
     ----------

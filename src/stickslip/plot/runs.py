@@ -314,7 +314,7 @@ def _orbit(run: Any, span: tuple[float, float], body: int | None = None) -> tupl
 def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
 
-    Of a mechanism there is the friction force alone, of a machine of several contacts that of each.
+    For a mechanism only the friction force is drawn, for a machine of several contacts that of each.
 
     Parameters
     ----------

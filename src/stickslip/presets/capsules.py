@@ -29,10 +29,10 @@ def capsubot(
     inner_mass: Annotated[Any, INNER_MASS] = 0.074,
     gravity: Annotated[Any, GRAVITY] = 9.81,
 ) -> Robot:
-    """A capsubot: a coil inside the body pushes a magnet on a spring, switched on for a part of each period.
+    """A capsubot: a coil inside the body, switched on for a part of each period, pushes a magnet on a spring.
 
-    Masses, stiffness, friction and pulses are those with which the published model of a vibration-driven robot with an electromagnet goes
-    back by 9.19 mm/s (Nunuparov, Becker, Bolotnik, Zeidis, Zimmermann, Arch. Appl. Mech. 89 (2019) 2193-2208). It has no damper.
+    Masses, stiffness, friction and pulses are those with which the published model of a vibration-driven robot with an electromagnet moves
+    backwards at 9.19 mm/s (Nunuparov, Becker, Bolotnik, Zeidis, Zimmermann, Arch. Appl. Mech. 89 (2019) 2193-2208). It has no damper.
 
     Parameters
     ----------
@@ -41,9 +41,9 @@ def capsubot(
     pulse_period : float or array
         Period of the pulses [s].
     duty : float or array
-        Part of the period for which it is on, between 0 and 1 [-].
+        Fraction of the period for which it is on, between 0 and 1 [-].
     stiffness, damper : float or array
-        Of the spring and the damper between magnet and body [N/m], [N s/m].
+        Stiffness and damping between magnet and body [N/m], [N s/m].
     mu : float or array
         Friction coefficient of body and track, the same both ways and at rest [-].
     body_mass, inner_mass : float or array
@@ -94,9 +94,9 @@ def capsule(
     damping_ratio : float or array
         xi [-].
     gap : float or array
-        Of the stop in front of the inner mass, delta [-].
+        Gap of the stop in front of the inner mass, delta [-].
     stop_stiffness : float or array
-        That of the stop over that of the spring, beta [-].
+        Stiffness of the stop over that of the spring, beta [-].
     mass_ratio : float or array
         Mass of the capsule over the inner mass, gamma [-].
     reaction : bool

@@ -28,15 +28,15 @@ def two_modules(
     body_mass: Annotated[Any, BODY_MASS] = 62.59e-3,
     inner_mass: Annotated[Any, INNER_MASS] = 9.48e-3,
 ) -> Chain:
-    """Two robots joined by a spring, the second driven a phase ahead of the first.
+    """Two robots joined by a spring, the second driven with a phase lead.
 
     Masses and drive are those of the founding paper's robot, friction differs forwards and backwards under Coulomb's law, and the spring is
-    ours: near the resonance of the two against each other, where in antiphase they are 4.7 times as fast as one of them.
+    our choice, near the resonance of the two against each other: in antiphase they move 4.7 times as fast as one of them.
 
     Parameters
     ----------
     phase : float or array
-        How far the second is ahead of the first, which is the head [rad].
+        Phase lead of the second over the first, which is the head [rad].
     stiffness, damping : float or array
         Of the spring between them [N/m], [N s/m].
     amplitude, omega : float or array
@@ -73,7 +73,7 @@ def worm(
     mu_minus: Annotated[Any, MU_MINUS] = 0.3,
     length: Annotated[Any, LENGTH] = 0.05,
 ) -> Chain:
-    r"""A peristaltic worm: masses at distances along which a wave runs from head to tail.
+    r"""A peristaltic worm: masses whose mutual distances carry a wave from head to tail.
 
     The numbers are our choice. With three masses and a lag of a third of a period one mass is always at rest, and the worm moves by
     three amplitudes per period, as long as its inertia does not make this mass slip:
@@ -83,11 +83,11 @@ def worm(
     Parameters
     ----------
     amplitude, frequency : float or array
-        Of each distance between neighbours [m], [Hz].
+        Amplitude and frequency of each distance between neighbours [m], [Hz].
     lag : float or array
-        How far each distance is behind the one before it [rad].
+        Phase lag of each distance behind the preceding one [rad].
     count : int
-        How many masses.
+        Number of masses.
     mass : float or array
         Of each [kg].
     mu_plus, mu_minus : float or array

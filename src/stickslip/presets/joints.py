@@ -32,15 +32,15 @@ def servo(
     Parameters
     ----------
     target : float, motion or record
-        The angle that is wanted [rad].
+        Target angle [rad].
     kp, ki, kd : float or array
-        Gains at the motor, times the gear ratio of 50: those at the joint [N m/rad, N m/(rad s), N m s/rad].
+        Gains at the joint, 50 (the gear ratio) times those at the motor [N m/rad, N m/(rad s), N m s/rad].
     sample : float, optional
-        Time between the samples of the controller [s]; without it it acts continuously.
+        Sampling time of the controller [s]; if not given, it acts continuously.
     static : float or array
-        Static friction over kinetic friction, 1 or more.
+        Ratio of static to kinetic friction, 1 or more.
     compensation : float or array
-        Part of the kinetic friction that the controller gives in the direction of its moving target.
+        Friction compensation: the fraction of the kinetic friction that the controller adds in the direction of its target's motion.
     backlash : float or array
         Play of the gear at the joint [rad].
 

@@ -58,8 +58,8 @@ def piezo_rig(
     law : {"lugre", "coulomb", "coulomb-static"}
         "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
     incline : {"folded", "gravity"}
-        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. Choose "gravity" to
-        replace the law: a law that takes the place of the folded one is on a level track, and ``notes`` says so.
+        "folded" includes the incline in the coefficients, as the paper does (Eq. 4.1); "gravity" lets gravity act. Choose "gravity" if you
+        want to replace the law: in place of the folded law it would be on a level track, as ``notes`` then says.
     gravity : float or array
         Acceleration of gravity [m/s^2].
     sigma0, sigma1, sigma2, v_s : float or array

@@ -49,17 +49,17 @@ def stick_slip_stage(
     stroke : float or array
         Stroke L of the tip [m].
     rise, fall : float or array
-        How long the tip takes forwards, t_s, and back, t_f [s].
+        Durations of the tip's motion forwards, t_s, and back, t_f [s].
     mass : float or array
         Mass m of the slider [kg].
     load : float or array
-        Preload N that presses it on the tip [N].
+        Preload N between slider and tip [N].
     mu : float or array
         Friction coefficient, the same both ways and at rest [-].
     force : float or array
         External force, positive forwards: -q [N].
     law : {"coulomb", "lugre"}
-        "lugre" has the presliding of a real contact, over mu load / sigma0.
+        "lugre" has the presliding of a real contact, over a distance of mu load / sigma0.
     sigma0, sigma1, v_s : float or array
         Stiffness [N/m] and damping [N s/m] of its bristles, and its Stribeck velocity [m/s]; of "lugre" alone.
 
@@ -106,15 +106,15 @@ def conveyor(
     throw_index : float or array
         Throw index [-].
     angle_deg : float or array
-        Angle between the swing and the track, 0 < angle < 90 [degrees].
+        Angle between the vibration and the track, 0 < angle < 90 [degrees].
     frequency : float or array
-        Of the swing [Hz].
+        Frequency of the vibration [Hz].
     mu : float or array
         Friction coefficient, the same both ways and at rest [-].
     tilt_deg : float or array
         Tilt of the track, downhill is forwards [degrees].
     restitution : float or array
-        Of a landing, 0 <= restitution < 1 [-].
+        Coefficient of restitution of a landing, 0 <= restitution < 1 [-].
     mass : float or array
         Mass of the part [kg].
     gravity : float or array

@@ -138,21 +138,21 @@ class Record:
 
     @explains_arguments
     def segments(self, least: int = 100) -> tuple[Record, ...]:
-        """The parts between gaps, and between places where time begins anew, that have `least` samples or more: records to fit together."""
+        """The parts between gaps and between restarts of the time axis, with at least `least` samples each: records to fit jointly."""
         from stickslip.records.segments_and_masks import segments
 
         return segments(self, least)
 
     @explains_arguments
     def masked(self, start: float, end: float, channel: str | None = None) -> Record:
-        """With the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
+        """The record with the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
         from stickslip.records.segments_and_masks import masked
 
         return masked(self, start, end, channel)
 
     @explains_arguments
     def averaged(self, rate: float) -> Record:
-        """With means of neighbouring samples, at most `rate` a second [Hz], and a note that says so.
+        """The record with neighbouring samples averaged, at most `rate` values per second [Hz]; a note says so.
 
         Examples
         --------
@@ -173,7 +173,7 @@ class Record:
 
     @explains_arguments
     def joined(self, other: Measured, delay: float = 0.0) -> Record:
-        """With the channels of another record too, sampled as they are there; its times are later by `delay` [s]."""
+        """The record with the channels of another one added, at their own sampling times, shifted later by `delay` [s]."""
         from stickslip.records.segments_and_masks import joined
 
         return joined(self, other, delay)
@@ -189,7 +189,7 @@ class Record:
 
     @explains_arguments
     def derived(self, heading: str, values: Numbers, like: str, role: str | None = None) -> Record:
-        """With one channel more, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
+        """The record with one more channel, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
         from stickslip.units import heading as split
 
         name, unit = split(heading)
@@ -197,7 +197,7 @@ class Record:
         return self.replace(channels={**self.channels, name: made}, notes=(*self.notes, f"{name} is computed from other channels"))
 
     def relative_velocity(self) -> Record:
-        """With the drive's velocity, as the paper finds it: absolute velocity of the inner mass less the convected one of the body."""
+        """The record with the drive's velocity, found as in the paper: absolute velocity of the inner mass minus that of the body."""
         inner, body = self["absolute velocity"], self["velocity"]
         if len(inner) != len(body) or not np.allclose(inner.time, body.time, rtol=0.0, atol=1e-3 / abs(body.rate)):
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
@@ -205,10 +205,10 @@ class Record:
 
     @explains_arguments
     def save(self, path: str | Path) -> Path:
-        """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
+        """Write the channels to a CSV file that `ss.read` reads back without options: units in the headings, all digits.
 
-        A synthetic record is labelled in its first line, and remains labelled when it is read. Where names and units do not tell what
-        the channels are for, lines before the table do.
+        A synthetic record is labelled in its first line, and remains labelled when it is read. If the roles of the channels do not follow
+        from names and units, lines before the table state them.
 
         Parameters
         ----------
@@ -242,7 +242,7 @@ class Record:
 
     @explains_arguments
     def drive_frequency(self, about: float | None = None) -> Frequency:
-        """Frequency of the drive with its standard error [Hz], refined from the data; `about` helps where it is not the strongest."""
+        """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line."""
         from stickslip.records.tones import drive_frequency
 
         return drive_frequency(self, about)
@@ -263,7 +263,7 @@ class Record:
 
     @property
     def motion_type(self) -> str:
-        """The motion type; where the noise leaves it open, those between which it is open, such as "I or IV"."""
+        """The motion type; if the noise leaves it undecided, the possible ones, such as "I or IV"."""
         return str(self.motion().type)
 
     @explains_arguments
@@ -276,7 +276,7 @@ class Record:
 
     @explains_arguments
     def period(self, frequency: float | None = None) -> int | None:
-        """After how many drive periods the motion repeats; None if it does not within the record."""
+        """Number of drive periods after which the motion repeats; None if it does not within the record."""
         from stickslip.records.measures import period_number
 
         return period_number(self, frequency)

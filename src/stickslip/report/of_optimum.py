@@ -94,7 +94,7 @@ def _gains(best: Any) -> tuple[str, Any, list[Any]]:
             else "–"
         )
         rows.append((_words(name), _told(before, _unit(name)), _told(after, _unit(name)), change))
-    return "What it gains, and what it costs.", ("", "as given", "best", "change"), rows
+    return "Gain and cost.", ("", "as given", "best", "change"), rows
 
 
 def _varied(best: Any) -> tuple[str, Any, list[Any]]:
@@ -169,7 +169,7 @@ def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
         for name in order
     ]
     yield (
-        f"What each number does to the {_words(best.of)}, with the others held.",
+        f"Effect of each number on the {_words(best.of)}, with the others held.",
         ("number", "value", "derivative", "for 1 % more", ""),
         rows,
     )
@@ -187,4 +187,4 @@ def _history(best: Any) -> Figure:
         ax.set_ylabel(f"{_words(best.of)}{f' ({_unit(best.of)})' if _unit(best.of) else ''}")
 
     asked = chart(what, x, ("candidates", ""), (_words(best.of), _unit(best.of)), [curve("best so far", y)])
-    return Figure(f"How the search went: {what}.", svg(draw), asked)
+    return Figure(f"Course of the search: {what}.", svg(draw), asked)

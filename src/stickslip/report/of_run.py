@@ -83,7 +83,7 @@ def _figures(run: Any) -> list[Figure]:
     if several and run.contacts:
         rows = len(run.contacts) + len(machine_of(run.model).mechanics.stops)
         bars = svg(lambda ax: plot.contacts(run, ax=ax), height=max(2.6, 0.9 + 0.27 * rows))
-        found.append(Figure(f"What each contact does over {over}.", bars))
+        found.append(Figure(f"State of each contact over {over}.", bars))
         found.append(Figure("Friction force of each contact.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)))
     elif not several:
         found.append(

@@ -30,7 +30,9 @@ def figures(grid: Any) -> list[Figure]:
     parts = _parts(grid, axes)
     if len(axes) == 1 and len(parts) > 1:
         named = [(label.strip(" ()"), part) for label, part in parts]
-        found.append(Figure("Mean velocity, all in one picture.", svg(lambda ax: _lines(named, axes[0], ax)), together(named, axes[0])))
+        found.append(
+            Figure("Mean velocity, all curves in one figure.", svg(lambda ax: _lines(named, axes[0], ax)), together(named, axes[0]))
+        )
     for label, part in parts:
         if len(axes) == 2:
             found += _type_maps(part, label)

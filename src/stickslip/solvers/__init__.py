@@ -41,7 +41,7 @@ def solve(
     observe: dict[str, Any] | None = None,
     **options: Any,
 ) -> Trajectory | Summary:
-    r"""Simulate a robot or a mechanism, or each one of a batch, from its initial state.
+    r"""Simulate a robot or a mechanism, or every case of a batch, from its initial state.
 
     Parameters
     ----------
@@ -50,15 +50,15 @@ def solve(
     periods : int, optional
         Drive periods to simulate, 200 if neither this nor `duration` is given.
     settle : int or "auto", optional
-        Drive periods that the mean velocity leaves out; ``None`` is the first half. "auto" (batches) stops a case as soon
+        Drive periods that the mean velocity excludes; ``None`` excludes the first half. "auto" (batches) stops a case as soon
         as its strobe point repeats, at most after `periods`.
     rtol : float
         Relative tolerance for dynamic laws, 1e-3 to 1e-12. Exact arcs do not need it.
     start : dict
-        Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, for a law with memory, its integers ``memory``; values that
-        are not given are zero. Arrays broadcast with the batch. If a law has several of ``z`` or of ``memory``, their shape is (batch,
-        count), with the values along the last axis; a single number applies to all of them. Of a `SwitchingFlow` its states by name, or
-        a list of them.
+        Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, for a law with memory, its integers ``memory``; values that are
+        not given are zero. Arrays broadcast with the batch. If a law has several of ``z`` or of ``memory``, their shape is (batch, count),
+        with the values along the last axis; a single number applies to all of them. For a `SwitchingFlow` its states by name, or a list of
+        them.
     workers : int
         Threads for a batch. The result does not depend on it.
     keep : {"trajectory", "summary"}, optional
@@ -77,12 +77,12 @@ def solve(
     observe : dict of Observable, optional
         User-defined columns for a batch, by name: see `observable`.
     **options
-        Options of the method: ``steps`` per period for "rk4". Of a `SwitchingFlow` ``mode``, in which it begins; the first if not given.
+        Options of the method: ``steps`` per period for "rk4"; for a `SwitchingFlow` the initial ``mode``, the first if not given.
 
     Returns
     -------
     Trajectory or Summary
-        Of one case of a `SwitchingFlow` a `FlowRun`.
+        For one case of a `SwitchingFlow` a `FlowRun`.
 
     Raises
     ------

@@ -31,7 +31,7 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     out : path
         A new folder, or one of the same study.
     partial : bool
-        Whether tiles may be missing. Otherwise that is an error which names them, and `out` is not touched.
+        Whether tiles may be missing. Otherwise missing tiles raise an error that names them, and `out` is not changed.
 
     Returns
     -------

@@ -35,13 +35,13 @@ _OLD = "kept by an earlier stickslip, without checksums: damage to the file may 
 def open_study(folder: str | Path) -> xr.Dataset:
     """The results in a study folder as a dataset; for an unfinished study, the results so far.
 
-    Nothing is read but the axes: numbers come from the tiles when they are looked at, so the study may be larger than the memory.
-    Motion types are text here, and small whole numbers with flag_values and flag_meanings in the files.
+    Only the axes are read at once; values are read from the tiles on access, so a study may be larger than the memory. Motion types are
+    text here; the files hold small integers with flag_values and flag_meanings.
 
     Parameters
     ----------
     folder : path
-        What `sweep` was given as `out`; or a .nc file that `export` wrote.
+        The `out` of a `sweep`, or a .nc file that `export` wrote.
 
     Returns
     -------

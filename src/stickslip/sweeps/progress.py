@@ -34,7 +34,7 @@ class Progress:
     seconds : float
         Time since the sweep began [s].
     resumed : int
-        Cases that were there before.
+        Cases from an earlier run.
 
     Examples
     --------
@@ -88,7 +88,7 @@ class Watch:
         self._lock = threading.Lock()
 
     def resumed(self, cases: int) -> None:
-        """Cases that were there before."""
+        """Cases from an earlier run."""
         self._finished = self._resumed = cases
 
     def begun(self, tile: int, cases: int) -> None:

@@ -39,7 +39,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
         As for `sweep`.
     refine : bool
         Compute a coarse grid first and then halve its cells wherever the corners differ in type, period or status, down to the grid
-        asked for. Cells between are filled from their corners and have the status 102. A region thinner than a cell of the coarse grid
+        asked for. The other points are filled in from the corners and have the status 102. A region thinner than a cell of the coarse grid
         can be missed.
     coarse : int
         Points of the coarse grid along each axis, at least.

@@ -153,7 +153,7 @@ def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
     elif isinstance(value, (Sequence, np.ndarray, range)) and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) >= 1:
         array = _flat(value)
         if masked_in(value):
-            problems.add(f"{name} has {masked_in(value)} masked values; give what is there, type {name}=array.compressed()")
+            problems.add(f"{name} has {masked_in(value)} masked values; leave them out, type {name}=array.compressed()")
         elif array is None or array.size == 0:
             problems.add(f"{name} has {_shape(value)}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
         else:

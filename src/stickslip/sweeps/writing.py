@@ -33,8 +33,8 @@ def export(study: Any, path: str | Path) -> Path:
     Parameters
     ----------
     study : path, Dataset, Trajectory or Summary
-        A study folder, or what `sweep` returned, also with columns of your own; any other dataset, such as a bifurcation diagram; or what
-        `solve` returned.
+        A study folder; a result of `sweep`, also with columns of your own; any other dataset, such as a bifurcation diagram; or a result of
+        `solve`.
     path : path
         ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv``, ``.xlsx`` (Excel) or ``.parquet``
         (one row for each case, words as text). Runs have no ``.parquet``.

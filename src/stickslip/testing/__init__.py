@@ -1,4 +1,4 @@
-"""Is a law sound? `check_law` runs the claims that the built-in laws are tested for, on a law of your own too."""
+"""Tests of friction laws: `check_law` checks a law, also a user-defined one, against the claims for the built-in laws."""
 
 from stickslip.testing.law_claims import check_law
 from stickslip.testing.reports import Claim, LawReport

@@ -32,10 +32,10 @@ BURSTS = (10.0, 1000.0)
 def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     """Check a law against the claims for which the built-in laws are tested.
 
-    That its numbers are finite; that a contact at rest stays at rest; that sliding friction opposes motion; that a closed cycle costs
-    energy; that plus and minus are exchanged when one looks from the other side; that the formula survives a change of units (where the
-    docstring gives them in brackets, as in ``[N/m]``); and that numbers, arrays and the engine's symbols give the same. The energy that
-    the law returns beyond what it received, from its initial state, is measured: it is zero for a passive law.
+    The claims are: its numbers are finite; a contact at rest stays at rest; sliding friction opposes motion; a closed cycle dissipates
+    energy; reflection exchanges plus and minus; the formula survives a change of units (where the docstring gives them in brackets, as in
+    ``[N/m]``); numbers, arrays and the engine's symbols give the same result. The energy that the law returns in excess of what it received
+    from its initial state on is measured: it is zero for a passive law.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     load : float
         Normal force [N].
     raise_ : bool
-        Whether to raise an error where claims fail.
+        Whether to raise an error if claims fail.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     Raises
     ------
     InputError
-        Names all claims that fail, with what to do.
+        If claims fail; the message names all of them, with remedies.
 
     Examples
     --------

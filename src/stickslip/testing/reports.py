@@ -16,15 +16,15 @@ class Claim:
     Parameters
     ----------
     name : str
-        What is claimed.
+        The claim in words.
     passed : bool or None
-        Whether it holds; None where it is only measured, or could not be.
+        Whether it holds; None if it is only measured, or could not be tested.
     value : float
-        What was measured.
+        The measured value.
     meaning : str
-        What the value is.
+        The meaning of the value.
     remedy : str
-        What to do where the claim does not hold.
+        The remedy if the claim does not hold.
     """
 
     name: str
@@ -45,9 +45,9 @@ class LawReport:
     Parameters
     ----------
     law : str
-        What the law is called.
+        Name of the law.
     claims : tuple of Claim
-        In the order in which they were looked at.
+        In the order in which they were checked.
     """
 
     law: str

@@ -41,7 +41,7 @@ class Atlas(Drawn):
     points : dict of PointOfGrid
         What was found at each point of the grid, by its place.
     borders : tuple of Border
-        Curves that part motions, with their accuracy.
+        Curves that separate motions, with their accuracy.
     found : tuple of PointOfBorder
         Special points, each with its accuracy: those of the branches that were followed, and where borders meet.
     branches : tuple of FollowedBranch
@@ -103,7 +103,7 @@ class Atlas(Drawn):
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
-            "unsolved": (lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
+            "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
         }
 
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -121,7 +121,7 @@ class Atlas(Drawn):
         columns = ("mean_velocity", "share", "share_low", "share_high", *names)
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
-            "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
+            "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
             **{name: (numbers[..., i], told[i]) for i, name in enumerate(columns)},
         }
 
@@ -140,7 +140,7 @@ class Atlas(Drawn):
 
     @explains_arguments
     def at(self, **values: float) -> tuple[str, ...]:
-        """The motions that attract at a point of the plane: those of the nearest point of the grid that no border parts from it.
+        """The attracting motions at a point of the plane: those of the nearest grid point that no border separates from it.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ class Atlas(Drawn):
         Raises
         ------
         InputError
-            Of a point outside the grid, or where nothing was computed.
+            For a point outside the grid, or one where nothing was computed.
         """
         here = self._place(values)
         spans = [float(np.ptp(axis)) for axis in self.plane.axes]

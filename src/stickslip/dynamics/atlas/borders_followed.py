@@ -98,7 +98,7 @@ class FollowedBranch:
     values, mean_velocity, largest_multiplier : tuple of float
         The number, V [m/s], and the size of the largest multiplier along it.
     ended : str
-        Why it ends where it ends.
+        The reason why it ends.
     """
 
     parameter: str

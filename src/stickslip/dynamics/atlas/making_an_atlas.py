@@ -49,35 +49,37 @@ def atlas(
     progress: Report | None = None,
     **fixed: Any,
 ) -> Atlas:
-    """Every motion that is found over two numbers of a machine, the regions in which each attracts, and the borders between them.
+    """All motions that are found over two parameters of a machine, the regions in which each attracts, and the borders between them.
 
     Runs from several starts find the motions at each point of a grid, and every motion is tried at the neighbours too. Where neighbours
     differ, a motion of one of them is followed across the plane by `continuation`; its special points there are followed in both numbers
-    by `special_curve`. Borders that cannot be followed so are located on every line of the grid that they pass, and `notes` says which.
+    by `special_curve`. Borders that cannot be followed in this way are located on every grid line that they cross; `notes` lists them.
 
     Parameters
     ----------
     make : callable or Robot
-        What makes a robot from keywords, or a robot or machine whose numbers are named with dots. It has a periodic drive.
+        A function that makes a robot from keyword arguments, or a robot or machine whose numbers have dotted names. The drive must be
+        periodic.
     over : dict
-        Two numbers by name, each with a pair (least, largest), which is divided evenly (24 and 16 values), or with a list of rising values.
+        Two parameters by name, each with a range (least, largest), which is divided evenly (24 and 16 values), or with a list of ascending
+        values.
     starts : int or dict
-        How many starts each point has: rest, and states evenly scattered over twice the scales; or the grid of them as `basins` takes it.
+        Number of initial states at each point: rest, and states evenly scattered over twice the scales; or a grid of them as for `basins`.
     settle : int
-        Drive periods to run before looking.
+        Drive periods to discard.
     rtol : float
         Tolerance of these runs for dynamic laws.
     branches : int
-        Most motions that are followed; 0 leaves the grid alone.
+        Largest number of motions to follow; with 0 only the grid is computed.
     workers : int
         Threads for the grid. The results do not depend on it.
     out : path, optional
-        A folder in which everything is kept as soon as it is found.
+        A folder to which every result is written as soon as it is found.
     resume : bool
-        Go on with what is in `out`.
+        Continue the computation in `out`.
     progress : callable or bool, optional
-        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What was found by then is returned,
-        and so it is after Ctrl-C; `notes` says that the rest is missing.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. The results so far are then
+        returned, as they are after Ctrl-C, and `notes` says that the rest is missing.
     **fixed
         The other arguments of `make`.
 
@@ -89,7 +91,7 @@ def atlas(
     Raises
     ------
     InputError
-        Everything that is wrong with the arguments, at once, before the work begins.
+        All errors of the arguments, reported together before the computation.
 
     Examples
     --------
@@ -230,7 +232,7 @@ class _Making:
         told = []
         if self.stopped:
             told.append(
-                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; resume=True goes on with a folder"
+                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
             )
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
@@ -239,10 +241,10 @@ class _Making:
         if left and not followed:
             return (
                 *told,
-                f"no motion was followed, so that borders are known to a cell of the grid ({len(left)} pairs of neighbours differ)",
+                f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)",
             )
         if followed == most:
-            told.append(f"{most} motions were followed, as many as were allowed; branches= allows more")
+            told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.told for change in left)
         return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
 
@@ -261,7 +263,7 @@ def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
         else []
     )
     told += [f"{lost} starts led nowhere"] if lost else []
-    return told + [f"at {n} points there is no machine: {why}" for why, n in none.items()]
+    return told + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
 
 
 def _next(left: list[Change]) -> Change:
@@ -306,9 +308,10 @@ class AtlasTime:
     grid : float
         For the points of the grid [s].
     branch : float
-        For each motion that is followed [s], with its curves; NaN where none could be. What is located line by line is quicker.
+        For each motion that is followed [s], with its curves; NaN if none could be followed. Borders that are located line by line take
+        less.
     most : int
-        How many are followed at most.
+        Largest number of motions that are followed.
 
     Examples
     --------
@@ -325,7 +328,7 @@ class AtlasTime:
         if not self.most:
             return first
         if not np.isfinite(self.branch):
-            return f"{first}; no motion in its middle could be followed, so what borders take is not known"
+            return f"{first}; no motion in its middle could be followed, so the time for borders is not known"
         whole = f"at most {self.most}: {self.branch * self.most:.3g} s"
         return f"{first}, then about {self.branch:.2g} s for each motion that is followed ({whole})"
 
@@ -335,10 +338,10 @@ def atlas_time(
     make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, rtol: float = 1e-7, branches: int = 40,
     workers: int = 1, **fixed: Any,
 ) -> AtlasTime:  # fmt: skip
-    """How long `atlas` will take with the same arguments, from sixteen points of its grid, and one branch from its middle and one curve.
+    """Estimate how long `atlas` takes with the same arguments, from sixteen points of its grid, one branch from its middle and one curve.
 
-    How many motions are followed is known only when the grid is there; a region bordered by a curve mostly takes one, a border that has to
-    be located line by line one for each line. Kernels are compiled on the way and are not counted.
+    The number of motions that are followed is known only after the grid: usually one for a region bordered by a curve, and one for each
+    grid line of a border that has to be located line by line. Compilation is not counted.
 
     Parameters
     ----------

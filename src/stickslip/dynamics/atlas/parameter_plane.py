@@ -131,7 +131,7 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
     needs_model(what, plane.sample)
     if isinstance(starts, dict):
         if "phase" in starts:
-            raise InputError(what, ["phase is not part of the strobe state, by which motions are told apart; leave it out"])
+            raise InputError(what, ["phase is not part of the strobe state, by which motions are distinguished; leave it out"])
         _ = plane.count
     return plane
 

@@ -69,9 +69,9 @@ def attractors(
     parameter : str
         The keyword that varies.
     values : array
-        Its values, rising.
+        Its values, ascending.
     starts : dict, optional
-        The grid of starts as `basins` takes it: v [m/s], z [m], x [m], memory; single values or lists.
+        The grid of initial states, as for `basins`: v [m/s], z [m], x [m], memory; single values or lists.
     settle : int
         Drive periods to discard.
     rtol : float
@@ -88,9 +88,9 @@ def attractors(
     -------
     xarray.Dataset
         Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), period (drive periods until
-        it repeats; 0: none up to 32, -1: it is not there), share of the starts with its 95 % interval share_low to share_high (Wilson), the
-        strobe state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state
-        leads to then; over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
+        it repeats; 0: none up to 32, -1: absent), share of the starts with its 95 % interval share_low to share_high (Wilson), the strobe
+        state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state leads to
+        then; over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
 
     Examples
     --------
@@ -249,11 +249,11 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     flow = is_flow(robots.robot(values[0]))
     columns: dict[str, Any] = {} if flow else {"mean_velocity": (both, V, {"units": "m/s", "long_name": "mean velocity"})}
     columns |= {
-        "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: not there)"}),
+        "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
         "share": (both, share, {"units": "1", "long_name": "share of the starts"}),
         "share_low": (both, low, {"units": "1", "long_name": "share of the starts, 95 % lower bound"}),
         "share_high": (both, high, {"units": "1", "long_name": "share of the starts, 95 % upper bound"}),
-        "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that lead nowhere (-1: not computed)"}),
+        "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
     }
     for name, told in (("begins", _begins), ("ends", _ends)):
         texts = np.array([told(track, values) for track in tracks], dtype=str)

@@ -122,7 +122,7 @@ def basins(
     progress: Report | None = None,
     **starts: Any,
 ) -> Basins:
-    """Which of several coexisting motions a robot settles on, over a grid of initial states.
+    """Basins of attraction: the motion that a robot reaches from each point of a grid of initial states.
 
     Parameters
     ----------
@@ -135,14 +135,14 @@ def basins(
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with a `Progress`; return False to stop. Starts that are not computed then
-        belong to no attractor, and are in no share.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. Starts that were not computed then
+        belong to no attractor and are not counted in the shares.
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
-        (of the drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
-        single values or arrays. If none is given: v, and z where it is one number, over twice their scales. Of a machine of several
-        bodies the names are those of ``ss.periodic_orbit(machine).names``: ``**{"v.head": [...], "v.tail": [...]}``; if none is given,
-        the velocities of all bodies. Bodies that came to rest where they happened to stop are one attractor.
+        (drive phase at the start, in drive periods, 0 to 1; it also shifts a vertical vibration and friction that varies in time): single
+        values or arrays. If none is given: v, and z where it is one number, over twice their scales. For a machine of several bodies the
+        names are those of ``ss.periodic_orbit(machine).names``: ``**{"v.head": [...], "v.tail": [...]}``; if none is given, the velocities
+        of all bodies. States of rest that differ only in where the bodies stopped count as one attractor.
 
     Returns
     -------

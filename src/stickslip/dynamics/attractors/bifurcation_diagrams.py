@@ -54,20 +54,20 @@ def bifurcation(
     parameter : str
         The keyword that varies.
     values : array
-        Its values, rising.
+        Its values, ascending.
     settle, points : int
         Drive periods that are discarded, and that are recorded.
     follow : bool
-        True: go up through the values, each case beginning where the last one ended, and down again, so that hysteresis shows. False:
-        every case begins at `start` and all run in one batch, which is much faster.
+        True: sweep up through the values and down again, each case starting where the previous one ended, which reveals hysteresis. False:
+        every case starts at `start` and all run in one batch, which is much faster.
     start : dict, array or orbit, optional
-        Where to begin; rest if not given.
+        Initial state; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
     workers : int
         Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then is NaN,
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. Cases not computed are then NaN,
         with the period -1.
     **fixed
         The other arguments of `make`.

@@ -59,9 +59,9 @@ def chaos_map(
     make : callable or Robot
         A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     settle, periods : int
-        Drive periods to run before looking (most cases are found to repeat sooner), and to average the exponent over.
+        Drive periods to discard (most cases are recognised as periodic sooner), and to average the exponent over.
     start : dict, array or orbit, optional
-        Where every case begins; rest if not given.
+        Initial state of every case; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
     workers : int

@@ -23,7 +23,7 @@ _ANOTHER = 0.7  # of a step that led to a place where the motion is not alone
 _SHORTEST = 1e-6  # the last step that is tried
 _TOO_SHORT, _CORNER = STOPPED = "no step was small enough", "it has a corner"
 _OUTSIDE = "it left the admissible region"
-SIDE_BY_SIDE = "such motions lie side by side, each as good as the next (a multiplier is 1), and no single one can be followed"
+SIDE_BY_SIDE = "such motions form a continuous family (a multiplier is 1), and no single one can be followed"
 
 
 def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[float], bool]) -> Iterator[Point | str]:
@@ -67,7 +67,7 @@ def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Fo
             if found.good and np.linalg.norm(found.at - here.u) < 2 * step:
                 point = path.point(found, here.tangent)
                 if _goes_back(point, here, passed):
-                    why = f"{_CORNER} at {at}, and how it goes on there was not found"
+                    why = f"{_CORNER} at {at}, and its continuation there was not found"
                 elif step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point)):
                     return found, point, step
         step *= 0.5

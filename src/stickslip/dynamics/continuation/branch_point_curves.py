@@ -45,7 +45,7 @@ def crossing_problem(both: Family, special: Special, origin: Array, span: Array)
     def apart(u: Array) -> str:
         name = both.parameters[1]
         together = abs(u[n]) <= max(MET, 100 * path.rtol)
-        return "" if together else f"the two branches come apart as {name} changes: no symmetry keeps them together"
+        return "" if together else f"the two branches separate as {name} changes: no symmetry preserves their crossing"
 
     known = np.append(np.zeros(n), np.full(2, KNOWN[path.has_tolerance]))
     problem = CurveProblem(

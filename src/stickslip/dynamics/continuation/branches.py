@@ -51,12 +51,12 @@ class Branch(Drawn):
     values : array
         The parameter at each.
     special : list of Special
-        Folds, flips, Neimark-Sacker points, branch points, grazings, borders of motion types and events of one's own, in order, each with
-        its accuracy; ``orbit.notes`` says more.
+        Folds, flips, Neimark-Sacker points, branch points, grazings, borders of motion types and user-defined events, in order, each with
+        its accuracy; ``orbit.notes`` gives details.
     ended : str
-        Why it ends where it ends.
+        The reason why it ends.
     events : dict
-        Events of one's own by name: functions of an orbit, whose zeros are special points of that name.
+        User-defined events by name: functions of an orbit, whose zeros are special points of that name.
 
     Examples
     --------
@@ -194,7 +194,7 @@ _COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duratio
 _TOLD = {
     "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
-    "residual": {"units": "1", "long_name": "miss of the strobe point"},
+    "residual": {"units": "1", "long_name": "residual of the strobe point"},
 }
 
 
@@ -213,7 +213,7 @@ def continuation(
     events: Mapping[str, Event] | None = None,
     **fixed: Any,
 ) -> Branch:
-    """A branch of periodic orbits, followed in a parameter through folds and flips, stable or not.
+    """A branch of periodic orbits, continued in a parameter through folds and flips, stable or unstable.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def continuation(
     step : float
         First step, in the scaled space of state and parameter where start to stop is 1; it is adapted.
     points : int
-        Most points.
+        Largest number of points.
     rtol : float
         Tolerance of the strobe map for dynamic laws.
     events : dict, optional
@@ -277,7 +277,9 @@ def continuation(
     towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
     begun = path.point(found, towards)
     if not begun.alone:
-        raise SolveError(f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine what tells them apart, such as damping")
+        raise SolveError(
+            f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
+        )
     return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points, own), own)
 
 

@@ -107,7 +107,7 @@ def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
 
 
 def _turned_real(met: Meeting) -> str:
-    return f"a resonance ({met.kind}) was met: beyond it the two multipliers whose product is 1 are real, and nothing turns"
+    return f"a resonance ({met.kind}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 
 
 def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:
@@ -116,7 +116,7 @@ def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:
     if sign * here.u[-1] >= 1.0:
         return "it reached the end of the range"
     if sign * here.u[-1] < -1e-9:
-        return f"it came back to where {second} began"
+        return f"it returned to where {second} began"
     return f"{first} has moved by five times the branch's range" if abs(here.u[-2]) > 5.0 else ""
 
 

@@ -79,7 +79,7 @@ def _ended(path: Path, found: list[Point], why: str) -> tuple[str, Special | Non
     if not what:
         return why, None
     told = f"{what} is grazed at {name} = {certain(*end[1:]) if end else f'{last.value:.9g}'}"
-    why = f"{told}, where hits begin or end, and how this motion goes on was not found: it may jump to another one; "
+    why = f"{told}, where impacts begin or end, and the continuation of this motion was not found: it may jump to another one; "
     return f"{why}ss.solve from its state shows to which", Special(
         "grazing", end[1], replace(last.orbit, notes=(told,)), end[2]
     ) if end else None

@@ -118,7 +118,7 @@ def _turning(path: Path, a: Point, b: Point) -> list[Located]:
     turn = abs(float(np.angle(pair))) / (2 * np.pi)
     accuracy = _accuracy(path, there, _circle, b)
     told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
-    note = f"a pair of multipliers passes the unit circle; it turns by {told} of a turn in each period"
+    note = f"a pair of multipliers crosses the unit circle; it rotates by {told} of a turn in each period"
     return [Located("neimark-sacker", there, (note,), accuracy)]
 
 

@@ -43,22 +43,21 @@ class Curve(Drawn):
     Parameters
     ----------
     kind : str
-        What its points are: "fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", or the name of an event.
+        Kind of its points: "fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", or the name of an event.
     parameters : (str, str)
         Their names.
     values : array (points, 2)
         The parameters along the curve.
     accuracy : array (points, 2)
-        By how much the parameters may be wrong, across the curve: from the residuals, and from differences of twice the step.
+        Estimated error of the parameters across the curve: from the residuals, and from differences with twice the step.
     orbits : tuple of PeriodicOrbit, LimitCycle or FlowOrbit
         The motions. Of a grazing or a border that can be told from one side only they are motions just beside it, on that side.
     special : list of Meeting
-        Points on it that have a kind of their own, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
+        Special points on the curve, with their accuracy: "cusp"; "R1", "R2", "R3", "R4" (resonances 1:1 to 1:4);
         "fold-flip", "fold-neimark-sacker" and "flip-neimark-sacker"; "triple-point", where two borders of types meet; "grazing-fold" and
-        the like, and "NAME-fold" for an event of that name.
-        ``orbit.notes`` says more.
+        the like, and "NAME-fold" for an event of that name. ``orbit.notes`` gives details.
     ended : str
-        Why it ends where it ends.
+        The reason why it ends.
 
     Examples
     --------
@@ -119,12 +118,12 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     step : float
         First step, in the scaled plane.
     points : int
-        Most points.
+        Largest number of points.
 
     Returns
     -------
     Curve
-        `points`, and `special`: cusps, resonances and where it meets another border, such as the triple point of types I, II and III.
+        `points`, and `special`: cusps, resonances and intersections with other borders, such as the triple point of types I, II and III.
 
     Raises
     ------

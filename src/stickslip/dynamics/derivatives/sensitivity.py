@@ -27,7 +27,7 @@ from stickslip.solvers.time_dependence import check_period
 __all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
 
 Array = Any
-_ALONE = "if it alone changes, the equations do not come back after the period"
+_ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
@@ -35,22 +35,22 @@ _ASIDE = 1e-3  # how far a number is moved to see whether the equations still co
 @sealed
 @dataclass(frozen=True, eq=False)
 class Sensitivity(Drawn):
-    """Derivatives of a motion by numbers of its machine.
+    """Derivatives of a motion with respect to numbers of its machine.
 
     Parameters
     ----------
     names : tuple of str
-        The numbers, or patterns of names that are moved together.
+        The numbers, or patterns of names that vary together.
     values : array (numbers,)
-        The numbers themselves; NaN where several of different size are moved together.
+        The numbers themselves; NaN where several of different size vary together.
     velocity : float
-        Mean velocity V [m/s], of several bodies that of their centre of mass.
+        Mean velocity V [m/s], for several bodies that of their centre of mass.
     mean_velocity : array (numbers,)
         dV/dp.
     state : array
-        Derivative of the state at the end, of a periodic motion on the strobe. It is taken at the same part of the period.
+        Derivative of the final state, for a periodic motion of the strobe state. It is taken at a fixed fraction of the period.
     states : tuple of str
-        What these states are.
+        Names of these states.
     notes : tuple of str
         Remarks.
 
@@ -80,7 +80,7 @@ class Sensitivity(Drawn):
 
     @property
     def relative(self) -> Array:
-        """Per cent of change of V for one per cent of change of a number: (p/V) dV/dp."""
+        """Percentage change of V for a change of a number by one per cent: (p/V) dV/dp."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.values / self.velocity * self.mean_velocity
 
@@ -110,9 +110,9 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
         For a machine, the derivatives are those of its periodic motion (`periodic_orbit`). For a run, they are those of the mean
         velocity after `settle` and of the final state, from the same initial state.
     wrt : str or sequence of str, optional
-        Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers
-        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` matches anything. If not given: every
-        number separately, if its change leaves the common period unchanged.
+        Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers of
+        all parts vary together, by the same amount: "modules.friction.mu_plus". ``*`` matches anything. If not given: every number
+        separately, if its change leaves the common period unchanged.
 
     Returns
     -------
@@ -122,8 +122,8 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     Raises
     ------
     InputError
-        For an unknown name, a number whose change would leave the machine without a common period (move those of all parts together), and
-        a law that the engine does not know.
+        For an unknown name, a number whose change would leave the machine without a common period (vary those of all parts together), or a
+        law that the engine cannot compile.
 
     Examples
     --------
@@ -136,9 +136,9 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     """
     model = of if is_machine(of) else getattr(of, "model", None)
     if model is None:
-        raise InputError("sensitivity", [f"{of!r} is not a machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
+        raise InputError("sensitivity", [f"{of!r} is neither a machine nor a periodic orbit nor a run; type ss.sensitivity(robot)"])
     if why := not_followed(model):
-        raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
+        raise InputError("sensitivity", [f"perturbations are not propagated along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
     moved = directions_of("sensitivity", model, wrt)
     if hasattr(of, "pieces"):
@@ -168,7 +168,7 @@ def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) ->
         return f"{pattern!r} is not a number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
     places = names[0].split(".")
     last = ".".join(places[-2:] if places[-1].isdigit() else places[-1:])
-    return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
+    return f"{pattern}: {_ALONE}; vary those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
 
 
 def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:

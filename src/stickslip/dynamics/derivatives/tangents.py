@@ -257,7 +257,7 @@ def not_followed(model: Any) -> str:
     if not all(law.compiles for law in laws):
         return "a law is written for plain numbers only"
     creep = any(law.creep_velocity((0.0,) * law.states, 1.0) is not None for law in laws)
-    return "its friction turns over within velocities of creep" if creep else ""
+    return "its friction reverses within creep velocities" if creep else ""
 
 
 def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:

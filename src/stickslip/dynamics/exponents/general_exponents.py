@@ -34,15 +34,15 @@ class Lyapunov(Drawn):
     Parameters
     ----------
     spectrum : array (n,)
-        The exponents, the largest first, natural logarithm per `unit`. -inf: disturbances in that direction end in finite time.
+        The exponents, the largest first, natural logarithm per `unit`. -inf: perturbations in that direction vanish in finite time.
     errors : array (n,)
         Standard errors, from the scatter of the means of long stretches.
     record : array (m, 1 + n)
         How they converged: time so far (in units) and the exponents until then.
     unit : str
-        What one unit of time is: "drive period", "iteration" or "time".
+        Unit of time: "drive period", "iteration" or "time".
     steps : int
-        How many units they were averaged over.
+        Number of units that they were averaged over.
     note : str
         Remarks.
 
@@ -89,7 +89,7 @@ class Lyapunov(Drawn):
 
     @property
     def told(self) -> str:
-        """The exponents with their standard errors, rounded to what is known."""
+        """The exponents with their standard errors, rounded accordingly."""
         known = zip(self.spectrum.tolist(), self.errors.tolist(), strict=True)
         return ", ".join(f"{rounded(a, e)} ± {e:.1g}" if np.isfinite(a) else "−∞" for a, e in known) + f" per {self.unit}"
 
@@ -155,9 +155,9 @@ def lyapunov_of_map(
     x0 : sequence of float
         Where to begin.
     iterations, settle : int
-        How many iterations to average over, and how many to run before.
+        Numbers of iterations to average over, and to discard before.
     jacobian : callable, optional
-        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+        The Jacobian matrix of f at x; if not given, it follows from f by automatic differentiation.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def lyapunov_of_map(
             logs[k] = np.log(abs(np.diag(R)))
         x = numbers(f, x)
     if not np.isfinite(x).all():
-        raise InputError("lyapunov_of_map", [f"the map leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+        raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
     return gathered(logs, 1.0, "iteration")
 
 
@@ -207,19 +207,19 @@ def lyapunov_of_flow(
     Parameters
     ----------
     f : callable or SwitchingFlow
-        Takes a list of numbers, returns their rates. Of a `SwitchingFlow` a saltation matrix is taken at every switch.
+        Takes a list of numbers, returns their rates. A `SwitchingFlow` has a saltation matrix at every switch.
     x0 : sequence of float
         Where to begin.
     duration, settle : float
-        How long to average, and how long to run before.
+        Time to average over, and to discard before.
     every : float
         Time between two orthonormalisations.
     jacobian : callable, optional
-        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+        The Jacobian matrix of f at x; if not given, it follows from f by automatic differentiation.
     rtol : float
         Tolerance of the integrator (DOP853).
     mode : int
-        In which mode a `SwitchingFlow` begins.
+        Initial mode of a `SwitchingFlow`.
 
     Returns
     -------
@@ -228,7 +228,7 @@ def lyapunov_of_flow(
     Raises
     ------
     InputError
-        Where the flow cannot be followed so long, because it leaves all bounds.
+        If the solution diverges before the end.
 
     Examples
     --------
@@ -273,6 +273,6 @@ def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rto
         done = solve_ivp(rates, (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
     end: Array = done.y[:, -1]
     if done.status != 0 or not np.isfinite(end).all():
-        told = f"the flow leaves all bounds at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
+        told = f"the flow diverges at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
         raise InputError("lyapunov_of_flow", [f"{told} Give a start on its attractor, or a shorter settle and duration"])
     return end

@@ -50,7 +50,7 @@ def lyapunov(
 ) -> Lyapunov:
     """All Lyapunov exponents of the attractor of a robot, per drive period (natural logarithm).
 
-    Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
+    Small perturbations are propagated along the motion by the tangent equations, through every switch and stop. Under a set-valued law
     a body that comes to rest loses the memory of its velocity, and a controller that of its state at a sample: the exponent is -inf, and
     `note` says so. The 0 of the cyclic position is left out. Directions that contract below rounding error within a period, as those of
     stiff bristles do, share the remaining rate of volume contraction equally.
@@ -62,9 +62,9 @@ def lyapunov(
     periods : int
         Drive periods to average over.
     settle : int
-        Drive periods to run before.
+        Drive periods to discard before.
     start : dict, optional
-        Where to begin, as for `solve`; from rest if not given.
+        Initial state, as for `solve`; rest if not given.
     rtol : float
         Tolerance of the run.
     progress : callable or bool, optional
@@ -126,7 +126,7 @@ def _check(model: Any, periods: Any, settle: Any) -> None:
     refuse_chance(machine_of(model))
     if why := not_followed(model):
         hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
-        raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])
+        raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     _check_lengths(periods, settle)
 
 
@@ -216,7 +216,7 @@ def largest_exponents(
     workers: int = 1,
     progress: Report | None = None,
 ) -> tuple[Array, Array]:
-    """The largest exponent of every case of a batch, from two neighbouring motions that are rescaled after every drive period.
+    """The largest exponent of every case of a batch, from two neighbouring motions whose distance is rescaled after every drive period.
 
     This is an independent check on `lyapunov`, and the method for maps: all cases run in one batch.
 
@@ -227,7 +227,7 @@ def largest_exponents(
     periods, settle : int
         Drive periods to average over, and to discard before.
     start : array (cases, coordinates), optional
-        Strobe states to begin with; rest if not given.
+        Initial strobe states; rest if not given.
     rtol : float
         Tolerance; well below `apart`.
     apart : float
@@ -235,7 +235,7 @@ def largest_exponents(
     workers : int
         Threads. The results do not depend on it.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with a `Progress`; return False to stop. What is not computed then is NaN.
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. Cases not computed are then NaN.
 
     Returns
     -------
@@ -310,7 +310,7 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
 @sealed
 @dataclass(frozen=True, eq=False)
 class Verdict(Face):
-    """The kind of motion that a robot settles on, with the evidence.
+    """The kind of steady motion of a robot, with the evidence.
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ class Verdict(Face):
     exponents : Lyapunov
         Of the motion.
     orbit : PeriodicOrbit or None
-        The periodic orbit that it is, found by Newton's method.
+        The orbit of a periodic motion, found by Newton's method.
     why : str
         The evidence in a sentence.
     rotation : Rotation or None
@@ -343,7 +343,7 @@ class Verdict(Face):
     rotation: Rotation | None = None
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw the orbit or, if there is none, the convergence of the exponents; returns the axes."""
+        """Draw the orbit or, if there is none, the convergence of the exponents. Returns the axes."""
         return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
 
     def _figures(self) -> list[Any]:
@@ -370,15 +370,16 @@ def verdict(
 ) -> Verdict:
     """Periodic, quasi-periodic or chaotic: decided by the exponents and the strobe point together.
 
-    Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
-    multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
-    it does not come back, and the largest exponent is zero within three errors that are small; where its strobe points lie on one closed
-    curve it has two frequencies, and their rotation number. Anything else is undecided.
+    Periodic: the strobe point returns, Newton's method finds a stable orbit there, and the largest exponent is that of its multipliers.
+    Chaotic: it does not return, and the largest exponent is positive by more than three of its errors. Quasi-periodic: it does not return,
+    and the largest exponent is zero within three errors that are small; if its strobe points lie on one closed curve, it has two
+    frequencies, and their rotation number is given. Anything else is undecided.
 
     Parameters
     ----------
     model, periods, settle, start, rtol, progress
-        As for `lyapunov`. Of a motion that repeats the exponents are averaged over whole motion periods, somewhat more than asked for.
+        As for `lyapunov`. For a periodic motion the exponents are averaged over whole motion periods, so slightly more drive periods than
+        requested may be used.
 
     Returns
     -------
@@ -406,14 +407,12 @@ def verdict(
         except (SolveError, InputError):
             orbit = None
         if orbit is not None and orbit.stable:
-            why = (
-                f"the strobe point comes back after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
-            )
+            why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
             return Verdict("periodic", back.period, exponents, orbit, why)
     told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
     if back.period is None and exponents.chaotic:
-        return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
+        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {told}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
         rotation, seen = rotation_of_strobe(model, back.state, rtol)
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero; {seen}", rotation)
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not return and {told}: zero; {seen}", rotation)
     return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")

@@ -31,7 +31,7 @@ class Guard:
         """Its value; an error where it has none."""
         found = value(self.g, t, y, self.name)
         if np.isnan(found):
-            raise SolveError(f"{self.name} gave nan at t = {t:.9g}, y = {y.tolist()}; it must have a value wherever its mode goes")
+            raise SolveError(f"{self.name} gave nan at t = {t:.9g}, y = {y.tolist()}; it must be defined wherever its mode goes")
         return found
 
     def slopes(self, t: float, y: Array) -> tuple[float, float, Array]:

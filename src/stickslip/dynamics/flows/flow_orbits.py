@@ -44,9 +44,9 @@ class FlowOrbit(Repeating):
     multipliers : array
         The largest first; for an autonomous flow the multiplier 1 along the orbit is left out.
     residual : float
-        Distance between its end and its beginning.
+        Distance between its final and initial state.
     passage : Passage
-        Once around.
+        The passage once around the orbit.
     notes : tuple of str
         Remarks, such as that the orbit of a forced flow is an equilibrium.
     model : SwitchingFlow
@@ -57,7 +57,7 @@ class FlowOrbit(Repeating):
     >>> still = SwitchingFlow({0: lambda t, y: (y[1], -4.0 * y[0] - 0.2 * y[1])}, period=1.0)
     >>> orbit = flow_orbit(still, [0.1, 0.0], 0)
     >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9), orbit.notes
-    (True, True, ('nothing moves in it: an equilibrium, which repeats after any time',))
+    (True, True, ('it is an equilibrium: nothing moves, and it repeats after any time',))
     """
 
     state: Array
@@ -135,7 +135,7 @@ def flow_orbit(
     rtol: float = 1e-12,
     method: str = "auto",
 ) -> FlowOrbit:
-    """A periodic orbit of a switching flow, by Newton's method with the derivative that saltation gives.
+    """A periodic orbit of a switching flow, by Newton's method with derivatives from saltation matrices.
 
     Parameters
     ----------
@@ -143,9 +143,9 @@ def flow_orbit(
     state, mode
         A guess.
     periods : int
-        Periods of the forcing until it repeats.
+        Number of forcing periods after which it repeats.
     duration : float
-        For a flow that does not depend on time: a guess of how long the orbit takes. The orbit found is gone around once.
+        For an autonomous flow, a guess of the orbit's period. The orbit that is found is traversed once.
     settle : int
         Periods to run before Newton's method begins.
     most : int
@@ -158,17 +158,17 @@ def flow_orbit(
     Returns
     -------
     FlowOrbit
-        Where it begins, how long it takes, and its multipliers.
+        The initial state, the period and the multipliers of the orbit.
 
     Raises
     ------
     SolveError
-        Where Newton's method finds none from this guess, goes to an equilibrium of a flow that does not depend on time, or finds a
-        forced motion that repeats before `periods` are over.
+        If Newton's method finds no orbit from this guess, converges to an equilibrium of an autonomous flow, or finds a forced motion that
+        repeats after fewer than `periods` periods.
 
     Examples
     --------
-    Den Hartog's oscillator with dry friction 0.3 at 0.7 times its own frequency never stops:
+    Den Hartog's oscillator with dry friction 0.3 at 0.7 times its natural frequency never stops:
 
     >>> from stickslip.maths import cos
     >>> slide = lambda side: lambda t, y: (y[1], -y[0] + cos(0.7 * t) - side * 0.3)
@@ -195,7 +195,7 @@ def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, sett
     problems.whole("most", most, 1, example=30)
     free = is_flow(flow) and flow.period is None
     if free and duration is None:
-        problems.add("the flow has no period; give duration=, a guess of how long the orbit takes")
+        problems.add("the flow has no period; give duration=, a guess of the orbit's period")
     if free and is_whole(periods) and periods > 1:
         problems.add(f"periods = {periods!r}, but the flow has no period; leave periods out, and give duration=")
     if not free and duration is not None:
@@ -219,11 +219,11 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
     else:
         if size > 1e-8 * scale or done.mode != mode:
             raise SolveError(
-                f"Newton's method found no periodic orbit of the flow in {most} iterations (miss {size:.1e}); try settle=, or another guess"
+                f"Newton's method found no periodic orbit in {most} iterations (residual {size:.1e}); try settle=, or another guess"
             )
         if free and extent < _APART * size:
             raise SolveError(_nothing_moves(y, mode, T, guessed))
-    notes = ("nothing moves in it: an equilibrium, which repeats after any time",) if still else ()
+    notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(_touches(done))
     return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes, flow)
@@ -244,9 +244,9 @@ def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, h
 def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
     hint = "try a guess of state and duration nearer to the orbit, such as a state of a long passage that has settled on it, or settle="
     if guessed > 1e3 * T:
-        return f"Newton's method went to a duration of zero, after which every state comes back; {hint}"
+        return f"Newton's method went to a duration of zero, after which every state repeats; {hint}"
     return (
-        f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which comes back after any "
+        f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which repeats after any "
         f"time and is not an orbit; {hint}"
     )
 
@@ -254,7 +254,7 @@ def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
 def _touches(done: Passage) -> str:
     at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
     return (
-        f"the flow touches a guard without crossing it (its last switches are at t = {at}): small changes grow there without bound, so "
+        f"the flow touches a guard without crossing it (its last switches are at t = {at}): perturbations grow there without bound, so "
         "there is no derivative; try another guess, or another value of the parameter"
     )
 

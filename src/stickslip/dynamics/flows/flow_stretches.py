@@ -39,7 +39,7 @@ class Passage:
     state : array
         Where it ends.
     mode
-        In which mode.
+        Initial mode.
     time : float
         When: after the duration, or at its last switch where `switches` ended it.
     events : list of tuple
@@ -73,23 +73,23 @@ def passage(
     flow: SwitchingFlow, state: Any, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None,
     method: str = "auto",
 ) -> Passage:  # fmt: skip
-    """Integrate a switching flow together with the growth of small changes of its initial state.
+    """Integrate a switching flow together with its tangent equations.
 
     Parameters
     ----------
     flow : SwitchingFlow
     state : array
-        Where it begins. Beyond a guard it switches at once.
+        Initial state. Beyond a guard the flow switches immediately.
     mode
-        In which mode.
+        Initial mode.
     duration : float
-        How long at most.
+        Longest duration.
     begin : float
-        The time at the start.
+        Initial time.
     rtol : float
         Tolerance of SciPy's integrator; the engine's steps have none, they are exact to rounding.
     switches : int, optional
-        It ends after so many switches.
+        Number of switches after which it ends.
     method : {"auto", "exact", "dop853"}
         "exact" is the compiled engine, "dop853" SciPy's integrator on plain Python, some thousand times slower: the second opinion.
         "auto" takes the engine wherever it can call the flow's functions with symbols; `Passage.method` says which it was.

@@ -35,7 +35,7 @@ class Enclosure:
     Parameters
     ----------
     low, high : float
-        It is not below, and not above; both are rounded outwards, so that they differ at least in their last digit.
+        The bounds, rounded outwards, so that they differ at least in their last digit.
     text : str
         Its proved digits, with the bound of their error where that is not one of the last digit.
 

@@ -40,18 +40,18 @@ class Certificate:
     pattern : str
         The arcs in order: + slides forwards, - backwards, 0 rests.
     period : int
-        After how many drive periods it repeats.
+        Number of drive periods after which it repeats.
     times : tuple of Enclosure
         When each arc begins [drive periods].
     mean_velocity : Enclosure or None
         [m/s].
     multiplier : Enclosure or None
-        Derivative of the velocity after one period of the motion by that before it; 0 where the body rests on the way.
+        Derivative of the velocity after one motion period with respect to that before it; 0 if the body rests in between.
     shares : dict of str to Enclosure
-        Parts of the period that the arcs of each sign take.
+        Fractions of the period taken by the arcs of each sign.
     margins : dict of str to float
-        By how much the applied force stays within, or goes beyond, the limits of rest at least, in units of the drive's force; by the
-        condition and the number of the arc.
+        Smallest amounts by which the applied force stays within, or exceeds, the static friction limits, in units of the drive's force; by
+        the condition and the number of the arc.
 
     Examples
     --------
@@ -82,16 +82,16 @@ class Certificate:
 def certify(orbit: Any, digits: int = 20) -> Certificate:
     r"""Prove that a periodic motion exists, with rigorous bounds of its properties.
 
-    For one body under a set-valued law with closed arcs, such as Coulomb friction under a harmonic drive. The numbers of the model are
-    taken as the decimals that are printed for them: 9.81 is 981/100, not the double next to it. That the break-away force is not below the
-    force of sliding is taken from the law.
+    For one body under a set-valued law with closed-form arcs, such as Coulomb friction under a harmonic drive. The numbers of the model are
+    taken as their printed decimals: 9.81 is 981/100, not the nearest double. The law guarantees that the break-away force is not below the
+    sliding friction.
 
     Parameters
     ----------
     orbit : PeriodicOrbit
         From `stickslip.periodic_orbit`, stable or not.
     digits : int
-        To how many digits numbers are enclosed.
+        Number of digits of the enclosures.
 
     Returns
     -------

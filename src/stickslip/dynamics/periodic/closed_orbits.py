@@ -18,7 +18,7 @@ NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
 class Repeating(Drawn, ABC):
-    """A motion that repeats, and what its multipliers say of small disturbances."""
+    """A periodic motion, with its stability from its multipliers."""
 
     multipliers: Array
 
@@ -39,7 +39,7 @@ class Repeating(Drawn, ABC):
 
     @property
     def stability(self) -> str:
-        """What becomes of small disturbances, as `stability_of` its multipliers says."""
+        """The stability in words, from the multipliers."""
         return stability_of(self.multipliers)
 
     @property
@@ -48,7 +48,7 @@ class Repeating(Drawn, ABC):
 
 
 class ClosedMotion(Repeating):
-    """A motion of a model that comes back to a state."""
+    """A motion of a model that returns to its initial state."""
 
     model: Any
     state: Array
@@ -60,7 +60,7 @@ class ClosedMotion(Repeating):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the numbers of the state are."""
+        """Names of the numbers of the state."""
         return coordinates(self.model).names
 
     @property

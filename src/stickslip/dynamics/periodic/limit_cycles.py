@@ -190,7 +190,7 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     cycle = LimitCycle(model, period, state, float(found.at[-1] * unit), found.residual, rtol)
     if np.ptp(cycle.run.v) <= _STEADY * float(at.scales[1]):
         raise SolveError(
-            "Newton's method went to steady sliding, which takes no time to repeat; give a guess nearer to the cycle, such as a start "
+            "Newton's method went to steady sliding, which repeats after any time; give a guess nearer to the cycle, such as a start "
             "that rides along with the spring pulled far (guess=dict(x=..., v=...))"
         )
     return cycle
@@ -241,7 +241,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration
     if machine_of(model).time_scale is None:
-        raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so nobody knows how long to look for a cycle"])
+        raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so the time to search for a cycle is not known"])
     run = guess
     if not hasattr(run, "pieces"):
         if guess is not None and not isinstance(guess, dict):
@@ -254,7 +254,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     t = _turns(run)
     steady = len(t) < 2 or float(np.ptp(run.at(np.linspace(t[-2], t[-1], 64))["v"])) <= _STEADY * float(np.max(model.velocity_scale))
     if steady or len(t) < period + 2:
-        end = "it rests, or slides on steadily" if steady else f"only {len(t)} turns of the spring were seen"
+        end = "it rests, or slides on steadily" if steady else f"only {len(t)} oscillations of the spring were found"
         raise SolveError(
             f"no cycle was found in {float(run.pieces.t[-1]):.6g} s: {end}; give another start (guess=dict(x=..., v=...)), or a longer run "
             "(guess=ss.solve(mechanism, duration=...))"

@@ -91,7 +91,7 @@ def newton(
     for k in range(most + 1):
         needed += size > floor
         if not np.isfinite(size) or not np.isfinite(J).all():
-            return ended(False, "the map gave no number here")
+            return ended(False, "the map is not defined here")
         if size <= tolerance:
             return ended(True, "found")
         if k == most:
@@ -148,7 +148,7 @@ def newton_within(
         if np.array_equal(now, memory):
             return replace(found, memory=memory)
         guess, memory = found.at if found.good else guess, now
-    return replace(found, memory=memory, good=False, why="what the law remembers at the strobe does not come back")
+    return replace(found, memory=memory, good=False, why="the memory of the law at the strobe does not return")
 
 
 def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:

@@ -70,9 +70,9 @@ class PeriodicOrbit(ClosedMotion):
     period : int
         Drive periods until the motion repeats.
     state : array
-        The state on the strobe t = 0 mod T, in the order of `names`; what the law remembers as whole numbers comes last.
+        The state on the strobe t = 0 mod T, in the order of `names`; integer memories of the law come last.
     residual : float
-        How far the state is from itself after one motion period, in the scales of its coordinates.
+        Distance between the state and its image after one motion period, in the scales of its coordinates.
     rtol : float
         Tolerance of the runs that it was computed with.
 
@@ -103,7 +103,7 @@ class PeriodicOrbit(ClosedMotion):
 
     @cached_property
     def monodromy(self) -> Array:
-        """The derivative of the state after the motion by the state before it; `evidence` says how it was found."""
+        """The derivative of the state after the motion with respect to that before it; `evidence` says how it was found."""
         if not_followed(self.model):
             return self._jacobian(STEP)
         return jacobian_of(self.model, self.state, self.period, self.rtol)
@@ -122,20 +122,20 @@ class PeriodicOrbit(ClosedMotion):
             return "a switch is touched without being crossed: the map has no derivative there"
         told = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
-            told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
+            told += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"
         if orders_differ(self.model, self.state, self.period, self.rtol):
-            return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
+            return f"{told}; one-sided: contacts switch at one instant, and their order under perturbations matters"
         return told
 
     @cached_property
     def differences(self) -> Array:
-        """The multipliers once more, from differences of the strobe map: the second opinion; NaN beside a start beyond which a stop is."""
+        """The multipliers from finite differences of the strobe map, as an independent check; NaN at a state next to a stop."""
         found = difference_jacobian(self.model, self.state, self.period, self.rtol)
         return largest_first(np.linalg.eigvals(found)) if np.isfinite(found).all() else np.full(len(found), np.nan)
 
     @cached_property
     def mean_velocity(self) -> float:
-        """Mean velocity V [m/s]: the way made in one motion period over its time; of several bodies that of their centre of mass."""
+        """Mean velocity V [m/s]: the net displacement in a motion period over its duration; for several bodies of their centre of mass."""
         run, way = self.run, way_of(self.run)
         return float((way[-1] - way[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
 
@@ -217,11 +217,11 @@ def periodic_orbit(
     model : Robot, mechanism, machine or SwitchingFlow
         One of them.
     period : int
-        Drive periods after which the motion repeats; turns of the spring without a drive.
+        Drive periods after which the motion repeats; without a drive, oscillations of the spring.
     guess : dict, array, Trajectory or PeriodicOrbit, optional
-        Where to begin: a start as `solve` takes it, a strobe state, a run (its last strobe state) or an orbit nearby. If not given,
-        the robot is run from rest, and the strobe states that come back most nearly are tried, and their means (which lead to an
-        unstable motion between the points of a doubled one).
+        Initial guess: a start as for `solve`, a strobe state, a run (its last strobe state) or a neighbouring orbit. If not given, the
+        robot is run from rest, and the strobe states that return most closely are tried, and their means (which lead to the unstable motion
+        between the points of a period-doubled one).
     rtol : float
         Tolerance of the strobe map for dynamic laws.
     tolerance : float
@@ -235,13 +235,13 @@ def periodic_orbit(
     Raises
     ------
     SolveError
-        Where Newton's method does not converge: why, and what to try.
+        If Newton's method does not converge; the message gives the reason and what to try.
 
     Examples
     --------
     >>> import stickslip as ss
     >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), period=1)
-    >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
+    >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion exists, but period two attracts
     (False, -2.625)
     """
     autonomous = is_machine(model) and model.period is None

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
 
 Array = Any
-_WAY = "way of the centre of mass since the point before"
+_WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 
 
@@ -38,8 +38,8 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> xr.Datase
     Returns
     -------
     xarray.Dataset
-        Over ``point``: time [s], v [m/s], z, and the displacement since the point before [m] (the position itself drifts). Of a machine
-        of several bodies v is over ``body`` too, z over ``contact``, and the displacement is that of the centre of mass.
+        Over ``point``: time [s], v [m/s], z, and the displacement since the point before [m] (the position itself drifts). For a machine of
+        several bodies v also has the dimension ``body`` and z ``contact``, and the displacement is that of the centre of mass.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
     ----------
     run : Trajectory
     on : str
-        The column: "v", "z", "acceleration" or any other that `Trajectory.at` gives; of a machine of several bodies with the name of the
+        The column: "v", "z", "acceleration" or any other that `Trajectory.at` gives; for a machine of several bodies with the name of the
         body or contact: "v.head", "slip.tail", "z.tail.0".
     value : float
         The value that is passed.
@@ -161,7 +161,11 @@ def _dataset(run: Any, t: Array) -> Any:
     if found["z"] is not None:
         dims = ("point",) if np.ndim(found["z"]) == 1 else ("point", "inner_state")
         columns["z"] = (dims, found["z"], {"long_name": "inner state"})
-    columns["displacement"] = ("point", np.diff(found["x"], prepend=np.nan), {"units": "m", "long_name": "way since the point before"})
+    columns["displacement"] = (
+        "point",
+        np.diff(found["x"], prepend=np.nan),
+        {"units": "m", "long_name": "displacement since the previous point"},
+    )
     columns["phase"] = ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"})
     return xr.Dataset(columns)
 
@@ -192,7 +196,7 @@ def spectrum(
     body: int | str | None = None,
     contact: int | str | None = None,
 ) -> xr.Dataset:
-    """The line spectrum of a steady motion: amplitude and phase at harmonics of the drive, and at subharmonics if it repeats later.
+    """The line spectrum of a steady motion: amplitude and phase at harmonics and, for longer motion periods, subharmonics of the drive.
 
     The window covers complete motion periods without a taper, so a periodic motion gives exact lines without leakage. If no period is
     found, a Hann window is applied to the last `periods` drive periods.
@@ -203,17 +207,17 @@ def spectrum(
     column : str
         Which column of the run: "v", "x", "friction_force", ...
     harmonics : int
-        Up to which multiple of the drive's frequency.
+        Highest multiple of the drive frequency.
     periods : int, optional
         Drive periods of the window; by default one motion period, or the settled part of a motion that does not repeat.
     body, contact : int or str, optional
-        Number (from 0) or name of the body or of the contact whose column it is, of a machine of several; all of them if not given.
+        For a machine of several, the number (from 0) or name of the body or contact; all of them if not given.
 
     Returns
     -------
     xarray.Dataset
-        Over ``order`` (frequency over the drive's): amplitude, phase [rad], frequency [Hz], and `harmonic` (whether order is whole). Of all
-        bodies or contacts of a machine amplitude and phase have the dimension "body" or "contact" too.
+        Over ``order`` (frequency over the drive's): amplitude, phase [rad], frequency [Hz], and `harmonic` (whether order is whole). For
+        all bodies or contacts of a machine, amplitude and phase also have the dimension "body" or "contact".
 
     Examples
     --------

@@ -282,7 +282,7 @@ def refuse_chance(machine: MachineAdapter) -> None:
         raise InputError(
             random,
             ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
-             "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
+             "exponents or basins could belong to; allowed are deterministic laws, such as ss.GMS or ss.LuGre; for this one type "
              "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
 
@@ -357,7 +357,7 @@ def coordinates_of_flow(flow: Any) -> Coordinates:
     """The states of a flow by their names, and the place of its mode among its modes, which is a memory."""
     if flow.states is None:
         raise InputError(
-            "SwitchingFlow", ["its states have no names, so that nobody knows how many there are; type states=('x', 'v') where it is made"]
+            "SwitchingFlow", ["its states have no names, so their number is not known; type states=('x', 'v') where it is made"]
         )
     n = len(flow.states)
     order = Order(flow.states, slice(0, n), slice(n, n), slice(0, 0), (), False)

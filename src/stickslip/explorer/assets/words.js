@@ -37,7 +37,7 @@ export function spoken(pattern, periods, mean, tilt) {
   const does = { "+": "slides forwards", 0: "rests", "-": "slides backwards" }, steps = [...(regular ? one : pattern)].map((sign) => does[sign]);
   if (!steps.length || steps.some((step) => !step)) return "";
   if (pattern === "0") return "The drive is too weak: friction holds the body all the time.";
-  const way = Math.abs(mean) < 1e-9 ? "It comes back to where it was." : tilt ? `On the whole it moves ${mean * tilt > 0 ? "downhill" : "uphill"}.` : `On the whole it moves ${mean > 0 ? "forwards" : "backwards"}.`;
+  const way = Math.abs(mean) < 1e-9 ? "It returns to its starting position." : tilt ? `Overall it moves ${mean * tilt > 0 ? "downhill" : "uphill"}.` : `Overall it moves ${mean > 0 ? "forwards" : "backwards"}.`;
   if (steps.length > 5) return `It slides and rests ${steps.length} times${periods ? ` before it repeats, after ${periods} drive period${periods > 1 ? "s" : ""}` : ""}. ${way}`;
   const again = periods > 1 ? ` It repeats after ${periods} of them.` : "";
   return `In ${regular ? "each drive period" : periods + " drive periods"} the body ${steps.join(", ")}.${regular ? again : ""} ${way}`;
