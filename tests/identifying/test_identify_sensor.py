@@ -263,6 +263,12 @@ def test_compiled_steps_are_those_in_plain_python(name):
     assert abs(compiled - plain).max() < 1e-6 * abs(plain).max() and np.allclose(reached, end, rtol=1e-6, atol=1e-12)
 
 
+def test_a_law_of_chance_is_not_fitted():
+    law = dict(mu_minus=0.3, sigma0=1e5)
+    with pytest.raises(InputError, match="Bristle cannot be fitted"):
+        ss.identify(forces(ss.Dahl(0.3, 0.4, 1e5)), ss.Bristle, free={"mu_plus": (0.1, 1.0)}, load=10.0, **law)
+
+
 def test_a_law_for_plain_numbers_is_followed_in_plain_python():
     class Plain(ss.Dahl):
         scalar_only = True

@@ -174,6 +174,7 @@ def problem_of(
     of = parameters(make, free, tied, arguments, len(records))
     first = of.first_models(starting_places(of, starts, seed))
     machines = is_machine(first[0])
+    _refuse_chance(first[0], machines)
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, noise, first)
     elif using == "force" or (using == "auto" and not machines):
@@ -188,6 +189,15 @@ def problem_of(
     numbers, held = sensors_of(sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
     return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
+
+
+def _refuse_chance(model: Any, machine: bool) -> None:
+    """`InputError` for a law of chance: its forces are others with another seed, so residuals say nothing of its numbers."""
+    laws = machine_of(model).laws if machine else [adapted(model)]
+    random = next((law.name for law in laws if law.random), None)
+    if random is not None:
+        why = "its bonds form again at random places, so that a record cannot be compared with one run of it"
+        raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.GMS or ss.LuGre"])
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
