@@ -78,7 +78,7 @@ def test_a_neimark_sacker_point_of_the_delayed_logistic_map_and_its_curve():
     flow = of_map(lambda y, n: (n.r * y[0] * (1 - y[1]), y[0] + n.e * y[1]), {"r": 1.6, "e": 0.0}, ("x", "y"))
     branch = ss.continuation(flow, parameter="r", start=1.6, stop=2.4, guess={"x": 0.4, "y": 0.4})
     point = first(branch, "neimark-sacker")
-    assert abs(point.value - 2.0) <= point.accuracy < 1e-8 and "turns by 0.16666666" in point.orbit.notes[0]
+    assert abs(point.value - 2.0) <= point.accuracy < 1e-8 and "rotates by 0.16666666" in point.orbit.notes[0]
     curve = ss.special_curve(branch, point, "e", stop=0.3)
     r, e = curve.values.T  # y = 1 - 1/r, x = (1 - e) y: the derivative ((1, -r x), (1, e)) has the determinant e + (1 - e)(r - 1)
     np.testing.assert_allclose(e + (1 - e) * (r - 1), 1.0, rtol=0, atol=1e-10)

@@ -190,7 +190,7 @@ def test_a_body_that_may_stand_anywhere_says_so():
     ("call", "said"),
     [
         (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="drive.amplitud"), "'drive.amplitud' is not a number of Chain; .*amplitude"),
-        (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="modules.0.drive.omega"), r"do not come back after the period; .*'\*.omega'"),
+        (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="modules.0.drive.omega"), r"do not repeat after the period; .*'\*.omega'"),
         (lambda: ss.sensitivity(robot(), wrt=[]), "wrt is empty"),
         (lambda: ss.sensitivity(3), "3 is neither a machine"),
         (lambda: ss.sensitivity(robot().replace({"drive.amplitude": np.array([5e-4, 6e-4])})), "is a batch"),

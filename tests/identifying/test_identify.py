@@ -434,7 +434,7 @@ def test_compare_says_why_a_law_that_fits_may_have_another_word_for_the_motion()
     """A record of the very robot: the same motion to its noise, at rest by speed in the one and by force in the other."""
     robot = ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4)
     found = ss.compare(ss.virtual_rig(robot, noise=1e-6, seed=1), robot, laws=["lugre"])
-    said = [note for note in found.notes if "two words" in note]
+    said = [note for note in found.notes if "two types" in note]
     assert found["LuGre"].r2 > 0.99999 and (found.record.type != found["LuGre"].type) == bool(said) and said
     assert f"the record's type is {found.record.type}, LuGre {found['LuGre'].type}: " in said[0] and said[0] in str(found)
 

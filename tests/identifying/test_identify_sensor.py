@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.engine.law_steps import law_steps
+from stickslip.engine.symbolic import numbers_of
 from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.law_adapter import adapted
 from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
-from stickslip.identifying.law_forces import Stepped, _at_once, _step_by_step, driven_force
+from stickslip.identifying.law_forces import Stepped, _step_by_step, driven_force
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import polished
@@ -244,20 +247,29 @@ def test_the_motion_counts_where_a_force_is_missing():
     assert np.array_equal(driven_force(law, seen), driven_force(law, motion_of(whole, None, "record")))
 
 
-def test_samples_at_once_are_the_same_as_step_by_step():
-    """Where rates are linear in the inner states; where they are not, the law says so by its numbers."""
-    m = motion(400)
-    load, given, m = m.load[:, None], m.force[:, None], Stepped(m.t, m.v, m.v)
-    for law, linear in (
-        (ss.LuGre.example(), True),
-        (ss.Dahl.example(), True),
-        (ss.Dahl(0.3, 0.4, 1e5, 0.5), False),
-        (ss.ElastoPlastic.example(), False),
-    ):
-        start = np.zeros((adapted(law).states, 1))
-        at_once, steps = (way(adapted(law), m, load, given, start) for way in (_at_once, _step_by_step))
-        assert (at_once is not None) == linear
-        assert not linear or abs(at_once - steps).max() < 1e-6 * abs(steps).max()
+@pytest.mark.parametrize(
+    "name", [name for name, law in ss.LAWS.items() if adapted(law.example()).dynamic and not adapted(law.example()).random]
+)
+def test_compiled_steps_are_those_in_plain_python(name):
+    """Of three cases at once, with loads of their own; the plain ones take the slopes of rates from differences."""
+    m, law = motion(400), adapted(ss.LAWS[name].example())
+    gains = np.array([1.0, 0.7, 1.3])
+    law = adapted(replace_leaf(law.law, {key: value * gains for key, value in leaves(law.law) if key in numbers_of(law.law)[:1]}))
+    load, given, steps = m.load[:, None] * gains, m.force[:, None], np.diff(m.t, prepend=m.t[0])
+    start = np.array([np.broadcast_to(part, 3) for part in law.start(load[0])], float).reshape(law.states, 3)
+    plain, end = _step_by_step(law, Stepped(m.t, m.v, m.v), load, given, start, steps)
+    reached = start.copy()
+    compiled = law_steps(law)(law, steps, m.v, m.v, load, given, reached)
+    assert abs(compiled - plain).max() < 1e-6 * abs(plain).max() and np.allclose(reached, end, rtol=1e-6, atol=1e-12)
+
+
+def test_a_law_for_plain_numbers_is_followed_in_plain_python():
+    class Plain(ss.Dahl):
+        scalar_only = True
+
+    plain, law = Plain(0.3, 0.4, 1e5), ss.Dahl(0.3, 0.4, 1e5)
+    assert law_steps(adapted(plain)) is None and law_steps(adapted(law)) is not None
+    assert np.allclose(driven_force(plain, motion(60)), driven_force(law, motion(60)), rtol=1e-6)
 
 
 def test_a_preload_leaves_a_normal_force():

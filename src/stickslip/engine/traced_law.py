@@ -40,15 +40,19 @@ class TracedLaw:
         if not plain.compiles:
             why = f"{plain.name} is solved in plain Python alone (it says scalar_only), so that its equations cannot be written down"
             raise InputError("law", [f"{why}; allowed is a law that compiles; type for example ss.GMS.example()"])
-        values = dict(leaves(law))
-        many = [name for name, value in values.items() if is_array(value)]
-        if many:
-            raise InputError("law", [f"{', '.join(many)} of {plain.name} are arrays; allowed is one law, no batch; take one case of it"])
-        self.numbers: dict[str, float] = {name: float(values[name]) for name in numbers_of(law)}
-        self.law = own = adapted(replace_leaf(law, {name: graph.case(name) for name in self.numbers}))
+        self.names, self._given = numbers_of(law), dict(leaves(law))
+        self.law = own = adapted(replace_leaf(law, {name: graph.case(name) for name in self.names}))
         self.v, self.load, self.applied = (graph.variable(name) for name in ("v", "load", "applied"))
         self.z = tuple(graph.variable(f"z{i}") for i in range(own.states))
         self.mode = tuple(graph.mode(f"mode{i}") for i in range(own.modes))
+
+    @cached_property
+    def numbers(self) -> dict[str, float]:
+        """The law's numbers by name; those of a batch are refused."""
+        many = [name for name, value in self._given.items() if is_array(value)]
+        if many:
+            raise InputError("law", [f"{', '.join(many)} of {self.law.name} are arrays; allowed is one law, no batch; take one case of it"])
+        return {name: float(self._given[name]) for name in self.names}
 
     def _lift(self, value: Any) -> Sym:
         return value if isinstance(value, Sym) else self.graph.constant(value)
@@ -62,6 +66,11 @@ class TracedLaw:
     def force(self) -> Sym:
         """Friction force; of a set-valued law while it slides."""
         return self._lift(self.law.force(self.v, self.z, self.rates, self.load, self.mode, self.applied))
+
+    @cached_property
+    def response(self) -> Sym:
+        """The same, of a law that creeps next to rest too."""
+        return self._lift(self.law.resolved(0.0, self.v, self.z, self.rates, self.load, self.mode, self.applied))
 
     @cached_property
     def breakaway(self) -> tuple[Sym, Sym]:

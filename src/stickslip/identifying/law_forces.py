@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.engine.law_steps import law_steps
 from stickslip.friction.law_adapter import LawAdapter, adapted
 
 if TYPE_CHECKING:
@@ -54,9 +55,7 @@ def law_force(known: LawAdapter, motion: Stepped, load: Any, measured: Any, case
     """The same from loads and from what would be borne at rest: columns [N]."""
     if not known.dynamic:
         return _set_valued(known, motion.at[:, None], load, measured, cases)
-    z = _begun(known, motion, load[0], cases, start)
-    found = None if known.modes or known.random else _at_once(known, motion, load, measured, z)
-    return _step_by_step(known, motion, load, measured, z) if found is None else found
+    return _followed(known, motion, load, measured, _begun(known, motion, load[0], cases, start))[0]
 
 
 def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any) -> Any:
@@ -71,18 +70,26 @@ def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any
 def _slid(known: LawAdapter, motion: Stepped, load: Any, z: Any, side: float) -> Any:
     """Inner states after a slow slide to a side."""
     durations, speed = slide(motion.t, motion.v)
-    mode, nudge = tuple(np.zeros(z.shape[1]) for _ in range(known.modes)), _nudges(known, load, z.shape[1])
-    for h in durations:
-        z, mode = _stepped(known, side * speed, load, h, z, mode, nudge)
-    return z
+    v = np.full(len(durations), side * speed)
+    return _followed(known, Stepped(np.cumsum(durations), v, v), load + np.zeros((len(v), 1)), np.zeros((len(v), 1)), z, durations)[1]
 
 
-def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any) -> Any:
+def _followed(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any, steps: Any = None) -> tuple[Any, Any]:
+    """Forces, array (samples, cases), and the inner states after the last: compiled, or in plain Python of a law that asks for it."""
+    steps = np.diff(motion.t, prepend=motion.t[0]) if steps is None else steps
+    compiled = law_steps(known)
+    if compiled is None:
+        return _step_by_step(known, motion, load, measured, z, steps)
+    end = z.copy()
+    return compiled(known, steps, motion.v, motion.at, load, measured, end), end
+
+
+def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any, steps: Any) -> tuple[Any, Any]:
     cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
     nudge = _nudges(known, load.mean(axis=0), cases)
-    steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
+    side = 0.0
     one = load.shape[1] == 1
     columns = motion.v.tolist(), motion.at.tolist(), load[:, 0].tolist() if one else load, steps.tolist(), measured
     for k, (v, v_here, N, h, given) in enumerate(zip(*columns, strict=True)):
@@ -91,49 +98,7 @@ def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, 
         side = v or side
         z, mode = _stepped(known, v, N, h, z, mode, nudge)
         out[k] = known.response(v_here, tuple(z), N, mode, given)[0]
-    return out
-
-
-def _at_once(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any) -> Any:
-    """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
-    v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
-    states, count, cases = known.states, len(motion.t), z.shape[1]
-    try:
-        typical = _nudges(known, load.mean(axis=0), cases) / _NUDGE
-        rates = [_rates(known, v, part[:, None] * typical, load, (count, cases)) for part in _PARTS[:, :1] * np.ones(states)]
-        slope = (rates[1] - rates[0]) / (_PARTS[1, 0] * typical[:, None])
-        uneven = _PARTS[2, np.arange(states) % _PARTS.shape[1]][:, None] * typical
-        there = _rates(known, v, uneven, load, (count, cases))
-    except (ValueError, TypeError):  # a law that takes one velocity at a time
-        return None
-    told = rates[0] + slope * uneven[:, None]
-    if not (abs(there - told) <= 1e-9 * (abs(rates[0]) + abs(slope * uneven[:, None]))).all():
-        return None
-    return _recurrent(known, v, motion.at[:, None], h, rates[0], slope, load, measured, z)
-
-
-#: Inner states at which rates are looked at, in typical sizes: none, all alike, each its own.
-_PARTS = np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [0.7, 0.7, 0.7, 0.7, 0.7], [-0.41, 0.63, 0.29, -0.83, 0.57]])
-
-
-def _rates(known: LawAdapter, v: Any, z: Any, load: Any, shape: tuple[int, ...]) -> Any:
-    """Rates of the inner states at all samples: array (states, samples, cases)."""
-    parts = known.rate(v, tuple(np.broadcast_to(each, shape) for each in z), load)
-    return np.array([np.broadcast_to(part, shape) for part in parts], float).reshape(known.states, *shape)
-
-
-def _recurrent(known: LawAdapter, v: Any, v_here: Any, h: Any, rate: Any, slope: Any, load: Any, measured: Any, z: Any) -> Any:
-    """Forces where z after a step is A z + B."""
-    moves = (v != 0) & (h > 0)
-    a = np.minimum(slope * h, 30.0)
-    part = h * np.where(abs(a) < 1e-8, 1.0, np.expm1(a) / np.where(abs(a) < 1e-8, 1.0, a))
-    A, B = np.where(moves, 1.0 + part * slope, 1.0), np.where(moves, part * rate, 0.0)
-    states, count, cases = rate.shape
-    path = np.empty_like(rate)
-    for k in range(count if states else 0):
-        z = A[:, k] * z + B[:, k]
-        path[:, k] = z
-    return np.broadcast_to(known.response(v_here, tuple(path), load, (), measured)[0], (count, cases)) + 0.0
+    return out, z
 
 
 def _nudges(law: LawAdapter, load: Any, cases: int) -> Any:
