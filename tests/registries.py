@@ -44,6 +44,8 @@ def unfinished(cls, *pages):
     if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
         return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
     found = [sentence for field in dataclasses.fields(cls) for sentence in _of_field(cls, field)]
+    if ">>> " not in (cls.__doc__ or ""):
+        found.append(f"{cls.__name__}: give its docstring an example that runs")
     for page, words in (*((page, cls.__name__) for page in pages), ("docs/api.md", f"stickslip.{cls.__name__}")):
         if not re.search(rf"\b{words}\b", text_of(page)):
             found.append(f"{cls.__name__}: write about it in {page}")

@@ -13,7 +13,7 @@ from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.faces import Drawn
 from stickslip.identifying.fit_text import NOT_DETERMINED
 from stickslip.identifying.parameters import Parameters, parameters
-from stickslip.identifying.sensed import of_records
+from stickslip.identifying.sensor_readings import of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.targets import Target
