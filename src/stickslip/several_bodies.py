@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 from stickslip.controllers import Controllers
 from stickslip.fields import Frozen
 from stickslip.friction.law_adapter import LawAdapter, adapted
-from stickslip.maths import maximum, pi, sqrt
+from stickslip.maths import maximum, minimum, pi, sqrt
 from stickslip.mechanics import Mechanics, Numbers, signed_less
 
 __all__ = ["SeveralBodies", "Stopper"]
@@ -159,7 +159,7 @@ class SeveralBodies(Mechanics):
             for ends, link in self.elastic
             if isinstance(getattr(link, "stiffness", None), (int, float)) and link.stiffness > 0
         ]
-        return own if own is not None or not stiff else min(2 * pi * sqrt(m / k) for k, m in stiff)
+        return own if own is not None or not stiff else reduce(minimum, [2 * pi * sqrt(m / k) for k, m in stiff])
 
     @property
     def velocity_scale(self) -> Any:

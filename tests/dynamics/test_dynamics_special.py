@@ -43,7 +43,7 @@ def test_neimark_sacker_points_are_where_the_flow_keeps_areas():
     assert [s.kind for s in b.special] == ["neimark-sacker"]
     _, a, orbit = b.special[0]
     np.testing.assert_allclose(abs(orbit.multipliers), 1.0, atol=1e-9)
-    assert np.all(abs(np.imag(orbit.multipliers)) > 0.1) and "turns by 0.336" in orbit.notes[0]
+    assert np.all(abs(np.imag(orbit.multipliers)) > 0.1) and "rotates by 0.336" in orbit.notes[0]
     np.testing.assert_allclose(orbit.multipliers, orbit.differences, atol=1e-6)
 
     def rates(t, y):

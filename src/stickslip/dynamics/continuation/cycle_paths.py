@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, states_on, unknowns
+from stickslip.dynamics.periodic.cycle_sections import TURN, Section
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.friction.law_adapter import law_of
@@ -34,34 +35,40 @@ class CyclePath(Path):
     ----------
     unit : float
         The time in which durations are measured [s].
+    section : Section
+        Where the cycles are cut.
     """
 
     unit: float = 1.0
+    section: Section = TURN
 
     def inner(self, orbit: Any) -> Array:
         """The unknowns of a cycle besides the parameters."""
-        return unknowns(self.at, orbit.state, orbit.duration, self.unit)
+        return self.section.unknowns(self.at, orbit.state, orbit.duration, self.unit)
 
     def later(self, orbit: Any) -> Array:
         """The same unknowns half a cycle later, where that is a turn of the spring too: else no numbers."""
+        if not self.section.turns:
+            return np.full(self.at.smooth, np.nan)
         x, v, *inner = state_at(orbit.run, 0.5 * orbit.duration)
         far = machine_of(orbit.model).far_end_velocity
         turned = np.array([x - 0.5 * far * orbit.duration, far, *inner])
-        return np.where(abs(v - far) < _TURN * self.at.speed, unknowns(self.at, turned, orbit.duration, self.unit), np.nan)
+        return np.where(abs(v - far) < _TURN * self.at.speed, self.section.unknowns(self.at, turned, orbit.duration, self.unit), np.nan)
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the durations."""
-        return ends_of(self.robots(U), self.at, U[:, : self.at.smooth], memory, self.rtol, self.unit)
+        return self.section.ends(self.robots(U), self.at, U[:, : self.at.smooth], memory, self.rtol, self.unit)
 
     def missed(self, ends: Array, U: Array) -> Array:
         """How far each state is from itself after its duration, in its scales."""
-        begun = states_on(self.robots(U), self.at, U[:, : self.at.smooth], np.empty(0))
+        begun = self.section.states(self.robots(U), self.at, U[:, : self.at.smooth], np.empty(0))
         return np.asarray((ends[:, : self.at.smooth] - begun) / self.scales)
 
     def returned(self, J: Array) -> Array:
-        """The derivative of the map of the section onto itself: the velocity, which is that of the turn, says how long it takes."""
-        through = J - J[..., :, -1:] * J[..., 1:2, :] / J[..., 1:2, -1:]
-        return np.delete(through, 1, axis=-2)[..., :-1] + np.eye(self.at.smooth - 1)
+        """The derivative of the map of the section onto itself: the coordinate that passes its value there says how long it takes."""
+        k = self.section.index
+        through = J - J[..., :, -1:] * J[..., k : k + 1, :] / J[..., k : k + 1, -1:]
+        return np.delete(through, k, axis=-2)[..., :-1] + np.eye(self.at.smooth - 1)
 
     @cached_property
     def _followed(self) -> bool:
@@ -73,6 +80,8 @@ class CyclePath(Path):
 
     def swing(self, cycle: LimitCycle) -> float:
         """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""
+        if not self.section.turns:
+            return 1.0  # it does not turn inside out
         later = 0.5 * cycle.duration
         drift = float(machine_of(cycle.model).far_end_velocity) * later
         return float(cycle.state[0] - cycle.run.at(later)["x"] + drift)
@@ -82,15 +91,15 @@ class CyclePath(Path):
         from stickslip.solvers import solve
 
         cycle = self.orbit(Found(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
-        options: dict[str, Any] = {"rtol": self.rtol} if law_of(cycle.model).dynamic else {}
+        options: dict[str, Any] = {"rtol": self.rtol} if machine_of(cycle.model).has_inner_states else {}
         run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
         return run, cycle.duration, cycle.duration
 
     def orbit(self, found: Found) -> LimitCycle:
         """The cycle at a point."""
         model, u = self.robot(found.at), found.at[: self.at.smooth]
-        state = states_on(model, self.at, u[None, :], found.memory)[0]
-        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol)
+        state = self.section.states(model, self.at, u[None, :], found.memory)[0]
+        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol, section=self.section)
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
@@ -100,7 +109,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
     """
     last = points[-1]
-    if not isinstance(path, CyclePath) or law_of(last.orbit.model).dynamic:
+    if not isinstance(path, CyclePath) or not path.section.turns or law_of(last.orbit.model).dynamic:
         return None
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:

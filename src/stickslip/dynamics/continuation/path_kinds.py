@@ -32,4 +32,4 @@ def path_of(family: Family, orbit: Any, origin: Any, span: Any, period: int | No
     same = (family, orbit.period if period is None else period, coordinates(orbit.model), origin, span, orbit.rtol, _TOLERANCE)
     if is_flow(orbit.model):
         return FlowPath(*same)
-    return CyclePath(*same, clock(orbit.model)) if isinstance(orbit, LimitCycle) else Path(*same)
+    return CyclePath(*same, clock(orbit.model), orbit.section) if isinstance(orbit, LimitCycle) else Path(*same)

@@ -204,14 +204,14 @@ def periodic_orbit(
 ) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
-    Without a drive (a block on a belt) it is a limit cycle, and its period is found too.
+    Without a drive (a block on a belt, a joint that hunts) it is a limit cycle, and its period is found too.
 
     Parameters
     ----------
     model : Robot, mechanism, machine or SwitchingFlow
         One of them.
     period : int
-        Drive periods after which the motion repeats; without a drive, oscillations of the spring.
+        Drive periods after which the motion repeats; without a drive, oscillations.
     guess : dict, array, Trajectory or PeriodicOrbit, optional
         Initial guess: a start as for `solve`, a strobe state, a run (its last strobe state) or a neighbouring orbit. If not given, the
         robot is run from rest, and the strobe states that return most closely are tried, and their means (which lead to the unstable motion
