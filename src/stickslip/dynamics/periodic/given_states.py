@@ -33,7 +33,7 @@ def states_of(start: Any, model: Any) -> Array:
     if isinstance(start, dict):
         columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
         return _checked(start, np.stack(columns, axis=1), at)
-    return np.tile(_one_state(start, at), (len(rest), 1))
+    return np.tile(_one_state(start, at, rest[0]), (len(rest), 1))
 
 
 def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
@@ -54,10 +54,10 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
     return np.append(state, list(flow.fields).index(mode))
 
 
-def _one_state(start: Any, at: Coordinates) -> Array:
+def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
     """The strobe state of an orbit, of a run's end, or as it was given."""
-    if isinstance(start, ClosedMotion) and start.names == at.names:
-        return start.state
+    if isinstance(start, ClosedMotion) and start.model.period is not None:
+        return _shared(start, at, rest)
     if hasattr(start, "strobe_v"):
         return _end_of(start, at)
     try:
@@ -67,6 +67,15 @@ def _one_state(start: Any, at: Coordinates) -> Array:
     if state.shape != (len(at.names),):
         raise InputError("start", [f"{start!r} is not a state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
     return _checked(start, state, at)
+
+
+def _shared(orbit: ClosedMotion, at: Coordinates, rest: Array) -> Array:
+    """The state of an orbit; of an orbit under another law what it has of the state, and the rest as at rest."""
+    known = dict(zip(orbit.names, orbit.state, strict=True))
+    if not known.keys() & set(at.names):
+        told = f"the orbit's state is {', '.join(known)}; allowed is an orbit with {' or '.join(at.names)}"
+        raise InputError("start", [f"{told}; type guess=ss.solve(machine, periods=200)"])
+    return np.array([known.get(name, still) for name, still in zip(at.names, rest, strict=True)])
 
 
 def _end_of(run: Any, at: Coordinates) -> Array:
