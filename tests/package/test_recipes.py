@@ -36,7 +36,7 @@ from stickslip.variables import VARIABLES
 #: Records that are made of others, and never typed: in a registry they are not.
 OF_OTHERS = {"ModalSum", "Shifted", "SlidingSum", "Sum", "Turned"}
 OF_LAWS = ("docs/laws/index.md", "docs/laws/*.md")
-OF_DRIVES = ("position", "velocity", "acceleration", "period", "velocity_scale")
+OF_DRIVES = ("position", "velocity", "acceleration", "period", "stroke", "velocity_scale")
 
 
 def needs_of(law):
