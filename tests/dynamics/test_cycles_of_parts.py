@@ -86,3 +86,18 @@ def test_a_joint_that_comes_to_rest_has_no_cycle():
     calm = ss.presets.servo().replace({"control.ki": 0.0})
     with pytest.raises(ss.SolveError, match="it rests, or slides on steadily"):
         ss.periodic_orbit(calm)
+
+
+def test_two_blocks_in_phase_gain_stability_as_their_spring_stiffens():
+    """The multiplier of the motion out of phase falls through 1, where unequal motions branch off, and through -1."""
+    branch = ss.continuation(Blocks(0.1, 0.5, STATIC), parameter="between", start=0.5, stop=2.5, step=0.1)
+    assert [special.kind for special in branch.special] == ["branch-point", "flip"]
+    for special, multiplier in zip(branch.special, (1.0, -1.0), strict=True):
+        there = ss.periodic_orbit(Blocks(0.1, special.value, STATIC), guess=special.orbit)
+        assert there.differences[0] == pytest.approx(multiplier, abs=1e-4) and special.accuracy < 1e-7
+
+
+def test_a_chain_that_nothing_drives_comes_to_rest():
+    chain = ss.Chain(ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3)), link=ss.Spring(10.0))
+    run = ss.solve(chain, duration=3.0, start={"x": {"body 1": 0.1}})
+    assert abs(run.v).max() > 0.1 and (run.v[-1] == 0.0).all()

@@ -117,7 +117,8 @@ class Chain(Machine):
     def free_velocity(self) -> Any:
         """The largest velocity that a drive would give a body without friction [m/s]."""
         gaits = [drive_of(drive).velocity_scale for name, drive in self._driven.items() if name.startswith("link")]
-        return _largest([machine_of(module).free_velocity for module in self._robots] + gaits)
+        found = [machine_of(module).free_velocity for module in self._robots] + gaits
+        return _largest(found) if found else None
 
     @property
     def names(self) -> tuple[str, ...]:

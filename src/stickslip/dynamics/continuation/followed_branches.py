@@ -93,7 +93,7 @@ def _known(special: list[Special], seen: Special) -> bool:
 def _special(path: Path, found: list[Point], b: Point, s: Located) -> Special:
     """A special point between the last point and another, as well as it is known from the motions beside it."""
     known: tuple[float, float] | None = None
-    if s.kind == "type-border" and isinstance(path, CyclePath) and not law_of(s.point.orbit.model).dynamic:
+    if s.kind == "type-border" and isinstance(path, CyclePath) and path.section.turns and not law_of(s.point.orbit.model).dynamic:
         known = _rest_begins(path, found, b, s)
     elif s.kind == "grazing":
         known = _touch_begins(path, found[-1], b, s)

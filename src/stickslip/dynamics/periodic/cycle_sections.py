@@ -91,7 +91,9 @@ def section_of(run: Any) -> tuple[Section, str, float, float]:
     places = {name: swing for name, swing in swings.items() if name.startswith("x.")} or swings
     name = max(places, key=lambda each: places[each])
     middle = float(0.5 * (columns[name].min() + columns[name].max()))
-    return Section(at.names.index(name), middle), name, middle, 1.0
+    steps = np.diff(columns[name])[np.diff(columns[name] > middle)] / np.diff(late)[np.diff(columns[name] > middle)]
+    faster = -1.0 if len(steps) and -steps.min() > steps.max() else 1.0  # in a slide, not where it rides along
+    return Section(at.names.index(name), middle), name, middle, faster
 
 
 def returns(run: Any, column: str, value: float, direction: float) -> Array:
