@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import importlib
+import pkgutil
 import re
 
+import stickslip as ss
 from house import ROOT
 from stickslip.fields import is_number_field, is_tuple_field
 
@@ -23,9 +26,9 @@ def example(cls):
         return None
 
 
-def lacking(name, cls, needs, section=""):
+def lacking(name, cls, needs, *pages):
     """Sentences on what a new law or drive lacks, by the steps of CONTRIBUTING."""
-    found = unfinished(cls, *([f"docs/{section}"] if section else []))
+    found = unfinished(cls, *pages)
     if not dataclasses.is_dataclass(cls):
         return found
     if example(cls) is None:
@@ -41,12 +44,30 @@ def unfinished(cls, *pages):
     if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
         return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
     found = [sentence for field in dataclasses.fields(cls) for sentence in _of_field(cls, field)]
+    if ">>> " not in (cls.__doc__ or ""):
+        found.append(f"{cls.__name__}: give its docstring an example that runs")
     for page, words in (*((page, cls.__name__) for page in pages), ("docs/api.md", f"stickslip.{cls.__name__}")):
         if not re.search(rf"\b{words}\b", text_of(page)):
             found.append(f"{cls.__name__}: write about it in {page}")
     if f"{cls.__name__} as {cls.__name__}" not in text_of("src/stickslip/__init__.pyi"):
         found.append(f"{cls.__name__}: name it in src/stickslip/__init__.pyi")
+    elif getattr(ss, cls.__name__, None) is not cls:
+        found.append(f"{cls.__name__}: import it where src/stickslip/__init__.pyi has it from")
+    package, _, _ = cls.__module__.rpartition(".")
+    if cls.__name__ not in getattr(importlib.import_module(package), "__all__", [cls.__name__]):
+        found.append(f"{cls.__name__}: name it in __all__ of {package}")
     return found
+
+
+def unregistered(package, base, registry):
+    """Records that a package defines, from which no other is made, and which its registry lacks."""
+    modules = [importlib.import_module(f"{package.__name__}.{found.name}") for found in pkgutil.iter_modules(package.__path__)]
+    mine = [cls for module in modules for cls in vars(module).values() if isinstance(cls, type) and cls.__module__ == module.__name__]
+    return [
+        cls.__name__
+        for cls in mine
+        if issubclass(cls, base) and dataclasses.is_dataclass(cls) and not cls.__subclasses__() and cls not in registry.values()
+    ]
 
 
 def _of_field(cls, field):
@@ -60,7 +81,7 @@ def _of_field(cls, field):
 
 @functools.cache
 def text_of(place):
-    """The text of a page, or of all pages of a folder."""
+    """The text of a page, or of all pages of a folder but its index: "docs/laws/*.md"."""
     path = ROOT / place
-    pages = sorted(path.glob("*.md")) if path.is_dir() else [path]
+    pages = sorted(page for page in path.parent.glob(path.name) if path.name == page.name or page.stem != "index")
     return "\n".join(page.read_text(encoding="utf-8") for page in pages)

@@ -15,6 +15,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.fields import replace_leaf
+from stickslip.mechanics import lists_parts
 from stickslip.mechanisms import MECHANISMS
 
 Array = Any  # numpy.ndarray
@@ -282,9 +283,9 @@ def _mechanism(kind: Kind, d: Draw) -> Any:
 
 
 def kinds(count: int = 120, least: int = 6, seed: int = 1) -> list[Kind]:
-    """Kinds in which every law, drive, track and mechanism occurs at least `least` times, if there are enough of them."""
+    """Kinds in which every law, drive, track and bench occurs at least `least` times, if there are enough of them."""
     rng = np.random.default_rng(seed)
-    benches = [name for name in MECHANISMS for _ in range(least)]
+    benches = [name for name, made in MECHANISMS.items() if not lists_parts(made) for _ in range(least)]
     robots = max(count - len(benches), 0)
     laws, drives, tracks = (_deck(rng, names, robots) for names in (LAW_NAMES, tuple(DRIVES), TRACKS))
     found = [Kind(law, drive, track) for law, drive, track in zip(laws, drives, tracks, strict=True)]

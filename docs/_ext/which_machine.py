@@ -1,6 +1,7 @@
 """The table of the page on which machine goes through which door: made from what tests/properties/test_every_machine.py tries.
 
-``python docs/_ext/which_machine.py`` tries every machine at every door and writes docs/which-machine.md anew.
+``python docs/_ext/which_machine.py`` tries every machine at every door and writes docs/which-machine.md anew; with names of machines
+behind it, as they stand in tests/every.py, it tries these alone and keeps what the page says of the others.
 """
 
 from __future__ import annotations
@@ -61,25 +62,29 @@ def kept_table(text):
     return found
 
 
-def main():
-    """Write the table into the page."""
+def main(*names):
+    """Write the table into the page: of some machines, or of all."""
     sys.path.insert(0, str(PAGE.parent.parent / "tests"))
     import matplotlib.pyplot as plt
 
     from every import Case, door_of, every_door, every_machine
 
+    text = PAGE.read_text(encoding="utf-8")
+    kept = kept_table(text)
     cells = {}
     for name, made in every_machine.items():
+        if names and name not in names:
+            cells |= {(name, door): kept[name, door] for door in every_door}
+            continue
         with tempfile.TemporaryDirectory() as folder:
             case = Case(name, *made, Path(folder))
             for door in every_door:
                 cells[name, door] = cell(door_of(door, case), case)
                 plt.close("all")
                 print(f"{name}, {door}: {cells[name, door]}", flush=True)
-    text = PAGE.read_text(encoding="utf-8")
     before, after = text.partition(BEGIN)[0], text.partition(END)[2]
     PAGE.write_text(f"{before}{BEGIN}\n\n{table(cells)}\n\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -91,9 +91,11 @@ from .dynamics.exponents.general_exponents import (
     lyapunov_of_map as lyapunov_of_map,
 )
 from .dynamics.exponents.motion_exponents import (
-    Verdict as Verdict,
     largest_exponents as largest_exponents,
     lyapunov as lyapunov,
+)
+from .dynamics.exponents.motion_verdict import (
+    Verdict as Verdict,
     verdict as verdict,
 )
 from .dynamics.exponents.rotation import (

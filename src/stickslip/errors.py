@@ -12,8 +12,18 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 __all__ = [
-    "InputError", "OneContactNeeded", "Problems", "SolveError", "StickslipError", "as_path", "did_you_mean", "gather", "is_one_of",
-    "is_whole", "other_words",
+    "InputError",
+    "OneContactNeeded",
+    "Problems",
+    "SolveError",
+    "StickslipError",
+    "as_path",
+    "did_you_mean",
+    "gather",
+    "is_number",
+    "is_one_of",
+    "is_whole",
+    "other_words",
 ]  # fmt: skip
 
 
@@ -111,6 +121,19 @@ class Problems:
         """Raise one `InputError` with everything found, or return if nothing was."""
         if self.found:
             raise InputError(self.what, self.found)
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is one finite number, of Python or NumPy; True and False are none.
+
+    Examples
+    --------
+    >>> is_number(3), is_number(float("nan")), is_number(True), is_number([1.0])
+    (True, False, False, False)
+    """
+    import numpy as np
+
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
 def is_whole(value: Any) -> bool:

@@ -113,7 +113,7 @@ def to_toml(record: Any, name: str = "robot") -> str:
     """A robot (or, by its name, a mechanism) as TOML text."""
     import tomli_w
 
-    kind = {"kind": record.kind} if hasattr(record, "kind") else {}
+    kind = {"kind": record.kind} if getattr(record, "kind", "") else {}
     return tomli_w.dumps({name: {**kind, **to_table(record)}})
 
 
@@ -143,8 +143,9 @@ def from_toml(cls: type, text: str, name: str = "robot") -> Any:
 def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
     """A robot or a mechanism (of class `cls`) from nested dicts."""
     problems, arguments = Problems("study file"), dict(table)
-    if hasattr(cls, "kind") and arguments.pop("kind", cls.kind) != cls.kind:
-        problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
+    own = getattr(cls, "kind", "")
+    if own and arguments.pop("kind", own) != own:
+        problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{own}"')
     for part, kinds in kinds_of(cls).items():
         if _is_table(arguments.get(part)):
             arguments[part] = _parts(part, arguments[part], problems, f"{name}.{part}", kinds)

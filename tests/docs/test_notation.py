@@ -63,7 +63,9 @@ def test_the_page_says_of_every_number_what_its_field_says():
         for field in dataclasses.fields(cls):
             if is_number_field(field) or is_tuple_field(field):
                 assert {"label", "unit"} <= set(field.metadata), f"{cls.__name__}.{field.name} says neither what it is nor its unit"
-                cells = written[prefix + field.name]
+                cells = written.get(prefix + field.name)
+                if cells is None:
+                    continue  # told by the test above
                 units = {unit.strip() for row in cells for unit in row[2].split(",")}
                 symbol = bare(field.metadata.get("symbol", ""))
                 if field.metadata["unit"] not in units or not any(symbol in bare(row[0]) for row in cells):

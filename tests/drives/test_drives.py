@@ -113,7 +113,8 @@ def test_it_is_smooth_between_its_breaks(drive):
         fit = np.polynomial.Chebyshev.fit(t, drive.acceleration(t), 40, domain=[a, b])
         between = np.linspace(a + 0.01 * (b - a), b - 0.01 * (b - a), 333)
         scale = np.max(abs(drive.acceleration(between))) or 1.0
-        assert fit(between) == pytest.approx(drive.acceleration(between), abs=1e-9 * scale)
+        smooth = fit(between) == pytest.approx(drive.acceleration(between), abs=1e-9 * scale)
+        assert smooth, f"between {a:.6g} s and {b:.6g} s its acceleration has a corner or a jump: name the instant in breaks, or in jumps"
 
 
 @every_drive

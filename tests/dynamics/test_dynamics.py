@@ -20,6 +20,7 @@ from problems import velocity_unit
 from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_iii_iv, periodic
 from stickslip.cli import main
 from stickslip.dynamics.derivatives.tangents import jacobian_of
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, strobe_map
@@ -121,6 +122,15 @@ def test_an_unstable_orbit_is_found_between_the_points_of_its_doubling():
     # one more period from the orbit: what Newton left over grows by the multiplier only
     end = strobe_map(orbit.model, orbit.state[None, :], 3).state[0]
     assert np.max(abs(end - orbit.state) / coordinates(orbit.model).scales) < 1e-9
+
+
+def test_an_orbit_under_another_law_gives_what_both_states_have():
+    """Its velocity is no deflection of a bristle: that begins as at rest. With no number in common it is refused."""
+    dry, elastic = (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law=law) for law in ("coulomb", "lugre"))
+    orbit = ss.periodic_orbit(dry)
+    assert states_of(orbit, elastic).tolist() == [[orbit.state[0], 0.0]]
+    with pytest.raises(ss.InputError, match=r"the orbit's state is v; allowed is an orbit with v\.module 1"):
+        ss.periodic_orbit(ss.Chain.example(), guess=orbit)
 
 
 def test_every_kind_of_guess_leads_to_the_same_orbit():

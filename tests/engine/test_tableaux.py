@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import mpmath as mp
 import pytest
 
@@ -30,38 +32,32 @@ def reference(t, y, h):
     return [solution(t + h), solution(t + h / 2)]
 
 
-@pytest.fixture(scope="module")
-def errors():
-    """Errors of one step and of its middle, for halved steps."""
+@functools.cache
+def references():
+    """Start, and by step the solution after it and after its half."""
     mp.mp.dps = 50
-    t, y, found = mp.mpf("0.3"), [mp.mpf("0.7"), mp.mpf("-0.4")], {}
-    for tableau in TABLEAUX.values():
-        rows = []
-        for k in range(4, 7):
-            h = mp.mpf(1) / 2**k
-            exact, exact_middle = reference(t, y, h)
-            new, middle, _ = rosenbrock_step(pendulum, jacobian, by_time, t, y, h, tableau, mp)
-            rows.append(
-                (
-                    max(abs(a - b) for a, b in zip(new, exact, strict=True)),
-                    max(abs(a - b) for a, b in zip(middle, exact_middle, strict=True)),
-                )
-            )
-        found[tableau.name] = rows
-    return found
+    t, y, steps = mp.mpf("0.3"), [mp.mpf("0.7"), mp.mpf("-0.4")], [mp.mpf(1) / 2**k for k in range(4, 7)]
+    return t, y, [(h, reference(t, y, h)) for h in steps]
+
+
+def errors(tableau, of):
+    """Errors of one step (0) or of its middle (1), for halved steps."""
+    t, y, steps = references()
+    found = ((rosenbrock_step(pendulum, jacobian, by_time, t, y, h, tableau, mp)[of], exact[of]) for h, exact in steps)
+    return [max(abs(a - b) for a, b in zip(new, exact, strict=True)) for new, exact in found]
 
 
 @every_tableau
-def test_local_error_falls_with_order_plus_one(tableau, errors):
-    rows = errors[tableau.name]
-    observed = float(mp.log(rows[-2][0] / rows[-1][0], 2))
+def test_local_error_falls_with_order_plus_one(tableau):
+    *_, before, last = errors(tableau, 0)
+    observed = float(mp.log(before / last, 2))
     assert observed == pytest.approx(tableau.order + 1, abs=0.25)  # next term of the expansion at h = 1/64
 
 
 @every_tableau
-def test_dense_output_has_its_order(tableau, errors):
-    rows = errors[tableau.name]
-    observed = float(mp.log(rows[-2][1] / rows[-1][1], 2))
+def test_dense_output_has_its_order(tableau):
+    *_, before, last = errors(tableau, 1)
+    observed = float(mp.log(before / last, 2))
     assert observed == pytest.approx(tableau.dense_order + 1, abs=0.3)
 
 

@@ -1,5 +1,8 @@
 """Each recipe of CONTRIBUTING: a registered thing has all that its recipe names, and what is forgotten is told in a sentence."""
 
+import importlib
+import pkgutil
+import re
 import sys
 import types
 from dataclasses import dataclass, field
@@ -11,33 +14,65 @@ import stickslip as ss
 from every import every_machine
 from house import ROOT
 from kinds import LAWS
-from registries import examples, lacking, text_of, unfinished
+from registries import examples, lacking, text_of, unfinished, unregistered
+from stickslip import drives, friction, machines, mechanisms, records
 from stickslip.cli import COMMANDS
+from stickslip.drives.drive import Drive
+from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
+from stickslip.friction.law import Law
 from stickslip.machines.parts import LINKS
 from stickslip.mechanisms import MECHANISMS
+from stickslip.mechanisms.mechanism import Mechanism
 from stickslip.records import formats
 from stickslip.records.raw import Column, Raw
 from stickslip.solvers.methods import METHODS
 from stickslip.storage import from_text
+from stickslip.sweeps import solving
+from stickslip.sweeps.result_columns import COLUMNS, END, filled
 from stickslip.tracks import TRACKS
 from stickslip.variables import VARIABLES
 
-OF_DRIVES = ("position", "velocity", "acceleration", "period", "velocity_scale")
+#: Records that are made of others, and never typed: in a registry they are not.
+OF_OTHERS = {"ModalSum", "Shifted", "SlidingSum", "Sum", "Turned"}
+OF_LAWS = ("docs/laws/index.md", "docs/laws/*.md")
+OF_DRIVES = ("position", "velocity", "acceleration", "period", "stroke", "velocity_scale")
 
 
 def needs_of(law):
     return ("sliding", "breakaway") if hasattr(law, "sliding") else ("rate", "force")
 
 
+@pytest.mark.parametrize(
+    ("package", "base", "registry", "line"),
+    [
+        (friction, Law, ss.LAWS, "LAWS, src/stickslip/friction/__init__.py"),
+        (drives, Drive, ss.DRIVES, "DRIVES, src/stickslip/drives/__init__.py"),
+        (machines, ss.Machine, MECHANISMS, "MECHANISMS, src/stickslip/mechanisms/__init__.py"),
+        (mechanisms, Mechanism, MECHANISMS, "MECHANISMS, src/stickslip/mechanisms/__init__.py"),
+    ],
+)  # fmt: skip
+def test_what_is_written_is_registered(package, base, registry, line):
+    left = set(unregistered(package, base, registry)) - OF_OTHERS
+    assert not left, f"{', '.join(sorted(left))}: add to {line}"
+
+
+@pytest.mark.parametrize("folder", ["laws", "drives", "machines"])
+def test_every_page_is_in_a_list_of_pages(folder):
+    listed = text_of(f"docs/{folder}/index.md" if folder != "machines" else "docs/index.md")
+    pages = [page.stem for page in (ROOT / "docs" / folder).glob("*.md") if page.stem != "index"]
+    left = [name for name in pages if not re.search(rf"^({folder}/)?{name}$", listed, re.MULTILINE)]
+    assert not left, f"{', '.join(left)}: add to the list of pages (toctree) of docs/{'' if folder == 'machines' else folder + '/'}index.md"
+
+
 @pytest.mark.parametrize("name", ss.LAWS)
 def test_a_law_has_what_its_recipe_names(name):
-    assert not lacking(name, ss.LAWS[name], needs_of(ss.LAWS[name]), "laws")
+    assert not lacking(name, ss.LAWS[name], needs_of(ss.LAWS[name]), *OF_LAWS)
 
 
 @pytest.mark.parametrize("name", ss.DRIVES)
 def test_a_drive_has_what_its_recipe_names(name):
-    assert not lacking(name, ss.DRIVES[name], OF_DRIVES, "drives")
+    assert not lacking(name, ss.DRIVES[name], OF_DRIVES, "docs/drives/index.md")
 
 
 @pytest.mark.parametrize("name", TRACKS)
@@ -59,10 +94,11 @@ def test_a_link_has_what_its_recipe_names(name):
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_machine_has_what_its_recipe_names(name):
     made = MECHANISMS[name]
-    assert made.kind == name and not unfinished(made, "docs/which-machine.md")
+    assert name, f'{made.__name__}: say kind: ClassVar[str] = "...", its name in a study file'
+    assert not unfinished(made, "docs/which-machine.md", "docs/machines/*.md" if issubclass(made, ss.Machine) else "docs/mechanisms.md")
     machine = next((machine for machine, *_ in every_machine.values() if isinstance(machine, made)), None)
     assert machine is not None, f"give every_machine in tests/every.py a {name}"
-    assert type(from_text(machine.to_toml())) is made, f'{made.__name__}: say _table: ClassVar[str] = "mechanism", the table of study files'
+    assert type(from_text(machine.to_toml())) is made
 
 
 @pytest.mark.parametrize("known", formats.FORMATS, ids=lambda known: known.names[0])
@@ -71,6 +107,22 @@ def test_a_format_of_records_has_what_its_recipe_names(known):
     for name in known.names:
         told = name in text_of("docs/records.md") and name in ss.read.__doc__
         assert told, f"name {name} in docs/records.md and in the docstring of read"
+
+
+def test_every_reader_is_in_the_table_of_formats():
+    """A function of bytes that makes a `Raw` reads a format, or a part of one."""
+    places = [importlib.import_module(f"stickslip.records.{found.name}") for found in pkgutil.iter_modules(records.__path__)]
+    made = [
+        (place.__name__.rpartition(".")[2], function) for place in places for function in vars(place).values() if reads(place, function)
+    ]
+    left = {f"{place}.{function.__name__}" for place, function in made} - {known.read_by for known in formats.FORMATS}
+    assert not left, f"{', '.join(sorted(left))}: add a line to FORMATS in src/stickslip/records/formats.py"
+
+
+def reads(place, function):
+    notes = getattr(function, "__annotations__", {})
+    own = getattr(function, "__module__", "") == place.__name__ and function.__name__ in getattr(place, "__all__", ())
+    return own and next(iter(notes.items()), None) == ("data", "bytes") and notes.get("return") == "Raw"
 
 
 def test_a_format_is_a_line_and_its_reader(monkeypatch, tmp_path):
@@ -89,9 +141,23 @@ def test_a_format_is_a_line_and_its_reader(monkeypatch, tmp_path):
         ss.read(tmp_path / "b.log")
 
 
+def test_every_tableau_is_in_the_tuple():
+    left = [name for name, made in vars(tableaux).items() if isinstance(made, tableaux.Tableau) and made not in TABLEAUX.values()]
+    assert not left, f"{', '.join(left)}: add to TABLEAUX at the end of src/stickslip/engine/tableaux.py"
+
+
 @pytest.mark.parametrize("name", TABLEAUX)
 def test_a_tableau_is_a_method(name):
+    made = TABLEAUX[name]
+    n = made.stages
     assert name in set(METHODS), f"add {name} to src/stickslip/solvers/methods.py"
+    assert [len(row) for row in made.a] == [len(row) for row in made.C] == list(range(n)), (
+        f"{name}: a and C have a row for each stage, of 0, 1, 2, ..."
+    )
+    assert len(made.d) == n, f"{name}: c and d have a number for each stage"
+    dense = [len(row) for row in made.dense]
+    assert dense == [n] * (made.dense_order - 1), f"{name}: dense has dense_order - 1 rows with a number for each stage"
+    assert made.source, f"{name}: say its source"
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -112,6 +178,19 @@ def test_a_column_is_found_by_somebody():
     assert empty in ([], ["settling_error"]), f"{empty}: nobody computes them; see columns_of in src/stickslip/sweeps/solving.py"
 
 
+def test_a_column_that_is_computed_is_declared(monkeypatch):
+    computed = set()
+
+    def spied(found, *more):
+        computed.update(found)
+        return filled(found, *more)
+
+    monkeypatch.setattr(solving, "filled", spied)
+    ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4], tilt_deg=1.7, law="coulomb")
+    left = sorted(name for name in computed if name not in COLUMNS and not name.startswith(END))
+    assert computed and not left, f"{', '.join(left)}: add a line to src/stickslip/variables.py"
+
+
 @dataclass(frozen=True, eq=False)
 class Forgetful(ss.Viscous):
     """A law of which nearly everything was forgotten."""
@@ -120,11 +199,12 @@ class Forgetful(ss.Viscous):
 
 
 def test_what_a_law_forgets_is_told_in_sentences_and_hides_no_other(monkeypatch):
+    finished = set(examples(ss.LAWS))
     monkeypatch.setitem(ss.LAWS, "forgetful", Forgetful)
-    told = "\n".join(lacking("forgetful", Forgetful, needs_of(Forgetful), "laws"))
+    told = "\n".join(lacking("forgetful", Forgetful, needs_of(Forgetful), *OF_LAWS))
     said = "Forgetful.depth has no label, unit, example; type depth: float", "example() gives no Forgetful"
     assert all(words in told for words in (*said, "docs/laws", "docs/api.md", "__init__.pyi")), told
-    assert set(examples(ss.LAWS)) == set(ss.LAWS) - {"forgetful"} and set(ss.LAWS) - {"forgetful"} <= set(LAWS)
+    assert set(examples(ss.LAWS)) == finished <= set(LAWS)
 
 
 def test_a_class_that_is_no_dataclass_is_told_what_to_write():

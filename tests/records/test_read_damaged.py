@@ -20,6 +20,7 @@ import stickslip as ss
 from measured import FOLDER, needs_data
 from records.test_read import T, V, rows, uff
 from stickslip.errors import InputError
+from stickslip.records.formats import FORMATS, format_of
 
 #: No single file may take longer: the whole ones take 0.3 s at most; a hang takes for ever.
 PATIENCE = 20.0
@@ -180,6 +181,13 @@ def test_damaged_files_of_other_libraries_are_errors_or_told(tmp_path):
         file.write_segment([nptdms.ChannelObject("g", "v", V, properties={"wf_increment": 1e-3})])
     wholes = [Whole((tmp_path / name).read_bytes(), tmp_path / "whole") for name in ("a.h5", "3.nc", "4.nc", "a.tdms")]
     endure(wholes, tmp_path, 1000, seed=4)
+
+
+def test_every_format_has_a_file_that_is_damaged(tmp_path):
+    pytest.importorskip("nptdms", reason="the extra [io] is not installed")
+    there = {format_of(data).names for data in damage.bases(tmp_path).values()}
+    left = [known.names[0] for known in FORMATS if known.names not in there]
+    assert not left, f"{', '.join(left)}: give bases in tests/damage.py a small file, which is then damaged in hundreds of ways"
 
 
 def unharmed(tmp_path, count, parts, seed):

@@ -42,7 +42,7 @@ def _several(asked: Any) -> bool:
 
 # ---- one motion ----
 def _one(asked: Any) -> Outcome:
-    from stickslip.dynamics.exponents.motion_exponents import verdict
+    from stickslip.dynamics.exponents.motion_verdict import verdict
     from stickslip.plot import convergence
 
     settle, rest = _settle(asked.settings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -79,9 +80,16 @@ def _beam(p: Values) -> Any:
     return beam.drive(p["voltage"], p["frequency"])
 
 
+def _in_words(cls: type) -> str:
+    return re.sub("(?<=[a-z])(?=[A-Z])", "-", cls.__name__).lower()
+
+
+def _is_its_numbers(cls: Any) -> bool:
+    return all(is_number_field(f) for f in dataclasses.fields(cls) if f.name != "notes")
+
+
 #: Drives that are their numbers, in words.
-_PLAIN = {"harmonic": "harmonic", "twophase": "two-phase", "threephase": "three-phase", "bangbang": "bang-bang", "trapezoid": "trapezoid",
-          "sawtooth": "sawtooth"}  # fmt: skip
+_PLAIN = {name: _in_words(cls) for name, cls in _KINDS.items() if _is_its_numbers(cls)}
 _SINE = {"amplitude": AMPLITUDE, "omega": OMEGA}
 _BEAM = {name: described_arguments(piezo_beam_rig)[name] for name in ("voltage", "frequency", "length", "thickness")}
 _SECOND = {

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
-from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.errors import InputError, Problems, SolveError, is_number, is_whole
 from stickslip.faces import Drawn
 from stickslip.identifying.fit_text import NOT_DETERMINED
 from stickslip.identifying.parameters import Parameters, parameters
-from stickslip.identifying.sensed import of_records
+from stickslip.identifying.sensor_readings import of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.targets import Target
@@ -210,9 +210,9 @@ def _checked(
     problems = Problems("design")
     settings = settings_of(experiments, problems)
     for name, value in free.items():
-        if not _is_number(value):
+        if not is_number(value):
             problems.add(f'free: {name} = {value!r}; allowed is its expected value; type for example "{name}": 0.18')
-    middle = {name: value if _is_number(value) else 1.0 for name, value in free.items()}
+    middle = {name: value if is_number(value) else 1.0 for name, value in free.items()}
     bounds = {name: (0.5 * v, 1.5 * v) if v > 0 else (v - 1.0, v + 1.0) for name, v in middle.items()}
     varied = {k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}
     of = None
@@ -220,7 +220,7 @@ def _checked(
         of = parameters(make, bounds, None, {**arguments, **varied}, max(len(settings), 1), "design")
     except InputError as error:
         problems.include(error)
-    if not (_is_number(noise) and 1e-30 < noise < 1e30):
+    if not (is_number(noise) and 1e-30 < noise < 1e30):
         problems.add(f"noise = {noise!r}; allowed is a positive standard deviation of one sample; type for example noise=1e-3")
     problems.whole("samples", samples, 8, example=2000)
     problems.whole("together", together, 1, example=2)
@@ -230,10 +230,6 @@ def _checked(
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
     problems.check()
     return of, settings  # type: ignore[return-value]  # without it there was a problem
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
 def settings_of(experiments: Any, problems: Problems) -> list[dict[str, Any]]:

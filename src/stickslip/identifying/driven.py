@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stickslip.identifying.motions import Motion
-from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.parameters import OverParameters, Parameters
 
 __all__ = ["DrivenProblem"]
 
@@ -17,7 +17,7 @@ _STEP = 1e-5
 
 
 @dataclass(eq=False)
-class DrivenProblem:
+class DrivenProblem(OverParameters):
     """Fit of a law's force over prescribed motions, or of what a machine must be given for them.
 
     All derivatives, and all places of a multistart, are one batch.
@@ -35,10 +35,6 @@ class DrivenProblem:
     """
 
     resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
-    batched: ClassVar[bool] = True
-    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
-    nuisances: ClassVar[int] = 0
-    timing: ClassVar[int] = 0
 
     parameters: Parameters
     targets: tuple[Motion, ...]
@@ -62,14 +58,6 @@ class DrivenProblem:
     def with_values(self, y: Any) -> DrivenProblem:
         """The same fit for other measured values."""
         return dataclasses.replace(self, values=y)
-
-    def only(self, fixed: dict[str, float]) -> DrivenProblem:
-        """The same fit with some parameters held."""
-        return dataclasses.replace(self, parameters=self.parameters.only(fixed))
-
-    def leaving_out(self, effects: Any) -> DrivenProblem:
-        """The same fit of a law without some effects."""
-        return dataclasses.replace(self, parameters=self.parameters.leaving_out(effects))
 
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
@@ -108,12 +96,3 @@ class DrivenProblem:
         least, most = self.ends(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
         found = [np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))]
         return found[0], found[-1]
-
-    def aligned(self, place: Any) -> Any:
-        """Nothing is aligned: force and motion have one clock."""
-        return np.asarray(place, float)
-
-    def bounds(self) -> tuple[Any, Any]:
-        """Bounds of a place."""
-        n = len(self.parameters.free)
-        return np.zeros(n), np.ones(n)

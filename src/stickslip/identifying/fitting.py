@@ -17,20 +17,21 @@ from stickslip.fields import checked_number
 from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem
+from stickslip.identifying.finishing import canonical, finished, held_back, spared_note, spared_numbers
 from stickslip.identifying.fit import Fit
-from stickslip.identifying.fit_text import counted, listed
+from stickslip.identifying.fit_text import counted
 from stickslip.identifying.means import MeansProblem
 from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import Found, polished, searched, starting_places
+from stickslip.identifying.search import Found, searched, starting_places
 from stickslip.identifying.sensed import Sensed
-from stickslip.identifying.sensors import EFFECTS, sensors_of, with_starts
-from stickslip.identifying.spread import information_of, neighbours, noise_scale, noise_sizes, spread_of, with_noise_of
+from stickslip.identifying.sensors import sensors_of, with_starts
+from stickslip.identifying.spread import noise_scale, spread_of
 from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
-from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
+from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, weighted
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
@@ -38,11 +39,6 @@ from stickslip.records import Record
 __all__ = ["identify"]
 
 USES = ("auto", "velocity", "position", "mean", "force")
-_SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
-_MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
-_NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
-_ROUNDS = 4  # times that the noise is found anew
-_WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
 
@@ -152,10 +148,10 @@ def identify(
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), partial(nested_seeds, rough, starts, seed))
-    problem, best = _finished(problem, best)
-    spared = [] if best.stopped else _spared(problem, best)
-    problem, best = _held_back(weigh, problem, best if best.stopped else _canonical(problem, best, spared))
-    notes += outlier_notes(problem) + _spared_note(spared)
+    problem, best = finished(problem, best)
+    spared = [] if best.stopped else spared_numbers(problem, best)
+    problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
+    notes += outlier_notes(problem) + spared_note(spared)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
 
@@ -261,111 +257,6 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
         if getattr(m, "flipped", False)
     ]
     return notes
-
-
-def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
-    """The problem with its noise as the residuals have it, and the best place."""
-    if rough.stopped:
-        return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
-    best = polished(problem, rough.place)
-    for _ in range(_ROUNDS):
-        told = with_noise_of(problem, best)
-        if best.stopped or told is problem:
-            break
-        problem, best = told, polished(told, best.place)
-    return problem, best
-
-
-def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
-    """The best place where outliers count less, by weights that are found anew until they stay."""
-    counts, plain, before = [t.count for t in problem.targets], problem, np.ones(len(problem.y))
-    for _ in range(_WEIGHINGS):
-        rest = plain.residuals(best.place)[: len(before)]
-        rows = robust_weights(weigh, rest, counts)
-        if best.stopped or abs(rows - before).max() < _STEADY:
-            break
-        weighed, before = plain.weighing(rows), rows
-        sizes = noise_sizes(weighed, dataclasses.replace(best, residuals=weighed.residuals(best.place)))
-        problem = weighed.trusting(weighed.trust, sizes)
-        best = polished(problem, best.place)
-    return problem, best
-
-
-def _canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
-    """The same fit where numbers of sensors that are spared, or not determined, are those of ideal sensors; their errors stay in it.
-
-    One that the fit needs, within the bounds of the others, stays as it is.
-    """
-    held, needed = spared, set[str]()
-    found = _holding(problem, best, held)
-    while names := [n for n in _lost(problem, held, found) if n not in held and n not in needed]:
-        more = _holding(problem, best, [*held, names[0]])
-        if more.cost > found.cost * (1 + _NOTHING):
-            needed.add(names[0])
-        else:
-            held, found = [*held, names[0]], more
-    if not held:
-        return best
-    kept = _kept(problem, held)
-    place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
-    place[kept] = found.place
-    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
-
-
-def _holding(problem: Sensed, best: Found, names: Any) -> Found:
-    """The fit where some numbers of sensors are those of ideal ones."""
-    return polished(problem.holding(names), best.place[_kept(problem, names)]) if names else best
-
-
-def _kept(problem: Sensed, held: Any) -> Any:
-    """Which numbers of a place are left if some of the sensors are held."""
-    return np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
-
-
-def _lost(problem: Sensed, held: Any, found: Found) -> list[str]:
-    """Numbers of sensors that the data do not determine if some are held, in the order of the problem."""
-    reduced = problem.holding(held) if held else problem
-    return [reduced.numbers[k - reduced.first].name for k in _undetermined(reduced, found) if k >= reduced.first]
-
-
-def _spared(problem: Sensed, best: Found) -> list[str]:
-    """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
-    effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
-    while effects:
-        found: list[tuple[float, list[str]]] = []
-        for out in (None, *effects):
-            way = [e for e in effects if e != out]
-            spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
-            found.append((_holding(problem, best, spared).cost, way))
-            if found[-1][0] <= _MAKES_UP * best.cost:
-                return spared
-        effects = min(found[1:])[1]
-    return []
-
-
-def _chasing(problem: Sensed, best: Found) -> list[str]:
-    """Numbers of load cells that nobody asked for and that would make up for what the law lacks.
-
-    What is left then has a shape, or a number is far off what is known of it.
-    """
-    if problem.given is not None:
-        return []
-    off = problem.against_what_is_known(best.place)
-    odd = {i for n in problem.numbers if n.name in off for i in n.records}
-    odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
-    return [n.name for n in problem.numbers if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
-
-
-def _spared_note(names: list[str]) -> list[str]:
-    """What it means that some numbers of sensors were spared."""
-    if not names:
-        return []
-    left = f"the residual force is structured, so {listed(names)} of the sensor cannot be distinguished from defects of the law"
-    return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
-
-
-def _undetermined(problem: Sensed, found: Found) -> list[int]:
-    return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]
 
 
 def _fit(

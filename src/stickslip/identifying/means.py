@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.batch import stacked
 from stickslip.errors import InputError, SolveError
-from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.parameters import OverParameters, Parameters
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
 
@@ -21,7 +21,7 @@ _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 
 
 @dataclass(eq=False)
-class MeansProblem:
+class MeansProblem(OverParameters):
     """Fit of mean velocities, the cases of all places side by side.
 
     Parameters
@@ -35,10 +35,6 @@ class MeansProblem:
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
     remembers: ClassVar[bool] = False
-    batched: ClassVar[bool] = True
-    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
-    nuisances: ClassVar[int] = 0
-    timing: ClassVar[int] = 0
 
     parameters: Parameters
     targets: tuple[Target, ...]
@@ -58,14 +54,6 @@ class MeansProblem:
     def with_values(self, y: Any) -> MeansProblem:
         """The same fit for other measured values."""
         return dataclasses.replace(self, targets=tuple(dataclasses.replace(t, y=y[[i]]) for i, t in enumerate(self.targets)))
-
-    def only(self, fixed: dict[str, float]) -> MeansProblem:
-        """The same fit with some parameters held."""
-        return dataclasses.replace(self, parameters=self.parameters.only(fixed))
-
-    def leaving_out(self, effects: Any) -> MeansProblem:
-        """The same fit of a law without some effects."""
-        return dataclasses.replace(self, parameters=self.parameters.leaving_out(effects))
 
     def rough(self) -> MeansProblem:
         """The same fit for the search: a looser tolerance."""
@@ -115,12 +103,3 @@ class MeansProblem:
         moved = np.clip(place + step, 0.0, 1.0)
         allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(place), dtype=bool), moved, place)]
         return np.where(allowed, moved, place)
-
-    def aligned(self, place: Any) -> Any:
-        """Nothing is aligned: a mean velocity has no phase."""
-        return np.asarray(place, float)
-
-    def bounds(self) -> tuple[Any, Any]:
-        """Bounds of a place."""
-        n = len(self.parameters.free)
-        return np.zeros(n), np.ones(n)

@@ -15,7 +15,8 @@ from stickslip.identifying.designing import USES, Design, Experiment, curve_and_
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit_text import OVER_MOTION, listed
 from stickslip.identifying.motions import motion_of
-from stickslip.identifying.sensed import Sensed, of_records
+from stickslip.identifying.sensed import Sensed
+from stickslip.identifying.sensor_readings import of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.information import Information
 from stickslip.records import Record

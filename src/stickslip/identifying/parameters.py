@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from stickslip.identifying.effects import plainer
 from stickslip.identifying.limits import Limits, limits_of
 from stickslip.sealing import sealed
 
-__all__ = ["Free", "Parameters"]
+__all__ = ["Free", "OverParameters", "Parameters"]
 
 
 @dataclass(frozen=True)
@@ -275,3 +275,32 @@ def _fixed(arguments: dict[str, Any], count: int, problems: Problems) -> tuple[d
         for record in range(count):
             fixed[record][name] = value[record] if many else value
     return tuple(fixed)
+
+
+class OverParameters:
+    """Base of the problems whose places are those of their free parameters alone, solved side by side."""
+
+    batched: ClassVar[bool] = True
+    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
+    nuisances: ClassVar[int] = 0
+    timing: ClassVar[int] = 0
+
+    if TYPE_CHECKING:
+        parameters: Parameters
+
+    def only(self, fixed: dict[str, float]) -> Self:
+        """The same fit with some parameters held."""
+        return replace(self, parameters=self.parameters.only(fixed))  # type: ignore[type-var]
+
+    def leaving_out(self, effects: Any) -> Self:
+        """The same fit of a law without some effects."""
+        return replace(self, parameters=self.parameters.leaving_out(effects))  # type: ignore[type-var]
+
+    def aligned(self, place: Any) -> Any:
+        """Nothing is aligned: there is no phase besides the parameters."""
+        return np.asarray(place, float)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a place."""
+        n = len(self.parameters.free)
+        return np.zeros(n), np.ones(n)

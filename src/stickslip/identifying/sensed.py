@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.distributions import Distribution
+from stickslip.identifying.sensor_readings import change_shown, of_records, shown_by_sensor
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 from stickslip.identifying.weak_directions import derivative_along, sharpened
 
-__all__ = ["Sensed", "of_records"]
+__all__ = ["Sensed"]
 
 #: Residual of a value that a model cannot give, in standard deviations.
 IMPOSSIBLE = 1e4
@@ -107,8 +108,8 @@ class Sensed:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        of_records = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
-        return self.model.sigma * np.repeat(of_records, [t.count for t in self.targets]) / np.sqrt(self.rows)
+        each = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
+        return self.model.sigma * np.repeat(each, [t.count for t in self.targets]) / np.sqrt(self.rows)
 
     # ---- others like it ----
     def _like(self, model: Any, **changes: Any) -> Sensed:
@@ -198,7 +199,7 @@ class Sensed:
 
     def _shown(self, ends: tuple[Any, Any], readings: list[dict[str, Any]]) -> tuple[Any, Any]:
         """What the sensors show of the least and the greatest values."""
-        return _both(lambda h: self._of_records(_shown, h, readings), ends)
+        return _both(lambda h: self._of_records(shown_by_sensor, h, readings), ends)
 
     def _of_records(self, function: Any, whole: Any, readings: list[dict[str, Any]]) -> Any:
         """A function of (target, values, readings) for all records."""
@@ -249,7 +250,7 @@ class Sensed:
         if h is None:
             slopes = np.zeros((len(self.y), len(place)))
         else:
-            columns = _both(lambda each: self._of_records(_through, each, readings), own)
+            columns = _both(lambda each: self._of_records(change_shown, each, readings), own)
             main = self._at_the_nearer(columns, self._shown(h, readings))
             slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
             slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
@@ -363,64 +364,3 @@ def _both(function: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:
     """A function of the least and of the greatest values; once where they are the same."""
     least = function(ends[0])
     return least, least if ends[1] is ends[0] else function(ends[1])
-
-
-def _wide(values: Any, like: Any) -> Any:
-    """A number for each value, as a column where there are many cases."""
-    return values if like.ndim == 1 else values[:, None]
-
-
-def _middle(target: Any) -> float:
-    """What a gain leaves where it is: zero, or the mean of a position, which is counted from anywhere."""
-    return float(np.average(target.y, weights=target.weight * np.ones(target.count))) if target.kind == "position" else 0.0
-
-
-def _course(target: Any) -> Any:
-    """What a drift of one unit a second adds."""
-    t = target.time
-    return t - np.average(t, weights=target.weight * np.ones(target.count)) if target.kind == "position" else t
-
-
-def _delayed(target: Any, h: Any, delay: Any) -> Any:
-    """Values a little later; between samples they change evenly."""
-    if delay is None or not np.any(delay) or h.size == 0:
-        return h
-    if h.ndim == 1:
-        return np.interp(target.time - delay, target.time, h)
-    return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
-
-
-def _through(target: Any, h: Any, reading: dict[str, Any]) -> Any:
-    """What gain and delay make of a change."""
-    return reading.get("gain", 1.0) * _delayed(target, h, reading.get("delay"))
-
-
-def _shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
-    """What a sensor shows where the model gives h: array (values,) or (values, cases)."""
-    if not reading:
-        return h
-    middle = _middle(target)
-    found = middle + _through(target, h - middle, reading) + reading.get("offset", 0.0)
-    for what, of in _ADDED.items():
-        if what in reading:
-            found = found + _wide(of(target), found) * reading[what]
-    return found
-
-
-_ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
-
-
-def of_records(number: SensorNumber, parts: list[Any]) -> Any:
-    """Derivative of all values by a number of a sensor, from (target, values of the model, readings)."""
-    made = ((i in number.records, *part) for i, part in enumerate(parts))
-    return np.concatenate([_column(number.what, t, h, r) if own else np.zeros(t.count) for own, t, h, r in made])
-
-
-def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:
-    """Derivative of what a sensor shows by one of its numbers: array (values,)."""
-    if what in _ADDED:
-        return _ADDED[what](target)
-    if what == "offset":
-        return np.ones(target.count)
-    seen = _delayed(target, h - _middle(target), reading.get("delay"))
-    return seen if what == "gain" else -reading.get("gain", 1.0) * np.gradient(seen, target.time)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
-from stickslip.errors import Problems, did_you_mean
+from stickslip.errors import Problems, did_you_mean, is_number
 
 __all__ = ["EFFECTS", "SensorNumber", "sensors_of", "with_starts"]
 
@@ -120,7 +120,7 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
         problems.found += [f"sensor: {what} of record {i} is named twice; leave one of them out" for what, i in sorted(twice)]
         if made:
             taken |= {(made.what, i) for i in made.records}
-            (held if _is_value(said) else fitted).append(made)
+            (held if is_number(said) else fitted).append(made)
     problems.check()
     return tuple(fitted), tuple(held)
 
@@ -181,7 +181,7 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
             most = _DELAY * max(targets[i].step for i in records)
             prior = distribution_of(("uniform", -most, most))
         return SensorNumber(name, records, about.neutral, prior, _least(effect, records, targets))
-    if _is_value(said):
+    if is_number(said):
         return SensorNumber(name, records, float(said))
     prior = distribution_of(said)
     if prior is None:
@@ -194,7 +194,3 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
 def _least(effect: str, records: tuple[int, ...], targets: Any) -> float:
     """What an effect cannot be below: a preload leaves a normal force, and there is room to see its derivative."""
     return -_PRESSED * min(float(np.min(targets[i].load)) for i in records) if effect == "preload" else -np.inf
-
-
-def _is_value(said: Any) -> bool:
-    return isinstance(said, (int, float, np.number)) and not isinstance(said, bool) and bool(np.isfinite(said))

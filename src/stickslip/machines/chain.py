@@ -63,7 +63,6 @@ class Chain(Machine):
     phases: tuple[float, ...] | None = field(default=None, metadata=quantity("phase of the drive", "rad", r"\varphi", example=(0.0, 1.57)))
 
     kind: ClassVar[str] = "chain"  # its name in a study file
-    _table: ClassVar[str] = "mechanism"
     part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"modules": {"robot": Robot, "bodies": Bodies}, "link": LINKS}
 
     def _check(self, problems: Problems) -> None:

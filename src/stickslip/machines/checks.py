@@ -55,9 +55,10 @@ def check_parts(machine: Any, problems: Problems) -> None:
     for name, part in listed["controllers"].items():
         _check_controller(name, part, bodies, problems)
     if not problems.found:
-        _check_groups(machine, problems)
-        _check_stops(machine.mechanics, problems)
-        _check_controllers(machine, problems)
+        mechanics = machine.mechanics
+        _check_groups(mechanics, problems)
+        _check_stops(mechanics, problems)
+        _check_controllers(mechanics, problems)
 
 
 def periods_differ(name: str, period: Any, first: str, other: Any) -> str:
@@ -112,11 +113,11 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
 
 
-def _check_flight(name: str, contact: Any, machine: Any, problems: Problems) -> None:
+def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -> None:
     """Note a contact that is to fly and cannot: its body has others, or what it rubs on is a body."""
     if contact.restitution is None:
         return
-    where, mechanics = f"contacts()[{name!r}].restitution", machine.mechanics
+    where = f"contacts()[{name!r}].restitution"
     checked_number(where, contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3")
     law = adapted(contact.friction)
     if not law.dynamic and not _is_affine(law):
@@ -192,9 +193,9 @@ def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Pr
             problems.add(f"{where} acts on {body!r}, which is not a body; {did_you_mean(str(body), bodies)}")
 
 
-def _check_controllers(machine: Any, problems: Problems) -> None:
+def _check_controllers(mechanics: Any, problems: Problems) -> None:
     """Note controllers whose samples do not come together, or do not come back with the machine's period."""
-    parts = machine.mechanics.controllers.parts
+    machine, parts = mechanics.model, mechanics.controllers.parts
     samples = {name: part.sample for name, part in parts.items() if part.sample is not None}
     for name, own in samples.items():
         first, other = next(iter(samples.items()))
@@ -212,21 +213,21 @@ def _off_whole(ratio: Any) -> Any:
     return (ratio - np.rint(ratio)) / ratio
 
 
-def _check_groups(machine: Any, problems: Problems) -> None:
+def _check_groups(mechanics: Any, problems: Problems) -> None:
     """Note prescribed distances that close a loop, and contacts between bodies that one of them joins."""
-    mechanics = machine.mechanics
+    period = mechanics.model.period
     for name, contact in mechanics.joints.items():
-        _check_flight(name, contact, machine, problems)
+        _check_flight(name, contact, mechanics, problems)
     joined = sum(len(group) - 1 for group in mechanics.groups)
     if joined < len(mechanics.told):
         problems.add("links() prescribes distances in a closed loop; allowed is one path from body to body; leave one of them out")
-    for ends, link in mechanics.told if machine.period is not None else ():
-        begun, back = link.position(0.0), link.position(machine.period)
-        reach = abs(link.position(machine.period / 3) - begun) + abs(link.position(machine.period / 2) - begun)
+    for ends, link in mechanics.told if period is not None else ():
+        begun, back = link.position(0.0), link.position(period)
+        reach = abs(link.position(period / 3) - begun) + abs(link.position(period / 2) - begun)
         if not everywhere(abs(back - begun) <= _CLOSED * (reach + abs(begun))):
             problems.add(
                 f"links()[{ends!r}] prescribes a distance that does not close: it changes by {describe(back - begun)} m in the period of "
-                f"{describe(machine.period)} s; allowed is a motion that comes back; type ss.Harmonic(amplitude=2e-3, frequency=2.0)"
+                f"{describe(period)} s; allowed is a motion that comes back; type ss.Harmonic(amplitude=2e-3, frequency=2.0)"
             )
     for name, row in zip(mechanics.contacts, mechanics.directions, strict=True):
         if not any(row):

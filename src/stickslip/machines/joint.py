@@ -140,7 +140,6 @@ class Joint(Machine):
     kind: ClassVar[str] = "joint"
     principal: ClassVar[str | None] = "joint"
     rotary: ClassVar[bool] = True  # angles and torques, not ways and forces
-    _table: ClassVar[str] = "mechanism"
     holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, **FORCES}
 
     def __post_init__(self) -> None:

@@ -61,7 +61,8 @@ class Machine(Frozen):
     (('head', 'tail'), 0.9810000000000001)
     """
 
-    _table: ClassVar[str] = "machine"  # what its table in TOML is called
+    #: Its name in a study file; "" of a class of one's own, which a study file cannot name.
+    kind: ClassVar[str] = ""
 
     #: The body whose motion is the machine's: ``run.x``, ``run.v`` and columns of datasets are its own, and those of its first contact,
     #: without axes for bodies and contacts; others are in ``run.bodies[name]``. None: columns have an axis for all bodies.
@@ -125,12 +126,17 @@ class Machine(Frozen):
 
         A study file holds what `stickslip` knows by name, such as a `Chain`; of a class of your own it names the function that makes it.
         """
-        return to_toml(self, self._table)
+        return to_toml(self, self._table())
 
     @classmethod
     def from_toml(cls, text: str) -> Any:
         """A machine of this kind from the TOML text of `to_toml`."""
-        return from_toml(cls, text, cls._table)
+        return from_toml(cls, text, cls._table())
+
+    @classmethod
+    def _table(cls) -> str:
+        """What its table in TOML is called."""
+        return "mechanism" if cls.kind else "machine"
 
     def _repr_html_(self) -> str:
         return record_html(self)

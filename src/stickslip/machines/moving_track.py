@@ -82,7 +82,6 @@ class MovingTrack(Machine):
 
     kind: ClassVar[str] = "moving_track"  # its name in a study file
     principal: ClassVar[str | None] = "mass"
-    _table: ClassVar[str] = "mechanism"
 
     def _check(self, problems: Problems) -> None:
         for name in ("along", "across"):

@@ -16,9 +16,9 @@ __all__ = ["End", "Followed", "followed"]
 RTOL, TIGHT = 1e-8, 1e-10
 #: How far from a border the first other point of the secant lies, as a part of the parameter.
 _ASIDE = 1e-4
-_LOSES = ("flip", "fold", "neimark-sacker")
 _WHY = {
     "flip": "doubles its period", "fold": "turns back at a fold", "neimark-sacker": "turns into a torus",
+    "branch-point": "meets another branch",
     "half": "merges with the motion of half its period", "range": "was followed no further", "lost": "could not be followed",
 }  # fmt: skip
 
@@ -32,7 +32,8 @@ class End:
     value : float
         Of the parameter.
     kind : str
-        "flip", "fold", "neimark-sacker", "half" (it merges with the motion of half its period), "range" (it goes on), or "lost".
+        "flip", "fold", "neimark-sacker", "branch-point", "half" (it merges with the motion of half its period), "range" (it goes on), or
+        "lost".
     accuracy : float or None
         Of the value: that of the branch's special point, or by how much it moves when the tolerance is a hundredth; 0 where nothing was
         looked for, None where it is not known.
@@ -105,7 +106,7 @@ def _branch(parameter: str, start: float, stop: float, **more: Any) -> Any:
 
 def _end(branch: Any, stop: float) -> tuple[End, Any]:
     """Where the motion of a branch loses its stability, or the branch ends; and the orbit there."""
-    border, last = next((s for s in branch.special if s.kind in _LOSES), None), float(branch.values[-1])
+    border, last = next((s for s in branch.special if s.changes_stability), None), float(branch.values[-1])
     if border is not None:
         return End(border.value, border.kind, border.accuracy), border.orbit
     if abs(last - stop) <= 1e-9 * abs(stop):

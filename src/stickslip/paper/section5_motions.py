@@ -107,7 +107,7 @@ def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
 
 
 def _judged(case: Any, runs: Runs) -> Motion:
-    from stickslip.dynamics.exponents.motion_exponents import verdict
+    from stickslip.dynamics.exponents.motion_verdict import verdict
 
     robot, run = rig(case), runs.figures[case.figure]
     told = verdict(robot, periods=PERIODS, settle=0, start=run)

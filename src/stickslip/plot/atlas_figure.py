@@ -33,6 +33,7 @@ _FILLS = (
 _FINE, _LETTERS = 240, 3  # places of a side; letters of a region's name for which there is room inside
 _COLUMNS = {3: 16, 2: 30}  # of the legend, by the letters of its longest entry
 _MISSING = "not computed"
+_ON_A_LINE = 0.05  # of the plane: a mark so near to a line of its kind is left out
 
 
 @explains_arguments
@@ -114,10 +115,7 @@ def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
 def _on_a_line(found: Any, point: Any) -> bool:
     """Whether a special point lies on a border that is drawn."""
     spans = np.array([np.ptp(found.map[name].values) for name in found.parameters])
-    near = 0.05
-    return any(
-        np.min(np.linalg.norm((np.array(b.values) - point.values) / spans, axis=1)) < near for b in found.borders if b.kind == point.kind
-    )
+    return any(border.distance(point.values, spans) < _ON_A_LINE for border in found.borders if border.kind == point.kind)
 
 
 def _framed(ax: Any, across: Any, up: Any) -> None:

@@ -16,7 +16,6 @@ from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, nam
 
 __all__ = ["OBSERVABLES", "continuation"]
 
-_LOSES = ("flip", "fold", "neimark-sacker", "branch-point")  # where motions gain or lose stability
 _CLOUD = "#8A94A0"
 
 
@@ -158,7 +157,7 @@ def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, 
     places, extra = [], []
     for i in np.flatnonzero(stable[1:] != stable[:-1]):
         low, high = sorted(x[i : i + 2])
-        here = [s for s in branch.special if s.kind in _LOSES and low <= s.value <= high]
+        here = [s for s in branch.special if s.changes_stability and low <= s.value <= high]
         places += [i + 1] * len(here[:1])
         extra += here[:1]
     if not extra:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed
+from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
@@ -78,6 +78,10 @@ class Border:
     told: str
     special: tuple[PointOfBorder, ...]
     ended: tuple[str, ...]
+
+    def distance(self, values: Any, spans: Any) -> float:
+        """Distance of a place from a smooth line through its points, each number counted in its span."""
+        return float(np.min(np.linalg.norm((smooth(np.array(self.values)) - values) / spans, axis=1)))
 
     def __repr__(self) -> str:
         return f"<Border: {self.kind}, {len(self.values)} points{f', {self.told}' if self.told else ''}>"

@@ -17,7 +17,7 @@ from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
 from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
-from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, passed_by, seeds_of, smooth
+from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, passed_by, seeds_of
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.continuation.branches import Branch, continuation
@@ -294,8 +294,7 @@ def _explained_by(plane: Plane, outcome: Outcome, left: list[Change]) -> set[Cha
 def _is_new(plane: Plane, known: list[Border], point: PointOfBorder) -> bool:
     """Whether a special point lies on none of the borders that are known."""
     spans = np.array([float(np.ptp(axis)) for axis in plane.axes])
-    alike = [border for border in known if border.kind == point.kind]
-    return not any(np.min(np.linalg.norm((smooth(np.array(b.values)) - point.values) / spans, axis=1)) < _ON_IT for b in alike)
+    return not any(border.distance(point.values, spans) < _ON_IT for border in known if border.kind == point.kind)
 
 
 # ---- how long it takes ----

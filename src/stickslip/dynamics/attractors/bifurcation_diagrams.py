@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.continuation.one_parameter import Family, family
-from stickslip.dynamics.periodic.periodic_orbits import states_of
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_orbit

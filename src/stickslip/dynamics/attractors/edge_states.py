@@ -11,7 +11,8 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
-from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit, states_of
+from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit

@@ -13,7 +13,7 @@ from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_o
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import largest_exponents
-from stickslip.dynamics.periodic.periodic_orbits import states_of
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit

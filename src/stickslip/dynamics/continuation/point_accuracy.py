@@ -10,6 +10,7 @@ from typing import Any
 __all__ = ["Meeting", "Special", "certain"]
 
 _DIGITS = 15
+_OF_STABILITY = ("flip", "fold", "neimark-sacker", "branch-point")
 
 
 def certain(value: float, accuracy: float) -> str:
@@ -54,6 +55,11 @@ class Special:
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.kind, self.value, self.orbit))
+
+    @property
+    def changes_stability(self) -> bool:
+        """Whether motions gain or lose their stability there."""
+        return self.kind in _OF_STABILITY
 
     @property
     def told(self) -> str:

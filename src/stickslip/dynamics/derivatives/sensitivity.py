@@ -12,7 +12,8 @@ from stickslip.arguments import explains_arguments
 from stickslip.drives.within import drives_within
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit, states_of
+from stickslip.dynamics.periodic.given_states import states_of
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import Closed, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of

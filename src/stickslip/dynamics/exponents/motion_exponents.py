@@ -1,9 +1,9 @@
-"""Lyapunov exponents of a robot's motion, and the verdict: periodic, quasi-periodic or chaotic."""
+"""Lyapunov exponents of a robot's motion: all of them from its tangent, the largest from two neighbours."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,24 +11,22 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
-from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.periodic.closed_orbits import resting
+from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
-from stickslip.faces import Face
 from stickslip.fields import checked_number, number
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
-from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
+__all__ = ["checked", "largest_exponents", "lyapunov", "settled"]
 
 Array = Any
 _CHUNK = 50  # drive periods that are kept as dense output at a time
@@ -83,7 +81,7 @@ def lyapunov(
     >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
     -2.418858
     """
-    _check(model, periods, settle)
+    checked(model, periods, settle)
     if is_flow(model):
         return _of_flow(model, periods, settle, start)
     state = settled(model, start, settle, rtol)
@@ -112,13 +110,12 @@ def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
 
 def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
     """The strobe state after some periods: array (1, coordinates)."""
-    from stickslip.dynamics.periodic.periodic_orbits import states_of
-
     state = states_of(start, model)
     return strobe_map(model, state, settle, rtol).state if settle else state
 
 
-def _check(model: Any, periods: Any, settle: Any) -> None:
+def checked(model: Any, periods: Any, settle: Any) -> None:
+    """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True)
     if is_flow(model):
         _check_lengths(periods, settle)
@@ -305,114 +302,3 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
         away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(d)) * apart * scales
     logs = logs[_ALIGN:]
     return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))
-
-
-@sealed
-@dataclass(frozen=True, eq=False)
-class Verdict(Face):
-    """The kind of steady motion of a robot, with the evidence.
-
-    Parameters
-    ----------
-    kind : str
-        "periodic", "quasi-periodic", "chaotic" or "undecided".
-    period : int or None
-        Drive periods after which it repeats.
-    exponents : Lyapunov
-        Of the motion.
-    orbit : PeriodicOrbit or None
-        The orbit of a periodic motion, found by Newton's method.
-    why : str
-        The evidence in a sentence.
-    rotation : Rotation or None
-        Of a quasi-periodic motion of two frequencies: the rotation number of its strobe points, in turns per drive period.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> told = ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=20, settle=20)
-    >>> told.kind, told.period, told.orbit.type
-    ('periodic', 1, 'III')
-    """
-
-    kind: str
-    period: int | None
-    exponents: Lyapunov
-    orbit: Any
-    why: str
-    rotation: Rotation | None = None
-
-    def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw the orbit or, if there is none, the convergence of the exponents. Returns the axes."""
-        return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
-
-    def _figures(self) -> list[Any]:
-        return (self.exponents if self.orbit is None else self.orbit)._figures()
-
-    def _facts(self) -> dict[str, Any]:
-        period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
-        rotation = {} if self.rotation is None else {"rotation number": f"{self.rotation.told} turns per drive period"}
-        return {"motion": self.kind, **period, **rotation, "exponents": self.exponents.told, "evidence": self.why}
-
-    def __repr__(self) -> str:
-        return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
-
-
-@explains_arguments
-def verdict(
-    model: Model,
-    periods: int = 1000,
-    *,
-    settle: int = 500,
-    start: Any = None,
-    rtol: float = 1e-8,
-    progress: Report | None = None,
-) -> Verdict:
-    """Periodic, quasi-periodic or chaotic: decided by the exponents and the strobe point together.
-
-    Periodic: the strobe point returns, Newton's method finds a stable orbit there, and the largest exponent is that of its multipliers.
-    Chaotic: it does not return, and the largest exponent is positive by more than three of its errors. Quasi-periodic: it does not return,
-    and the largest exponent is zero within three errors that are small; if its strobe points lie on one closed curve, it has two
-    frequencies, and their rotation number is given. Anything else is undecided.
-
-    Parameters
-    ----------
-    model, periods, settle, start, rtol, progress
-        As for `lyapunov`. For a periodic motion the exponents are averaged over whole motion periods, so slightly more drive periods than
-        requested may be used.
-
-    Returns
-    -------
-    Verdict
-        `kind`, `period`, `exponents`, `orbit`, `rotation`, and `why`, the evidence in a sentence.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=50, settle=50).kind
-    'periodic'
-    """
-    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
-    from stickslip.dynamics.stroboscopic.periodicity import repetition
-    from stickslip.errors import SolveError
-
-    _check(model, periods, settle)
-    state = settled(model, start, settle, rtol)
-    back = repetition(model, state[0], rtol)
-    whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
-    exponents = lyapunov(model, -(-periods // whole) * whole, settle=0, start=state[0], rtol=rtol, progress=progress)
-    if back.period is not None:
-        try:
-            orbit = periodic_orbit(model, back.period, guess=back.state)
-        except (SolveError, InputError):
-            orbit = None
-        if orbit is not None and orbit.stable:
-            why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
-            return Verdict("periodic", back.period, exponents, orbit, why)
-    told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
-    if back.period is None and exponents.chaotic:
-        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {told}")
-    if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        rotation, seen = rotation_of_strobe(model, back.state, rtol)
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not return and {told}: zero; {seen}", rotation)
-    return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")

@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.flows.judged_flows import judged
 from stickslip.dynamics.flows.user_functions import derivative
-from stickslip.errors import InputError, Problems, is_one_of
+from stickslip.errors import InputError, Problems, is_number, is_one_of
 from stickslip.fields import number
 from stickslip.flow import Switch, SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.flow_run import extremes
@@ -142,11 +142,11 @@ def started(
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")
     if not knows_mode(flow.fields, mode):
         problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
-    if not (_is_number(duration) and duration > 0):
+    if not (is_number(duration) and duration > 0):
         problems.add(f"duration = {duration!r}; allowed is a positive finite number")
-    if not _is_number(begin):
+    if not is_number(begin):
         problems.add(f"begin = {begin!r}; allowed is a finite number")
-    if not (_is_number(rtol) and _TIGHTEST <= rtol <= _LOOSEST):
+    if not (is_number(rtol) and _TIGHTEST <= rtol <= _LOOSEST):
         problems.add(f"rtol = {rtol!r}; allowed is a number from {_TIGHTEST:g} to {_LOOSEST:g}; type rtol=1e-12")
     if switches is not None:
         problems.whole("switches", switches, 1, example=100)
@@ -158,7 +158,3 @@ def started(
         problems.add("numbers of the flow are arrays; allowed is one number each; type flow.replace(name=0.5)")
     problems.check()
     return y
-
-
-def _is_number(given: Any) -> bool:
-    return isinstance(given, (int, float, np.number)) and not isinstance(given, bool) and bool(np.isfinite(given))

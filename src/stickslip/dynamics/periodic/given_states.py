@@ -1,0 +1,117 @@
+"""Strobe states from whatever says where a motion starts: a dict, numbers, a run's end, an orbit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import Labels
+from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, states_of_parts, strobe_states
+from stickslip.errors import InputError, Problems
+from stickslip.fields import number
+from stickslip.flow import is_flow, knows_mode, unknown_mode
+from stickslip.layout import of_one_contact
+from stickslip.solvers.flow_solving import starts_of
+from stickslip.solvers.request import LARGEST_START
+
+__all__ = ["states_of"]
+
+Array = Any
+
+
+def states_of(start: Any, model: Any) -> Array:
+    """Strobe states from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
+    at, rest = coordinates(model), at_rest(model)
+    if start is None:
+        return rest
+    if is_flow(model):
+        return np.tile(_flow_state(start, model, at), (len(rest), 1))
+    if isinstance(start, dict) and at.mechanics is not None:
+        return _checked(start, states_of_parts("start", model, start), at)
+    if isinstance(start, dict):
+        columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
+        return _checked(start, np.stack(columns, axis=1), at)
+    return np.tile(_one_state(start, at, rest[0]), (len(rest), 1))
+
+
+def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
+    """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
+    if hasattr(start, "strobe_state"):
+        return start.strobe_state
+    if hasattr(start, "mode") and hasattr(start, "state"):
+        return np.append(start.state, list(flow.fields).index(start.mode))
+    mode, problems = next(iter(flow.fields)), Problems("start")
+    if isinstance(start, dict) and "mode" in start:
+        mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
+        if not knows_mode(flow.fields, mode):
+            problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    elif np.shape(start) == (len(at.names),) and start[-1] in range(len(flow.fields)):
+        mode, start = list(flow.fields)[int(start[-1])], start[:-1]
+    state = starts_of(flow, start, Labels(()), problems)[0]
+    problems.check()
+    return np.append(state, list(flow.fields).index(mode))
+
+
+def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
+    """The strobe state of an orbit, of a run's end, or as it was given."""
+    if isinstance(start, ClosedMotion) and start.model.period is not None:
+        return _shared(start, at, rest)
+    if hasattr(start, "strobe_v"):
+        return _end_of(start, at)
+    try:
+        state = np.asarray(number(start), float).ravel()
+    except (TypeError, ValueError):
+        state = np.empty(0)
+    if state.shape != (len(at.names),):
+        raise InputError("start", [f"{start!r} is not a state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
+    return _checked(start, state, at)
+
+
+def _shared(orbit: ClosedMotion, at: Coordinates, rest: Array) -> Array:
+    """The state of an orbit; of an orbit under another law what it has of the state, and the rest as at rest."""
+    known = dict(zip(orbit.names, orbit.state, strict=True))
+    if not known.keys() & set(at.names):
+        told = f"the orbit's state is {', '.join(known)}; allowed is an orbit with {' or '.join(at.names)}"
+        raise InputError("start", [f"{told}; type guess=ss.solve(machine, periods=200)"])
+    return np.array([known.get(name, still) for name, still in zip(at.names, rest, strict=True)])
+
+
+def _end_of(run: Any, at: Coordinates) -> Array:
+    """The last strobe state of a run of the same bodies."""
+    if at.mechanics is None:
+        return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
+    given, wanted = (tuple(run.bodies), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
+    if given != wanted:
+        told = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
+        raise InputError("start", [f"the run has {told[0]}; allowed is a run of {told[1]}; type guess=ss.solve(machine, periods=200)"])
+    return strobe_states(run)[-1]
+
+
+def _checked(start: Any, state: Array, at: Coordinates) -> Array:
+    """A state whose numbers are finite and of a size that can be computed with."""
+    if not np.all(abs(state) <= LARGEST_START):
+        allowed = f"finite {', '.join(at.names)} up to {LARGEST_START:.0e} in size"
+        raise InputError("start", [f"{start!r} has numbers that are too large or not finite; allowed are {allowed}; type {_dict(at)}"])
+    return state
+
+
+def _dict(at: Coordinates) -> str:
+    """A start that can be typed."""
+    return "dict(v=0.0)" if at.mechanics is None else f"dict(v={{{at.mechanics.bodies[0]!r}: 0.0}})"
+
+
+def _named(start: dict[str, Any], name: str, rest: Array) -> Array:
+    """One number of a start, for each case; z0, z1, ... are entries of z, memory0, ... of memory. What is not named is as at rest."""
+    whole = name.rstrip("0123456789")
+    given = name if name in start or name == whole else whole
+    if given not in start:
+        return rest
+    try:
+        values = np.ravel(number(start[given]))
+        return np.full(len(rest), values[int(name[len(whole) :]) if given != name and len(values) > 1 else 0], float)
+    except (ValueError, IndexError):
+        raise InputError(
+            "start", [f"{given} = {start[given]!r}; allowed is a number, or as many as the law has; type {given}=0.0"]
+        ) from None

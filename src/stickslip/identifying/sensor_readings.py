@@ -1,0 +1,72 @@
+"""What a sensor shows of the values of a model, by its numbers: gain, delay, offset, drift, the inertia of a load cell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.identifying.sensors import SensorNumber
+
+__all__ = ["change_shown", "of_records", "shown_by_sensor"]
+
+
+def _wide(values: Any, like: Any) -> Any:
+    """A number for each value, as a column where there are many cases."""
+    return values if like.ndim == 1 else values[:, None]
+
+
+def _middle(target: Any) -> float:
+    """What a gain leaves where it is: zero, or the mean of a position, which is counted from anywhere."""
+    return float(np.average(target.y, weights=target.weight * np.ones(target.count))) if target.kind == "position" else 0.0
+
+
+def _course(target: Any) -> Any:
+    """What a drift of one unit a second adds."""
+    t = target.time
+    return t - np.average(t, weights=target.weight * np.ones(target.count)) if target.kind == "position" else t
+
+
+def _delayed(target: Any, h: Any, delay: Any) -> Any:
+    """Values a little later; between samples they change evenly."""
+    if delay is None or not np.any(delay) or h.size == 0:
+        return h
+    if h.ndim == 1:
+        return np.interp(target.time - delay, target.time, h)
+    return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
+
+
+def change_shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """What gain and delay make of a change."""
+    return reading.get("gain", 1.0) * _delayed(target, h, reading.get("delay"))
+
+
+def shown_by_sensor(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """What a sensor shows where the model gives h: array (values,) or (values, cases)."""
+    if not reading:
+        return h
+    middle = _middle(target)
+    found = middle + change_shown(target, h - middle, reading) + reading.get("offset", 0.0)
+    for what, of in _ADDED.items():
+        if what in reading:
+            found = found + _wide(of(target), found) * reading[what]
+    return found
+
+
+_ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
+
+
+def of_records(number: SensorNumber, parts: list[Any]) -> Any:
+    """Derivative of all values by a number of a sensor, from (target, values of the model, readings)."""
+    made = ((i in number.records, *part) for i, part in enumerate(parts))
+    return np.concatenate([_column(number.what, t, h, r) if own else np.zeros(t.count) for own, t, h, r in made])
+
+
+def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """Derivative of what a sensor shows by one of its numbers: array (values,)."""
+    if what in _ADDED:
+        return _ADDED[what](target)
+    if what == "offset":
+        return np.ones(target.count)
+    seen = _delayed(target, h - _middle(target), reading.get("delay"))
+    return seen if what == "gain" else -reading.get("gain", 1.0) * np.gradient(seen, target.time)
