@@ -240,7 +240,8 @@ def _mechanics_of_parts(model: Any) -> Mechanics:
     """The equations of a machine of several bodies; those of frozen dataclasses, which do not change, are made once."""
     from stickslip.several_bodies import SeveralBodies
 
-    if not (is_dataclass(model) and type(model).__dataclass_params__.frozen):
+    kind: Any = type(model)
+    if not (is_dataclass(kind) and kind.__dataclass_params__.frozen):
         return SeveralBodies(parts_of(model))
     kept = _kept.get(id(model))
     if kept is not None and kept[0] is model:

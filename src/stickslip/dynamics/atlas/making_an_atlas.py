@@ -231,7 +231,9 @@ class _Making:
         return False
 
     # ---- what was not reached ----
-    def _notes(self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int, unsure: int) -> tuple[str, ...]:
+    def _notes(
+        self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int, unsure: int
+    ) -> tuple[str, ...]:
         told = []
         if self.stopped:
             told.append(
