@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -240,8 +240,8 @@ def _mechanics_of_parts(model: Any) -> Mechanics:
     """The equations of a machine of several bodies; those of frozen dataclasses, which do not change, are made once."""
     from stickslip.several_bodies import SeveralBodies
 
-    kind: Any = type(model)
-    if not (is_dataclass(kind) and kind.__dataclass_params__.frozen):
+    declared = getattr(type(model), "__dataclass_params__", None)
+    if declared is None or not declared.frozen:
         return SeveralBodies(parts_of(model))
     kept = _kept.get(id(model))
     if kept is not None and kept[0] is model:

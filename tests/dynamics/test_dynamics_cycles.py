@@ -141,7 +141,7 @@ def test_cycles_that_lie_side_by_side_are_not_followed(kind):
 
 def test_a_mass_that_a_constant_force_speeds_up_for_ever_is_named_as_the_reason():
     pushed = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=0.5, omega=1.0, friction=ss.Coulomb(0.3, 0.3), bias=0.4)
-    with pytest.raises(ss.SolveError, match="grows by the same amount in every drive period.*a damping that is not 0"):
+    with pytest.raises(ss.SolveError, match=r"grows by the same amount in every drive period.*a damping that is not 0"):
         ss.periodic_orbit(pushed)
 
 
