@@ -25,7 +25,7 @@ def drift(model: Any, place: Array, memory: Array) -> str:
     change, again = ((b - a)[0, speeds] / at.scales[speeds] for a, b in ((end, once), (once, twice)))
     grows = np.max(abs(change)) > _GROWS and np.max(abs(again - change)) < _EVENLY * np.max(abs(change))
     return (
-        "its velocity grows by the same amount in every drive period, as a constant force exceeds the friction and nothing else opposes it; "
+        "its velocity grows by the same amount in every drive period, as a constant force exceeds the friction and nothing opposes it; "
         "type a smaller constant force, a stiffness, or a damping that is not 0"
         if grows
         else ""

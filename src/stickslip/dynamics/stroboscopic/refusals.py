@@ -56,8 +56,8 @@ def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
     if flow.period is None:
         hint = (
             "its equations need not depend on time: give it the time between two looks, such as SwitchingFlow(..., period=0.5), of which "
-            "rests are found, and motions that repeat after a multiple of it; for a cycle type ss.flow_orbit(flow, state, mode, duration=...), "
-            "for exponents ss.lyapunov_of_flow(flow, state)"
+            "rests and motions that repeat after a multiple of it are found; for a cycle type "
+            "ss.flow_orbit(flow, state, mode, duration=...), for exponents ss.lyapunov_of_flow(flow, state)"
         )
         raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
 
