@@ -1,4 +1,4 @@
-"""Dynamics: an orbit with multipliers against settling and differences, and a diagram against the same in SciPy.
+"""Dynamics: an orbit with multipliers against settling, a diagram against the same in SciPy, a user's machine against a robot.
 
     python benchmarks/dynamics.py [--rounds 3]
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import dataclass
 from statistics import median
 from time import process_time
 from typing import Any
@@ -17,6 +18,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
+from stickslip.maths import pi, sin
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 SCIPY_POINTS, SETTLE, POINTS = 4, 100, 32
@@ -67,6 +69,53 @@ def scipy_diagram(values: Any) -> Any:
     return np.array(kept)
 
 
+@dataclass(frozen=True, eq=False)
+class Slider(ss.Machine):
+    """The robot as a machine of a user's own: a body that a shaken inner mass pushes over a track."""
+
+    body: float
+    inner: float
+    amplitude: float
+    omega: float
+    friction: Any
+
+    @property
+    def period(self) -> Any:
+        """One turn of the inner mass."""
+        return 2 * pi / self.omega
+
+    def bodies(self) -> dict[str, ss.Body]:
+        """Both masses in one, pushed by the inner one."""
+        size = self.inner * self.amplitude * self.omega**2
+        return {"body": ss.Body(self.body + self.inner, force=lambda t, x, v: size * sin(self.omega * t))}
+
+    def contacts(self) -> dict[str, ss.Contact]:
+        """The track."""
+        return {"track": ss.Contact("body", self.friction)}
+
+
+OVER = {"amplitude": [3e-4, 4e-4, 5e-4, 6e-4, 7e-4, 8e-4], "mu0": [0.14, 0.16, 0.18, 0.2]}
+
+
+def a_robot(amplitude: float, mu0: float) -> ss.Robot:
+    """The rig under Coulomb's law."""
+    return ss.presets.piezo_rig(amplitude=amplitude, mu0=mu0, tilt_deg=1.7, law="coulomb")
+
+
+def a_slider(amplitude: float, mu0: float) -> Slider:
+    """The same as a machine of a user's own."""
+    robot: Any = a_robot(amplitude, mu0)
+    return Slider(robot.body_mass, robot.inner_mass, amplitude, robot.drive.omega, robot.friction)
+
+
+def atlases(rounds: int) -> None:
+    """Print what an atlas of a user's machine costs, against that of the robot which it is."""
+    for branches, what in ((0, "grid"), (6, "grid, branches and borders")):
+        robot, _ = clocked(lambda b=branches: ss.atlas(a_robot, over=OVER, branches=b), rounds)
+        own, _ = clocked(lambda b=branches: ss.atlas(a_slider, over=OVER, branches=b), rounds)
+        print(f"atlas, 6 x 4 points, {what}: robot {robot:.2f} s, machine of a user's own {own:.2f} s, ratio {own / robot:.1f}")
+
+
 def main() -> None:
     """Print the tables."""
     made = argparse.ArgumentParser(description=__doc__)
@@ -86,6 +135,7 @@ def main() -> None:
     theirs *= len(values) / len(few)
     print(f"diagram, 1000 values x {SETTLE + POINTS} periods: ours {ours:.1f} s, scipy LSODA {theirs:.0f} s ({len(few)} values measured), "
           f"ratio {theirs / ours:.0f}")  # fmt: skip
+    atlases(1)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -36,9 +38,7 @@ class MachineAdapter:
         """Its equations of motion, as functions of plain numbers."""
         if self.is_single:
             return OneBody(self.model)
-        from stickslip.several_bodies import SeveralBodies
-
-        return SeveralBodies(self.said)
+        return _mechanics_of_parts(self.model)
 
     @cached_property
     def said(self) -> Any:
@@ -230,6 +230,28 @@ def _drives_in(record: Any) -> list[Any]:
 def machine_of(model: Machine) -> MachineAdapter:
     """A machine, to be asked for what not every machine has."""
     return MachineAdapter(model)
+
+
+_KEPT = 8  # machines whose equations are kept: an analysis asks for those of one again and again
+_kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
+
+
+def _mechanics_of_parts(model: Any) -> Mechanics:
+    """The equations of a machine of several bodies; those of frozen dataclasses, which do not change, are made once."""
+    from stickslip.several_bodies import SeveralBodies
+
+    declared = getattr(type(model), "__dataclass_params__", None)
+    if declared is None or not declared.frozen:
+        return SeveralBodies(parts_of(model))
+    kept = _kept.get(id(model))
+    if kept is not None and kept[0] is model:
+        return kept[1]
+    made = SeveralBodies(parts_of(model))
+    _kept[id(model)] = model, made
+    while len(_kept) > _KEPT:
+        with suppress(KeyError):
+            _kept.popitem(last=False)
+    return made
 
 
 def is_machine(value: Any) -> bool:

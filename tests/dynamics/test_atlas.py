@@ -195,3 +195,20 @@ def test_folds_and_flips_of_a_capsule_part_the_motions_that_brute_force_finds():
         omega, ratio = flip.values
         orbit = ss.periodic_orbit(ss.presets.capsule(force_ratio=ratio, omega=omega), guess=None)
         assert abs(np.min(orbit.multipliers.real) + 1.0) < 1e-5
+
+
+def test_a_place_between_different_motions_without_a_border_is_in_doubt_and_others_are_not(found):
+    assert found.doubt(amplitude=3.8e-4, mu0=0.17) == "" and set(found.map.doubt.values.ravel()) == {""}
+    coarse = ss.atlas(ss.presets.piezo_rig, over=OVER, branches=0, **RIG)  # the same grid without its border
+    (border,) = found.borders
+    amplitude, mu0 = border.values[len(border.values) // 2]
+    assert "no border between was located" in coarse.doubt(amplitude=amplitude, mu0=mu0)
+    assert any("are in doubt" in note for note in coarse.notes)
+    assert found.map.unseen.values.min() == pytest.approx(1 - 0.05 ** (1 / 5))  # 5 starts
+
+
+def test_scattered_starts_are_others_at_each_point(found):
+    model = found.plane.sample
+    here, there = found.plane.states(model, (0, 0)), found.plane.states(model, (1, 2))
+    assert np.array_equal(here[0], there[0]) and not np.any(np.all(np.isclose(here[1:], there[1:]), axis=1))
+    assert np.max(abs(np.vstack([here, there]))) <= 4 * np.max(found.plane.at.scales)

@@ -137,3 +137,16 @@ def test_cycles_that_lie_side_by_side_are_not_followed(kind):
         ss.continuation(machine, parameter="speed", start=0.1, stop=0.15, guess=start)
     branch = ss.continuation(machine, parameter="speed", start=0.1, stop=0.15, points=60)
     assert "continuous family" in branch.ended and not branch.special
+
+
+def test_a_mass_that_a_constant_force_speeds_up_for_ever_is_named_as_the_reason():
+    pushed = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=0.5, omega=1.0, friction=ss.Coulomb(0.3, 0.3), bias=0.4)
+    with pytest.raises(ss.SolveError, match=r"grows by the same amount in every drive period.*a damping that is not 0"):
+        ss.periodic_orbit(pushed)
+
+
+def test_a_flow_without_a_period_is_told_that_any_time_between_looks_will_do():
+    flow = ss.SwitchingFlow({0: lambda t, y, n: (y[1], -0.2 * y[1] - y[0] * n.k)}, numbers={"k": 1.0}, states=("x", "v"))
+    for ask in (lambda: ss.basins(flow), lambda: ss.continuation(flow, parameter="k", start=1.0, stop=2.0)):
+        with pytest.raises(ss.InputError, match=r"has no period.*SwitchingFlow\(\.\.\., period=0\.5\)"):
+            ask()

@@ -100,7 +100,9 @@ class WatchedOf(Watched):
 
     def limits(self, t: Array) -> tuple[Array, Array]:
         """Static friction limits backwards and forwards [N]."""
-        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._held(t)["load"][:, self.number]))
+        x = self.run._states_at(t, self.run._index(t))[0]
+        load = self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
+        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(load))
         return low, high
 
     def _held(self, t: Array) -> dict[str, Array]:

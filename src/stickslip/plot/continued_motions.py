@@ -38,7 +38,7 @@ def continuation(
         From `stickslip.continuation`.
     observable : str, optional
         A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of limit cycles also "duration" and "x".
-        If not given, the velocity on the strobe, of limit cycles their duration.
+        If not given, the velocity on the strobe, of a flow its first state, of limit cycles their duration.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional
@@ -66,7 +66,7 @@ def continuation(
         raise InputError("plot", [f"labels has {len(labels)} texts for {len(branches)} branches; give one for each"])
     parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
     cycles = branches[0].orbits[0].model.period is None
-    observable = observable or ("duration" if cycles else "v" if "v" in branches[0].points else "mean_velocity")
+    observable = observable or _usual(branches[0], diagram, cycles)
     shown = [_values(b, observable) for b in branches]
     told = branches[0].points[observable].attrs
     unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
@@ -92,6 +92,14 @@ def continuation(
             columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
         )  # fmt: skip
         return ax
+
+
+def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
+    """What is shown if nothing is named: the velocity on the strobe, of a flow its first state; with a diagram, what both have."""
+    first = branch.orbits[0]
+    known = ["duration"] if cycles else ["v", *(first.names if is_flow(first.model) else ()), "mean_velocity"]
+    shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
+    return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 
 
 def _called(period: int, cycle: bool) -> str:

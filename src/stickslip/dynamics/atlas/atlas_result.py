@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
 from stickslip.dynamics.atlas.changes_between_neighbours import crosses
+from stickslip.dynamics.atlas.doubts import doubt_at, doubts_of, unseen_share
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import wilson
@@ -82,7 +83,9 @@ class Atlas(Drawn):
     def map(self) -> xr.Dataset:
         """The grid as an `xarray.Dataset`.
 
-        Over the two numbers: region, count (of motions; -1: not computed), unsolved (starts that lead nowhere). Over them and
+        Over the two numbers: region, count (of motions; -1: not computed), unsolved (starts that lead nowhere), doubt (why the motions
+        are not sure, in words; empty where nothing speaks against them), unseen (the share of the starts that a motion may attract and
+        yet be missed by all of these starts, with 95 % confidence). Over them and
         attractor: motion, period (0: none up to 32, -1: not there), mean_velocity [m/s], share of the starts with its 95 % interval
         share_low to share_high, and the strobe state.
         """
@@ -97,13 +100,20 @@ class Atlas(Drawn):
 
     def _by_point(self) -> dict[str, tuple[Any, dict[str, str]]]:
         count, lost = np.full(self.plane.shape, UNDONE), np.full(self.plane.shape, UNDONE)
-        region = np.full(self.plane.shape, "", object)
+        region, doubt = np.full(self.plane.shape, "", object), np.full(self.plane.shape, "", object)
+        for cell, why in self._doubts.items():
+            doubt[cell] = why
         for cell, point in self.points.items():
             count[cell], lost[cell], region[cell] = len(point.motions), point.lost, point.label
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
             "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
+            "doubt": (doubt.astype(str), {"long_name": "reason why the motions are not sure"}),
+            "unseen": (
+                np.where(count < 0, np.nan, unseen_share(self.plane.count)),
+                {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"},
+            ),
         }
 
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -164,6 +174,33 @@ class Atlas(Drawn):
         near = sorted(known, key=lambda cell: sum(((a - b) / s) ** 2 for a, b, s in zip(self.plane.point(cell), here, spans, strict=True)))
         free = (cell for cell in near[:_AROUND] if not any(crosses(b.values, self.plane.point(cell), here) for b in self.borders))
         return self.points[next(free, near[0])].words
+
+    @cached_property
+    def _doubts(self) -> dict[Cell, str]:
+        return doubts_of(self.plane, self.points, self.borders, self.found)
+
+    @explains_arguments
+    def doubt(self, **values: float) -> str:
+        """Why the motions that `at` gives at a point of the plane are not sure; empty where nothing speaks against them.
+
+        A place is judged by the corners of its cell that no border separates from it: they must have the same motions, and none of them
+        a doubt of its own (``map.doubt``). A motion that attracts few starts can be missing everywhere: ``map.unseen`` says how few.
+
+        Parameters
+        ----------
+        **values
+            The two numbers.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        InputError
+            For a point outside the grid.
+        """
+        return doubt_at(self.plane, self.points, self._doubts, self.borders, self._place(values))
 
     def _place(self, values: dict[str, float]) -> tuple[float, float]:
         if set(values) != set(self.parameters):

@@ -17,7 +17,8 @@ from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
 from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
-from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, passed_by, seeds_of
+from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, seeds_of
+from stickslip.dynamics.atlas.doubts import doubts_of, explained_by
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.continuation.branches import Branch, continuation
@@ -152,8 +153,10 @@ class _Making:
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
         branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
-        notes = self._notes(grid, missed, left, len(outcomes), most)
-        return Atlas(self.plane, grid, borders, without_twins(self.plane, points), branches, notes)
+        found = without_twins(self.plane, points)
+        unsure = len(doubts_of(self.plane, grid, borders, found))
+        notes = self._notes(grid, missed, left, len(outcomes), most, unsure)
+        return Atlas(self.plane, grid, borders, found, branches, notes)
 
     # ---- the grid ----
     def _grid(self, grid: dict[Cell, PointOfGrid]) -> int:
@@ -220,15 +223,17 @@ class _Making:
             self.reasons.update(outcome.refused)
             if outcome.refused and not outcome.borders:
                 self.without_curve.add(change.told)
-            for done in _explained_by(self.plane, outcome, left):
+            for done in explained_by(self.plane, outcome.borders, outcome.points, left):
                 left.remove(done)
-            explained = bool(_explained_by(self.plane, outcome, [change]))
+            explained = bool(explained_by(self.plane, outcome.borders, outcome.points, [change]))
             if explained or len(outcomes) >= most:
                 return explained
         return False
 
     # ---- what was not reached ----
-    def _notes(self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int) -> tuple[str, ...]:
+    def _notes(
+        self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int, unsure: int
+    ) -> tuple[str, ...]:
         told = []
         if self.stopped:
             told.append(
@@ -237,6 +242,7 @@ class _Making:
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
         told += _of_grid(grid, self.look.settle)
+        told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
             return (
@@ -273,22 +279,6 @@ def _next(left: list[Change]) -> Change:
         kinds.setdefault((change.axis, change.told), []).append(change)
     most = max(kinds.values(), key=len)
     return most[len(most) // 2]
-
-
-def _explained_by(plane: Plane, outcome: Outcome, left: list[Change]) -> set[Change]:
-    """The changes between whose neighbours something passes that was found."""
-    done: set[Change] = set()
-    for border in outcome.borders:
-        done |= passed_by(plane, np.array(border.values), left)
-    for change in left:
-        low, high = change.range(plane)
-        level = plane.point(change.near)[1 - change.axis]
-        done |= {
-            change
-            for point in outcome.points
-            if point.stable and point.values[1 - change.axis] == level and low <= point.values[change.axis] <= high
-        }
-    return done
 
 
 def _is_new(plane: Plane, known: list[Border], point: PointOfBorder) -> bool:

@@ -92,7 +92,7 @@ def look_at(plane: Plane, cells: list[Cell], look: Look, more: dict[Cell, Array]
         Strobe states to begin with besides the starts, by point. A point that has some is begun with these alone.
     """
     kept, refused = _machines(plane, cells)
-    begun = {cell: plane.states(model) if more is None else more[cell] for cell, model in kept.items()}
+    begun = {cell: plane.states(model, cell) if more is None else more[cell] for cell, model in kept.items()}
     return refused | (_run(plane, begun, look) if begun else {})
 
 

@@ -22,7 +22,7 @@ __all__ = ["Cell", "Plane", "plane_over"]
 Array = Any
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
-_WIDTH = 2.0  # of the scatter of the starts, in scales
+_WIDTHS = (2.0, 4.0)  # of the scatter of the starts, in scales, in turn
 
 
 @sealed
@@ -97,16 +97,22 @@ class Plane:
         made = (robot for cell in self._probes if (robot := self._made(cell)) is not None)
         return next(made, None) or self.family.robot(*self.point((0, 0)))
 
-    def states(self, model: Any) -> Array:
-        """The starts of one machine: array (starts, coordinates)."""
+    def states(self, model: Any, cell: Cell) -> Array:
+        """The starts of the machine at a point: array (starts, coordinates).
+
+        Scattered starts are others at each point, so that the grid as a whole begins from many; a motion that one of them reaches is
+        tried at the neighbours.
+        """
         if isinstance(self.starts, dict):
             return on_grid(grid_of(self._start_axes), model)
         from scipy.stats import qmc
 
         rest, d = at_rest(model)[0], self.at.smooth
-        spread = qmc.Halton(d, scramble=False).random(self.starts)[1:]
+        scattered = self.starts - 1
+        spread = qmc.Halton(d, scramble=False).fast_forward(1 + scattered * (cell[0] * self.shape[1] + cell[1])).random(scattered)
         found = np.tile(rest, (self.starts, 1))
-        found[1:, :d] += _WIDTH * (2 * spread - 1) * self.at.scales[:d]
+        widths = np.resize(_WIDTHS, scattered)[:, None]
+        found[1:, :d] += widths * (2 * spread - 1) * self.at.scales[:d]
         return found
 
     @cached_property

@@ -13,6 +13,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.periodic.drifting import drift
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within
@@ -255,7 +256,7 @@ def periodic_orbit(
         if found.good and not _shorter(model, state, int(period), rtol):
             state = with_rests(model, state, int(period), rtol)
             return PeriodicOrbit(model, int(period), state, found.residual, rtol)
-    raise SolveError(_failure(int(period), tried, guess))
+    raise SolveError(_failure(model, int(period), tried, guess))
 
 
 def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
@@ -266,7 +267,7 @@ def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
     )
 
 
-def _failure(period: int, tried: list[Found], guess: Any) -> str:
+def _failure(model: Any, period: int, tried: list[Found], guess: Any) -> str:
     repeated = sum(f.good for f in tried)
     if repeated:
         return (
@@ -274,6 +275,8 @@ def _failure(period: int, tried: list[Found], guess: Any) -> str:
             f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
         )
     best = min(tried, key=lambda f: f.residual)
+    if np.isfinite(best.residual) and (told := drift(model, best.at, best.memory)):
+        return f"no motion of period {period} was found: {told}"
     hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
     if guess is None:
         hint += "; if the robot still settles, give guess=ss.solve(robot, periods=2000)"

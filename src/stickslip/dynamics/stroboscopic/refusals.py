@@ -54,7 +54,11 @@ def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
             what, ["the flow is a batch (some of its numbers are arrays); allowed is one flow; type each number as a single value"]
         )
     if flow.period is None:
-        hint = "for its orbit type ss.flow_orbit(flow, state, mode, duration=...), for its exponents ss.lyapunov_of_flow(flow, state)"
+        hint = (
+            "its equations need not depend on time: give it the time between two looks, such as SwitchingFlow(..., period=0.5), of which "
+            "rests and motions that repeat after a multiple of it are found; for a cycle type "
+            "ss.flow_orbit(flow, state, mode, duration=...), for exponents ss.lyapunov_of_flow(flow, state)"
+        )
         raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
 
 
