@@ -39,6 +39,7 @@ _LONG = 16
 _HIDDEN, _HIDDEN_TWINS = 0.1, 1e-3
 _JITTER = 0.1  # of the tolerance: changes without a direction may be as large
 _DIRECTED = 0.8  # a correlation of successive changes beyond this is a direction
+_APART = 4.0  # times what is left of an approach: points of a period of its own are further apart
 _ROUNDING = 1e-14  # in scales: a swing as small as this is one of the last digits, which may alternate for ever
 
 
@@ -76,13 +77,15 @@ def closing(points: Any, last: int, p: int, m: int, scale: Any) -> tuple[float, 
 def dying(points: Any, last: int, p: int, m: int, scale: Any) -> bool:
     """Whether a motion that seems to repeat after p drive periods swings ever closer around one that repeats after a part of p.
 
-    Then the distance of points that far apart shrinks with all else, and its limit is zero; of a motion of period p it is not.
+    Then the distance of points that far apart shrinks with all else, and its limit is zero; of a motion of period p it is not. Spirals
+    close in unevenly, but there points a part of p apart are not much further from each other than those p apart.
     """
-    ratio = min(closing(points, last, p, m, scale)[1], STILL)
+    late, ratio = closing(points, last, p, m, scale)
+    ratio = min(ratio, STILL)
     for q in range(1, p // 2 + 1):
         if p % q == 0:
             swing, before = apart(points, last, q, 1, scale), apart(points, last - m * p, q, 1, scale)
-            if swing - (before - swing) * ratio / (1.0 - ratio) < 0.5 * swing:
+            if swing <= _APART * late or swing - (before - swing) * ratio / (1.0 - ratio) < 0.5 * swing:
                 return True
     return False
 
@@ -122,7 +125,9 @@ def period_number(points: Any, last: int, count: int, longest: int, scale: Any, 
             continue
         late, ratio = closing(points, last, p, m, scale)
         turn = heading(points, last, p, m, scale)
-        if (late <= _JITTER * tolerance and abs(turn) <= _DIRECTED) or (late <= _ROUNDING and turn <= _DIRECTED):
+        if late <= _ROUNDING and turn <= _DIRECTED:
+            return p, m
+        if late <= _JITTER * tolerance and abs(turn) <= _DIRECTED and not dying(points, last, p, m, scale):
             return p, m
         if m * p < _LONG and apart(points, last, p, 1, scale) > (_HIDDEN if p == 1 else _HIDDEN_TWINS) * tolerance:
             continue

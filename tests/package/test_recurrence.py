@@ -52,6 +52,19 @@ def test_a_doubling_of_an_amplitude_of_a_thousandth_is_found():
     assert outcome(points)[0] == 2
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_spirals_onto_a_doubled_motion_have_its_period_and_no_multiple(tolerance):
+    """Complex multipliers of any size and angle: the points of both halves spiral in, unevenly."""
+    rng, found = np.random.default_rng(0), []
+    for size, angle in zip(rng.uniform(0.05, 0.9, 100), rng.uniform(0, np.pi, 100), strict=True):
+        turn = size**0.5 * np.exp(0.5j * angle) * rng.uniform(0.1, 1.0) * (size * np.exp(1j * angle)) ** (np.arange(400) // 2)
+        side = np.where(np.arange(400) % 2 == 0, 1.0, -1.0)
+        points = np.column_stack([np.arange(400.0), side + turn.real, 0.3 * side + turn.imag])
+        periods = (outcome(points[: last + 1], tolerance=tolerance)[0] for last in range(8, 400))
+        found.append(next((p for p in periods if p), 0))
+    assert set(found) <= {0, 2} and found.count(2) > 90
+
+
 @pytest.mark.parametrize("q", [3, 4, 5])
 def test_slow_spirals_beside_a_resonance_have_no_period_of_it(q):
     """Multipliers r exp(+-2 pi i (1/q + small)): points q apart agree long before the spiral has closed in on its fixed point."""

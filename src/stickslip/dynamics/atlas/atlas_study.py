@@ -22,6 +22,7 @@ __all__ = ["AtlasStudy"]
 T = TypeVar("T")
 _FORMAT = 1
 _ANEW = "delete it, and it is computed again"
+_DRAWN = "others at each point, at four scales"  # how starts are drawn: those of earlier versions were others
 
 
 class AtlasStudy:
@@ -113,7 +114,7 @@ def _identity(plane: Plane, look: Look) -> dict[str, str]:
     axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
     options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
     sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
-    return {**sweep, "starts": json.dumps(plain(plane.starts))}
+    return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)])}
 
 
 def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
