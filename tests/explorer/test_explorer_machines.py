@@ -17,6 +17,7 @@ from stickslip.cli.explore import _opened
 from stickslip.explorer.effort import effort
 from stickslip.explorer.machines import Shown, numbers_of
 from stickslip.explorer.requests import message
+from stickslip.explorer.server import machine_page
 from stickslip.fields import leaves
 from stickslip.naming import axis_of
 from stickslip.number_names import numbers_meant
@@ -59,6 +60,11 @@ def test_every_number_of_every_machine_has_a_slider_around_its_value(name):
     assert meant == numbers and all(name in numbers or name.startswith("*.") for name in found)
     assert all(p.low <= p.default <= p.high and p.low < p.high and p.label for p in found.values())
     assert sum(map(len, Shown(model).groups.values())) == len(found)
+
+
+def test_parts_are_counted_from_one_as_bodies_are():
+    page = machine_page(Shown(CHAIN))
+    assert "<legend>module 1</legend>" in page and "<legend>module 2</legend>" in page and "<legend>modules.0" not in page
 
 
 def test_a_field_says_its_range_its_words_and_its_unit():

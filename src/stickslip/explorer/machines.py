@@ -14,7 +14,7 @@ from stickslip.explorer.sliders import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine_adapter import is_machine, machine_of
 
-__all__ = ["OF_A_ROBOT", "Shown", "numbers_of", "picture", "report", "study"]
+__all__ = ["OF_A_ROBOT", "Shown", "in_words", "numbers_of", "picture", "report", "study"]
 
 COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
 #: What is said of a machine's numbers by a server that shows a robot.
@@ -156,6 +156,18 @@ def _part(name: str) -> str:
     """The part that a dotted name belongs to: modules.0 of modules.0.drive.amplitude."""
     places = name.removeprefix("*.").split(".")
     return ".".join(places[:2]) if len(places) > 2 and places[1].isdigit() else places[0] if len(places) > 1 else ""
+
+
+def in_words(part: str) -> str:
+    """What a part is called on the page, counted from 1 as bodies are.
+
+    Examples
+    --------
+    >>> in_words("modules.0"), in_words("link"), in_words("")
+    ('module 1', 'link', 'the machine')
+    """
+    name, _, number = part.partition(".")
+    return f"{name.removesuffix('s')} {int(number) + 1}" if number else name.replace("_", " ") or "the machine"
 
 
 # ---- answers ----

@@ -26,7 +26,7 @@ from stickslip.explorer.connections import Watched
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.guard import Guard, is_loopback
 from stickslip.explorer.kernels import Kernels
-from stickslip.explorer.machines import Shown, report, study
+from stickslip.explorer.machines import Shown, in_words, report, study
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.explorer.paper_figures import GROUPS, PRESETS
 from stickslip.explorer.requests import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
@@ -72,7 +72,8 @@ def _rendered(template: str, **content: Any) -> str:
 def machine_page(shown: Shown) -> str:
     """The page of a machine as it is before any script runs."""
     told = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
-    return _rendered("machine.html", shown=shown, groups=shown.groups, exports=list(MACHINE_EXPORTS), told=told, kept=_kept(shown))
+    groups = {in_words(part): of for part, of in shown.groups.items()}
+    return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), told=told, kept=_kept(shown))
 
 
 def _kept(shown: Shown) -> list[str]:
