@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from published_systems import EDGE, LEINE, PECK, bent, crossing, every_other, fallen, woodpecker
 
 import stickslip as ss
 from stickslip.maths import atan, cos, where
@@ -337,6 +338,61 @@ def thirds() -> tuple[float, ...]:
     return (*shares, float((inside < 0).mean()))
 
 
+def pecking() -> ss.FlowOrbit:
+    """The motion of the woodpecker toy, from the printed state and duration as a guess."""
+    return ss.flow_orbit(woodpecker(), LEINE, "free", duration=PECK)
+
+
+def pecks() -> tuple[float, ...]:
+    """Its period; velocity and angle of the bird where the sleeve has the printed angle."""
+    orbit = pecking()
+    state = crossing(orbit, 0, LEINE[0], "free")[1]
+    return (orbit.duration, float(state[2]), float(state[1]))
+
+
+def pecks_fast() -> tuple[float, ...]:
+    """The rates of both angles there."""
+    return tuple(crossing(pecking(), 0, LEINE[0], "free")[1][3:].tolist())
+
+
+SICONOS = (0.145981185, 0.019445387)  # its first passages of the bird through -0.2788 rad: time and height between them
+
+
+def pecks_down() -> tuple[float, ...]:
+    """Period, and height lost in it, of the motion from the state that Siconos begins with."""
+    orbit = ss.flow_orbit(woodpecker(), [-EDGE, -0.2788, -0.3411, 0.0, -7.4583], "2 down", duration=PECK)
+    return (orbit.duration, fallen(orbit))
+
+
+GHOSH = {"flip": (0.81, 0.3475333988945534), "fold": (0.799, 0.3628362019762544)}  # frequency and forcing as they are printed
+GHOSH_SPEEDS = (0.0653039882953620, 0.1240865713379020)
+GHOSH_MULTIPLIERS = (-0.4354918489543720, 0.4317851125949386)
+
+
+def bends() -> tuple[float, ...]:
+    """Forcing at the flip and at the fold of the motions that hit a wall every other period."""
+    return tuple(bent(kind, w)[1].value for kind, (w, _) in GHOSH.items())
+
+
+def bends_at() -> tuple[float, ...]:
+    """There: speed before the hit, and the other multiplier."""
+    orbits = [bent(kind, w)[1].orbit for kind, (w, _) in GHOSH.items()]
+    after = [ss.passage(o.model, o.state, o.mode, o.duration, switches=1).state[1] for o in orbits]
+    others = [min(o.multipliers.real, key=abs) for o in orbits]
+    return (*(float(-v / 0.9) for v in after), *map(float, others))
+
+
+GHOSH_FAR = (0.8498099999999956, 0.3243226716878754)
+
+
+def far_flip() -> tuple[float, ...]:
+    """Forcing at the flip at another frequency, to which the stable motion is followed first."""
+    w, start = GHOSH_FAR[0], bent("flip", 0.81)[0].orbits[0]
+    there = ss.continuation(every_other(0.81), parameter="w", start=0.81, stop=w, guess=start, period=2).orbits[-1]
+    branch = ss.continuation(every_other(w), parameter="F", start=0.36, stop=0.32, guess=there, period=2)
+    return (next(s.value for s in branch.special if s.kind == "flip"),)
+
+
 ROWS = {
     "henon": Row("Hénon's map, a 1.4, b .3: largest exponent", "Sprott 2003", (0.41922,), henon, 1e-3),
     "lorenz": Row("Lorenz' flow, 10, 28, 8/3: spectrum", "Sprott 2003", (0.9056, 0.0, -14.5723), lorenz, 3e-3),
@@ -357,6 +413,24 @@ ROWS = {
         "two masses that hit: period and times between hits at a grazing", "Iklódi, PWSDDE-cont demo", TIMES, duffing_grazing, 1e-2
     ),
     "duffing_other": Row("the same: period at the grazing of the other branch", "Iklódi, PWSDDE-cont demo", (5.980,), duffing_other, 1e-2),
+    "pecks": Row("woodpecker toy: period, velocity and bird's angle at a state", "Leine, script", (PECK, LEINE[2], LEINE[1]), pecks, 2e-4),
+    "pecks_fast": Row("the same: rates of sleeve and bird there", "Leine, script", LEINE[3:], pecks_fast, 2e-2),
+    "pecks_down": Row("the same: period, and height lost in it", "Siconos, reference file", SICONOS, pecks_down, 2e-5),
+    "bends": Row(
+        "oscillator that hits a wall every other period: forcing at flip and fold",
+        "Ghosh and Simpson, VIVID",
+        tuple(f for _, f in GHOSH.values()),
+        bends,
+        1e-8,
+    ),
+    "bends_at": Row(
+        "the same: speeds of the hits, and the other multipliers",
+        "Ghosh and Simpson, VIVID",
+        GHOSH_SPEEDS + GHOSH_MULTIPLIERS,
+        bends_at,
+        1e-5,
+    ),
+    "far_flip": Row("the same: forcing at the flip for ω 0.84981", "Ghosh and Simpson, VIVID", GHOSH_FAR[1:], far_flip, 1e-7),
     "thirds": Row("pendulum over three magnets: shares, and undecided", "symmetry", (1 / 3, 1 / 3, 1 / 3, 0.0), thirds, 0.05),
     "rig": Row("robot on four slopes, Coulomb: mean velocity in mm/s", "founding paper, 4.2", (2.0, 4.0, 3.8, 28.7), rig_of_coulomb, 0.05),
     "rig_lugre": Row("the same with LuGre's law", "founding paper, 4.2", (1.8, 3.7, 3.7, 28.1), rig_of_lugre, 0.1),

@@ -150,6 +150,17 @@ def test_belt_cycle_has_its_closed_period():
     assert np.all(orbit.multipliers == 0.0), "riding the belt forgets everything but the place on it"
 
 
+@pytest.mark.parametrize("guess", [4.0, 4.7, 6.0])
+def test_a_cycle_that_makes_the_same_switches_twice_is_found_whole(guess):
+    """A turn of a circle, at speed 2 where y (2 x + 0.9) > 0 and 1 elsewhere; each is half of it, in two pieces: pi/2 + pi."""
+    inward = lambda y: 1 - y[0] ** 2 - y[1] ** 2  # noqa: E731
+    turn = lambda speed: lambda t, y: (y[0] * inward(y) - speed * y[1], y[1] * inward(y) + speed * y[0])  # noqa: E731
+    side = lambda sign: lambda t, y: sign * y[1] * (2 * y[0] + 0.9)  # noqa: E731
+    switches = {2: (ss.Switch(side(1), 1),), 1: (ss.Switch(side(-1), 2),)}
+    orbit = ss.flow_orbit(ss.SwitchingFlow({2: turn(2.0), 1: turn(1.0)}, switches), [0.9, 0.1], 2, duration=guess)
+    assert orbit.duration == pytest.approx(1.5 * math.pi, abs=1e-11) and len(orbit.events) == 4
+
+
 def test_weakening_friction_on_a_belt_has_one_stick_slip_cycle():
     """From inside and from outside: one cycle, whatever the start."""
     flow = belt(0.1, lambda s: 1.0 + 0.5 * exp(-s / 0.2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,23 @@ import pytest
 ROOT = Path(__file__).parents[2]
 spec = importlib.util.spec_from_file_location("known_answers", ROOT / "verification" / "known_answers.py")
 known_answers = importlib.util.module_from_spec(spec)
+sys.path.insert(0, str(ROOT / "verification"))  # where its systems are
 spec.loader.exec_module(known_answers)
 ROWS = known_answers.ROWS
-QUICK = ("meissner", "impact", "pitchfork", "cusp", "leine", "leine_rounded", "leine_lugre", "rig", "rig_lugre")
+QUICK = (
+    "meissner",
+    "impact",
+    "pitchfork",
+    "cusp",
+    "leine",
+    "leine_rounded",
+    "leine_lugre",
+    "rig",
+    "rig_lugre",
+    "pecks",
+    "pecks_down",
+    "bends",
+)
 PAGE = (ROOT / "docs" / "known-answers.md").read_text(encoding="utf-8")
 PRINTED = {
     line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]] for line in PAGE.splitlines() if line.startswith("| ")

@@ -44,7 +44,7 @@ def followed(
             ended = item
             break
         last = found[-1]
-        if path.period % 2 == 0 and not isinstance(path, CyclePath) and item.half * last.half < 0:
+        if path.period % 2 == 0 and not isinstance(path, CyclePath) and item.half @ last.half < 0:
             end = _returned(path, last, item)
             found += [end] if end is not None else []
             ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
@@ -122,7 +122,7 @@ def _returned(path: Path, a: Point, b: Point) -> Point | None:
     """Where a doubled motion falls together with its halves: there the motion of half the period has a multiplier of -1."""
     from scipy.optimize import brentq
 
-    shorter, part = replace(path, period=path.period // 2), a.half / (a.half - b.half)
+    shorter, part = replace(path, period=path.period // 2), a.half @ a.half / (a.half @ (a.half - b.half))
     near = a.u + part * (b.u - a.u)
     kept: dict[float, Point] = {}
 

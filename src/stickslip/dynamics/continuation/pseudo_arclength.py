@@ -63,17 +63,14 @@ class Point:
         return float(np.prod([1.0 - a * b for a, b in combinations(found, 2)]).real)
 
     @cached_property
-    def half(self) -> float:
-        """How far v moves in half the period, of several bodies all coordinates.
+    def half(self) -> Array:
+        """How far the state moves in half the period, in scales.
 
-        It changes its sign where a doubled motion falls together with its two halves.
+        It passes zero, and so turns round, where a doubled motion falls together with its two halves.
         """
         orbit, at = self.orbit, coordinates(self.orbit.model)
         moved = strobe_map(orbit.model, orbit.strobe_state, orbit.period // 2, orbit.rtol).state[0] - orbit.strobe_state
-        if at.mechanics is None:
-            return float(moved[0])
-        share = np.linspace(1.0, 2.0, at.smooth)  # of all: the first body may rest on the strobe
-        return float(share @ (moved / at.scales)[: at.smooth])
+        return np.asarray(moved[: at.smooth] / at.scales[: at.smooth])
 
     @property
     def fold(self) -> float:

@@ -28,6 +28,7 @@ _APART = 1e6  # so many times its miss must an orbit be large to be told from an
 _SAME = 1e-6  # of its size: how well an orbit comes back that has been around
 _SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
 _PARTS = (2, 3, 5, 7, 11, 13)
+_ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same state again; so many switches are tried
 
 
 @sealed
@@ -277,14 +278,17 @@ def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle:
     """A better guess for a flow that does not depend on time: a state after its last switch, and the time since the same one before."""
     whole = max(settle, 3) * duration
     done = passage(flow, y, mode, whole, **how)
-    events = done.events
-    same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
-    if len(same) < 2:
+    events, extent = done.events, np.maximum(done.highest - done.lowest, _STILL * float(1 + abs(y).max()))
+    same = [k for k in range(len(events) - 2, -1, -1) if events[k][1:] == events[-1][1:]][:_CANDIDATES]
+    if not same:
         return (done.state, done.mode, duration) if settle else (y, mode, duration)
-    done = passage(flow, y, mode, whole, **how, switches=same[-1] + 1)
-    onward = 0.5 * (events[same[-2] + 1][0] - events[same[-2]][0])  # not on a switch, but half way to the next
-    done = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
-    return done.state, done.mode, events[same[-1]][0] - events[same[-2]][0]
+    after = lambda k: passage(flow, y, mode, whole, **how, switches=k + 1)  # noqa: E731
+    done = after(len(events) - 1)
+    misses = [float((abs(after(k).state - done.state) / extent).max()) for k in same]
+    before = next(k for k, miss in zip(same, misses, strict=True) if miss <= _ALIKE * min(misses) + _SAME)  # a period may have several
+    onward = 0.5 * (events[before + 1][0] - events[before][0])  # not on a switch, but half way to the next
+    ended = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
+    return ended.state, ended.mode, events[-1][0] - events[before][0]
 
 
 def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, float, Any]:
