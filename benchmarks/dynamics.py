@@ -1,4 +1,4 @@
-"""Dynamics: an orbit with multipliers against settling, a diagram against the same in SciPy, a user's machine against a robot.
+"""Dynamics: an orbit with multipliers against settling, a diagram against SciPy's, a user's machine against a robot, other packages.
 
     python benchmarks/dynamics.py [--rounds 3]
 
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
+from dynamics_peers import peers
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
 from stickslip.maths import pi, sin
 
@@ -136,6 +137,7 @@ def main() -> None:
     print(f"diagram, 1000 values x {SETTLE + POINTS} periods: ours {ours:.1f} s, scipy LSODA {theirs:.0f} s ({len(few)} values measured), "
           f"ratio {theirs / ours:.0f}")  # fmt: skip
     atlases(1)
+    peers(rounds)
 
 
 if __name__ == "__main__":
