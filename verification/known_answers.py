@@ -355,7 +355,7 @@ def pecks_fast() -> tuple[float, ...]:
     return tuple(crossing(pecking(), 0, LEINE[0], "free")[1][3:].tolist())
 
 
-SICONOS = (0.145981185, 0.019445387)  # its first passages of the bird through -0.2788 rad: time and height between them
+SICONOS = (0.145981186, 0.019445404)  # its first passages of the bird through -0.2788 rad: time and height between them
 
 
 def pecks_down() -> tuple[float, ...]:
