@@ -19,6 +19,7 @@ from stickslip.engine import tableaux
 from stickslip.solvers import series
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "engine"))
 from test_series import Mapped, drawn
 
 

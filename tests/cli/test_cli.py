@@ -94,7 +94,7 @@ def test_run_shows_notes_and_twin_of_a_dynamic_law(capsys):
         and "0.00174132" in out
         and "LuGre is not passive" in out
         and "with Coulomb friction I" in out
-        and "Rodas5P at rtol 1e-06" in out
+        and "Taylor12 at rtol 1e-06" in out
     )
 
 
@@ -228,7 +228,7 @@ def test_lists_are_clean_text_with_units(capsys):
 @pytest.mark.slow
 def test_warmup_compiles_for_one_case_and_for_many(tmp_path):
     assert process("warmup", STICKSLIP_CACHE_DIR=str(tmp_path)).returncode == 0
-    for kind, method in product(("single", "lanes"), ("rodas5p", "rodas4")):
+    for kind, method in product(("single", "lanes"), ("taylor12", "taylor8")):
         assert len(list(tmp_path.glob(f"{kind}_lugre_harmonic_{method}_*.py"))) == 1
         assert list((tmp_path / "__pycache__").glob(f"{kind}_lugre_harmonic_{method}_*.nbi"))
 

@@ -34,7 +34,7 @@ def test_uncertainty_covers_the_true_error(lugre):
 
 
 def test_every_judge_is_asked(lugre, coulomb):
-    assert [j.name for j in lugre.judges] == ["Rodas5P"] * 4 + ["scipy radau"] + ["RK4"] * 2
+    assert [j.name for j in lugre.judges] == ["Taylor12"] * 4 + ["scipy radau"] + ["RK4"] * 2
     assert [j.name for j in coulomb.judges] == ["exact arcs", "closed formula", "scipy dop853", "RK4"]
     assert all(np.isfinite(j.mean_velocity) and j.seconds >= 0 for j in lugre.judges + coulomb.judges)
 

@@ -37,7 +37,7 @@ def test_each_machine_has_its_method_and_all_others_a_reason(name):
 def test_what_runs_is_named_by_the_run():
     pair = chain(0.0, 1.0)
     assert ss.solve(pair, periods=1).method == "exact"
-    assert ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), periods=1, rtol=1e-3).method == "Rodas4"
+    assert ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), periods=1, rtol=1e-3).method == "Taylor8"
     assert ss.solve(pair, periods=1, method="dop853").method == "dop853"
 
 

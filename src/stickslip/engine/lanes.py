@@ -37,6 +37,8 @@ __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "need
 ROOM = 11
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
 LANES, WIDTH = 16, 8
+#: Cases at work at a time where steps are of two sorts: more of them wait for lanes, so that these do not.
+PLACES = 64
 #: Numbers of the layout that a law's own functions read.
 _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
 
@@ -272,6 +274,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(has_arms(eq)),
         "LOOKED": len(looked_at(eq)), "SAMPLE_AT": sample_at if eq.sampling else -1,
         "PLACES": 1 + (eq.coordinates if eq.signals else 0),
+        "LASTING": step.fields.index("soon") if "soon" in offsets else 0,
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -288,7 +291,30 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_FIRED": "fired",
         "F_LOOKED": "looked",
     }
-    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
+    alone = (
+        "t",
+        "h",
+        "tend",
+        "x",
+        "le",
+        "lh",
+        "grow",
+        "stat",
+        "nacc",
+        "nrej",
+        "ratio",
+        "acc",
+        "t0",
+        "hh",
+        "x0",
+        "side",
+        "last",
+        "top",
+        "soon",
+        "tail",
+        "high",
+        "low",
+    )
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
 
@@ -354,23 +380,28 @@ def run(
     bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
-    S = _aligned((k.fields + 2 * bodies) * k.lanes)
-    lane_numbers = np.zeros((k.lanes, columns.SEGMENTS + parts), dtype=np.int64)
+    pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
+    at_work, before = (min(PLACES, cases), PLACES + 8) if pooled else (k.lanes, 0)
+    S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
+    lane_numbers = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64)
     lane_numbers[:, columns.CASE] = -1
-    lane_floats, ring = np.zeros((k.lanes, columns.BEFORE + 1)), np.zeros((k.lanes, KEPT, 1 + n + k.modes))
-    xs = np.zeros((k.lanes, LONGEST + 1, places))
-    lane_parts = np.zeros((k.lanes, signals + bodies, 3))
-    held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
+    lane_floats, ring = np.zeros((at_work, columns.BEFORE + 1)), np.zeros((at_work, KEPT, 1 + n + k.modes))
+    xs = np.zeros((at_work, LONGEST + 1, places))
+    lane_parts = np.zeros((at_work, signals + bodies, 3))
+    held, room = np.zeros((at_work, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
-    advance = driver.load().advance
+    advance, more = driver.load().advance, ()
+    if pooled:
+        advance = driver.load().advance_pooled
+        more = np.empty((at_work, k.fields)), np.zeros((4, before), dtype=np.int64)
     while advance(
         S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code,
-        pieces, job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
+        pieces, job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table, *more,
     ):  # fmt: skip
         kept.append(pieces[: cursor[2]].copy())
         cursor[2] = 0

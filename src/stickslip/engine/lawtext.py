@@ -84,7 +84,8 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
 def force(eq: System, degree: int) -> str:
     """The force that all but friction offer, by time; the nodes on which its work is summed."""
     tables = [
-        f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else 10), strict=True)
+        f"{name} = np.array({values!r})"
+        for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else degree // 2 + 2), strict=True)
     ]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}

@@ -46,13 +46,16 @@ class Series:
     slow: float = 0.3  # the same while z is slaved, where errors last, as a part
     longest: float = 0.15  # of a period
     rise: float = 0.7  # of an exponential's argument in a step, for each order
-    waits: float = 2.0  # steps after one that was refused
 
 
 #: From which tolerance on (of the steps) each is used.
 SERIES = ((9e-7, Series("Taylor8", 8, 4, 0.014)), (1e-9, Series("Taylor12", 12, 5, 0.01)), (0.0, Series("Taylor18", 18, 8, 0.004)))
 
+PEAKS = 3  # rounds of Newton's method to an extremum: its value is off by the square of how far its instant is
 ROUNDS = 60  # of a search for a zero: bisection from a period to rounding, if nothing is faster
+GAIN = 4.0  # by how much less a sweep may gain than the one before
+SHORTER = 4  # times that a step is shortened before it is refused
+SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
@@ -81,9 +84,9 @@ class _StepWriter:
         self._end()
         orders = range(self.n + 1)
         fields = ["t", "tend", "x", "y0", "y1", "b0", "m1", *(f"clk{k}" for k in range(len(self.eq.clocks)))]
-        fields += ["stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "top", "ban"]
-        fields += [f"k{i}_{m}" for i in (0, 1) for m in orders]
-        fields += ["x0", *sides(self.eq)] if self.record else ["looked"]
+        fields += ["stat", "nacc", "nrej", "lim", *(() if self.record else ("high", "low", "looked", "soon"))]  # what follows does not last
+        fields += ["ratio", "tail", "acc", "t0", "hh", "top", *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
+        fields += ["x0", *sides(self.eq)] if self.record else []
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n)
 
     def _value(self, node: Sym, bind: dict[str, str] | None = None) -> str:
@@ -106,7 +109,8 @@ class _StepWriter:
         w.line("_rem", "_tend - _t")
         w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
         w.line("_idle", "_tend > 1e29")
-        w.line("_slow", f"not _idle and abs({self.f[0]}) < {literal(k.slaved)} * _fast and _ban < 0.5 and _y0 * _b0 > 0.0")
+        w.line("_below", f"_lim if _lim > 0.0 else {literal(k.slaved)}")
+        w.line("_slow", f"not _idle and abs({self.f[0]}) < _below * _fast and _y0 * _b0 > 0.0")
         self.before = [self._value(node.args[0]) for node in self.rising]
         for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
             w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
@@ -115,7 +119,7 @@ class _StepWriter:
         self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
         for name in ("hh", "v", "z", "dx", "d1", "fall"):
             w.line(f"_{name}", "0.0")
-        for name in ("cross", "wrong", "last", "done"):
+        for name in ("cross", "wrong", "last", "done", "refused"):
             w.line(f"_{name}", "False")
         w.line("_top", "1.0 * _y0")
 
@@ -195,20 +199,24 @@ class _StepWriter:
         w.begin("if more(_slow, _mine)")
         w.line("_mine", "False")
         w.line("_zr", f"row({n + 1})")
-        w.line("_dz", f"row({n + 1})")
+        for row in ("_dz", "_dw"):
+            w.line(row, f"row({n + 1})")
         w.begin(f"for m in each(0, {n + 1})")
         w.line("_zr[m]", "0.0")
+        w.line("_dz[m]", "0.0")
         w.end()
-        for name in ("_brake", "_brake1", "_zs"):
+        for name in ("_brake", "_brake1", "_brake2", "_zs"):
             w.line(name, "0.0")
         w.begin(f"for sweep in range(0, {self.k.sweeps})")
         w.begin(f"for m in each(0, {n})")
+        w.line("_dw[m]", "1.0 * _dz[m]")
         w.line("_dz[m]", "(m + 1) * _zr[m + 1]")
         w.end()
         w.line(f"_dz[{n}]", "0.0")
         bind = self.start | {law.rate.name: w.line("_dz0", "1.0 * _dz[0]")}
         rows = Rows([self.eq.y[0]], [law.braked], [law.z], w, bind, n, {law.rate.number: "_dz"}, out=True)
         rows.write()
+        w.line("_brake2", "1.0 * _brake1")
         w.line("_brake1", "1.0 * _brake")
         w.line("_brake", f"1.0 * {w.value(law.braked, bind)}")
         w.line("_zs", f"1.0 * {w.value(law.z, bind)}")
@@ -220,18 +228,52 @@ class _StepWriter:
         w.line("_ts", f"{literal(self.k.slow)} * _tv")
         self._wish([(row, ""), ("_zr", "_wz")], "_ts")
         self._foresee(row, "s", "_slow")
-        w.line("_sped", horner(["_zr[1]", *(f"{m}.0 * _zr[{m}]" for m in range(2, n + 1))], "_h"))  # z' at the end, and as the sweep had it
-        w.line("_was", horner([f"_dz[{m}]" for m in range(n + 1)], "_h"))
+        w.line("_off", self._left("_brake", "_brake1", "_brake2"))
+        self._shorten(row)
         end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"}
         first, last = self._value(law.weight), w.value(law.weight, end)
         w.line("_zn", f"1.0 * {w.value(law.z, end)}")
-        same = ["_slow", "_ve * _b0 > 0.0", "abs(_brake - _brake1) * _h <= _ts", f"abs({last} * (_sped - _was)) * _h <= _ts"]
+        same = ["_slow", "_ve * _b0 > 0.0", "_off * _h <= _ts", f"abs({last}) * _late * _h <= _ts"]
         w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts"]))
         self._gone("_done", row, "_zr", "_y0", "_zs", "_zn")
         w.line("_refused", "_slow and not _done")
-        w.line("_ban", f"{literal(self.k.waits)} if _refused else _ban")
+        w.line("_over", "_off * _h / _ts")
+        w.line("_over", "math.sqrt(math.sqrt(_over if _over > 1.0 else 1.0))")  # some four sweeps gain as much as the fourth power
+        w.line("_over", "_over if _over < 3.0 else 3.0")
+        w.line("_lim", f"{literal(0.8)} * abs({self.f[0]}) / (_fast * _over + 1e-290) if _refused else _lim")
         w.line("_nrej", "_nrej + (1.0 if _refused else 0.0)")
         w.end()
+
+    def _shorten(self, row: str) -> None:
+        """Shorten a step at whose end z would be less slaved, or the sweeps further apart, than is tolerated; _sped: z' at the end."""
+        w, n = self.w, self.n
+
+        def look() -> None:
+            w.line("_sped", horner(["_zr[1]", *(f"{m}.0 * _zr[{m}]" for m in range(2, n + 1))], "_h"))
+            w.line("_was", horner([f"_dz[{m}]" for m in range(n)], "_h"))
+            w.line("_before", horner([f"_dw[{m}]" for m in range(n)], "_h"))
+            w.line("_late", self._left("_sped", "_was", "_before"))
+            w.line("_long", f"abs(_de) * (_y0 * _y0) > {literal(SLACK * self.k.slaved)} * _fast * (_ve * _ve) or _ve * _b0 <= 0.0")
+            w.line("_long", f"_slow and (_long or abs({first}) * _late * _h > _ts)")
+
+        first = self._value(self.law.weight)
+        look()
+        w.begin(f"for q in range(0, {SHORTER})")
+        w.begin("if _long")
+        w.line("_h", "0.6 * _h if _long else _h")
+        w.line("_ends", "_ends and not _long")
+        w.line("_ve", self._at(row, "_y0", "_h"))
+        w.line("_de", self._rate_at(row, "_h"))
+        look()
+        w.end()
+        w.end()
+
+    def _left(self, now: str, before: str, first: str) -> str:
+        """How far what the last sweep found may be from what further ones would find: each gains about as much as the one before."""
+        w = self.w
+        w.line("_step", f"abs({now} - {before})")
+        w.line("_gain", f"{literal(GAIN)} * _step / (abs({before} - {first}) + 1e-290)")
+        return "_step * (_gain if _gain < 1.0 else 1.0)"
 
     # ---- explicit ----
     def _explicit(self) -> None:
@@ -245,7 +287,6 @@ class _StepWriter:
         self._crossing(v)
         w.line("_zn", self._at(z, "_y1", "_h"))
         self._gone("_mine", v, z, "_y0", "_y1", "_zn")
-        w.line("_ban", "_ban - 1.0 if _mine else _ban")
         w.end()
 
     def _crossing(self, v: str) -> None:
@@ -259,6 +300,7 @@ class _StepWriter:
         w.begin("if _any")
         w.line("_lo", "0.0")
         w.line("_hi", "1.0 * _h")
+        w.line("_deep", "False")
         w.begin("if _dip")
         w.line("_a", "0.0")
         w.line("_c", "1.0 * _h")
@@ -278,12 +320,23 @@ class _StepWriter:
         w.line("_gap", "_y0 * _b0 - _vh")
         w.line("_th", "_hi * (_y0 * _b0) / (_gap if _gap > 0.0 else 1.0)")  # from a start at zero: the zero after it, from the far end
         w.line("_th", "_th if _d0 < 0.0 else 0.5 * _hi")
+        self._guess()
         self._search(v)
         w.line("_h", "_th if _cross else (0.0 if _wrong else _h)")
         w.line("_ends", "_ends and not _out")
         w.line("_ve", "0.0 if _cross else (_y0 if _wrong else _ve)")
         w.line("_de", self._rate_at(v, "_h"))
         w.end()
+
+    def _guess(self) -> None:
+        """_th: where the cubic of time over v is at v = 0, from the slopes at both ends of a step in which v falls."""
+        w = self.w
+        w.line("_s", "_y0 * _b0 / (_gap if _gap > 0.0 else 1.0)")
+        w.line("_falls", "_d0 < 0.0 and _de * _b0 < 0.0 and not _deep")
+        w.line("_a", "_gap / (-_d0 if _falls else 1.0)")
+        w.line("_c", "_gap / (-(_de * _b0) if _falls else 1.0)")
+        w.line("_tn", "_s * _s * ((3.0 - 2.0 * _s) * _hi - (1.0 - _s) * _c) + _s * (1.0 - _s) * (1.0 - _s) * _a")
+        w.line("_th", "_tn if (_falls and _tn > 0.0 and _tn < _hi) else _th")
 
     def _search(self, v: str) -> None:
         """Newton's method in a bracket, or bisection; a lane that has converged is left alone."""
@@ -319,6 +372,9 @@ class _StepWriter:
         kept = [("_k0", v, v0), ("_k1", z, z0)]
         if not self.record:
             w.begin("if _looked > 0.5")
+        rise = horner([f"{z}[1]", *(f"{m}.0 * {z}[{m}]" for m in range(2, n + 1))], "_h")
+        w.line("_tail", f"1.0 - ({rise}) / (_ve if _ve != 0.0 else 1.0) if {mine} else _tail")
+        w.line("_tail", f"0.0 if ({mine} and _ve == 0.0) else _tail")
         w.line("_pw", "1.0 * _h")
         for name, _, first in kept:
             w.line(f"{name}[0]", f"{first} if {mine} else {name}[0]")
@@ -340,7 +396,7 @@ class _StepWriter:
         w.line("_pa", "0.0")
         w.line("_pc", "1.0 * _h")
         w.line("_pt", f"_h * ({first} / ({first} - _de))")
-        w.begin("for q in range(0, 6)")
+        w.begin(f"for q in range(0, {PEAKS})")
         w.line("_pd", self._rate_at(v, "_pt"))
         w.line("_pp", horner([f"2.0 * {v}[2]", *(f"{m * (m - 1)}.0 * {v}[{m}]" for m in range(3, self.n + 1))], "_pt"))
         w.line("_same", f"_pd * {first} > 0.0")
@@ -360,6 +416,10 @@ class _StepWriter:
         offset = self._value(eq.offset)
         w.line("_made", "_done or _mine")
         w.line("_t0", "1.0 * _t")
+        if not self.record:
+            w.line("_soon", "1.0 if (_slow and not _refused) else 0.0")
+            w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _v * _b0 > 0.0")
+            w.line("_soon", "(1.0 if _heads else 0.0) if _made else _soon")
         if self.record:
             w.line("_x0", "1.0 * _x")
             w.line(f"_{sides(eq)[0]}", "1.0 * _b0")
@@ -368,9 +428,17 @@ class _StepWriter:
         w.line("_y1", "_z if (_made and not _wrong) else _y1")
         w.line("_m1", "abs(_y1) if abs(_y1) > _m1 else _m1")
         w.line("_b0", "-_b0 if (_cross or _wrong) else _b0")
+        w.line("_lim", "0.0 if (_cross or _wrong) else _lim")
         w.line("_nacc", "_nacc + (1.0 if _made else 0.0)")
         w.line("_short", "_hh < fma(_t, 4.5e-16, 1e-25 * _period) and _made and not (_last or _wrong or _cross)")
         w.line("_t", "_tend if _last else _t + _hh")
         w.line("_stat", f"1.0 if _last else ({Status.TOO_SMALL}.0 if _short else _stat)")
         w.line("_stat", f"{Status.NOT_A_NUMBER}.0 if (_y0 != _y0 or _y1 != _y1) else _stat")
         w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
+        if not self.record:  # something to be noted, or no case
+            w.line("_high", "_top if (_looked > 0.1 and _top > _high) else _high")
+            w.line("_low", "_top if (_looked > 0.1 and _top < _low) else _low")
+            w.line("_high", "_y0 if (_looked > 0.1 and _y0 > _high) else _high")
+            w.line("_low", "_y0 if (_looked > 0.1 and _y0 < _low) else _low")
+            w.line("_soon", "_soon + (2.0 if (_stat > 0.5 or _looked > 0.5) else 0.0)")
+            w.line("_soon", "4.0 if _idle else _soon")

@@ -15,11 +15,25 @@ from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 
 if TYPE_CHECKING:
+    from stickslip.engine.slaved import Series
+    from stickslip.engine.tableaux import Tableau
     from stickslip.solvers.request import Request
     from stickslip.summary import Summary
     from stickslip.trajectory import Trajectory
 
-__all__ = ["ALL", "METHODS", "ClosedArcs", "Judge", "Method", "Rosenbrock", "RungeKutta", "TaylorSeries", "TaylorSteps", "method_for"]
+__all__ = [
+    "ALL",
+    "METHODS",
+    "ClosedArcs",
+    "Judge",
+    "Method",
+    "Rosenbrock",
+    "RungeKutta",
+    "TaylorSeries",
+    "TaylorSteps",
+    "method_for",
+    "steps_of",
+]
 
 
 class Method(Protocol):
@@ -111,21 +125,23 @@ class Rosenbrock:
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Steps held to the tolerance."""
+        from stickslip.solvers import stepping
+
+        return stepping.run(todo, *self.steps(todo))
+
+    def steps(self, todo: Request) -> tuple[Tableau, float]:
+        """The tableau that a request takes, and the tolerance to which its steps are held."""
         from stickslip.solvers import rosenbrock
 
-        return rosenbrock.solve(todo)
+        return rosenbrock.method(todo)
 
 
 @dataclass(frozen=True)
 class TaylorSeries:
-    """One body on one contact under a law with one inner state: series of order 8, 12 or 18, on the slow manifold while it slips.
-
-    It is not taken by itself: at loose tolerances, and where friction falls much with speed, Rosenbrock steps cost less
-    (docs/decisions/2026-11-23-taylor-series-on-the-slow-manifold.md).
-    """
+    """One body on one contact under a law with one inner state: series of order 8, 12 or 18, on the slow manifold while it slips."""
 
     title: str = "Taylor series"
-    names: tuple[str, ...] = ("taylor",)
+    names: tuple[str, ...] = ("auto", "taylor")
     observes: bool = False
 
     def accepts(self, model: Any) -> str | None:
@@ -136,9 +152,15 @@ class TaylorSeries:
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Steps held to the tolerance."""
-        from stickslip.solvers import series, stepping
+        from stickslip.solvers import stepping
 
-        return stepping.run(todo, *series.method(todo.rtol))
+        return stepping.run(todo, *self.steps(todo))
+
+    def steps(self, todo: Request) -> tuple[Series, float]:
+        """The series that a request takes, and the tolerance to which their steps are held."""
+        from stickslip.solvers import series
+
+        return series.method(todo.rtol)
 
 
 @dataclass(frozen=True)
@@ -190,9 +212,15 @@ class Judge:
 
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
 #: In the order in which they are asked.
-ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), Rosenbrock(), TaylorSeries(), RungeKutta(), Judge())
-#: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
+ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), *(_DYNAMIC := (TaylorSeries(), Rosenbrock())), RungeKutta(), Judge())
+#: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Taylor series where they know the law, or Rodas4 or
+#: Rodas5P by tolerance.
 METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
+
+
+def steps_of(todo: Request) -> tuple[Series | Tableau, float]:
+    """The steps that a request under laws with inner states takes, and the tolerance to which they are held."""
+    return next(each.steps(todo) for each in _DYNAMIC if todo.method in each.names and each.accepts(todo.model) is None)
 
 
 def method_for(name: str, model: Any, observed: bool = False) -> Method:
@@ -205,7 +233,7 @@ def method_for(name: str, model: Any, observed: bool = False) -> Method:
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
     >>> type(method_for("auto", robot)).__name__, type(method_for("auto", robot.replace(friction=ss.Coulomb(0.15, 0.21)))).__name__
-    ('Rosenbrock', 'ClosedArcs')
+    ('TaylorSeries', 'ClosedArcs')
     """
     said = {}
     for method in ALL:

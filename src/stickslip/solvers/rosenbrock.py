@@ -6,23 +6,15 @@ from typing import Any
 
 from stickslip.engine import tableaux
 from stickslip.machine_adapter import machine_of
-from stickslip.solvers import stepping
 from stickslip.solvers.request import Request
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
-__all__ = ["method", "solve", "tableau"]
+__all__ = ["method", "tableau"]
 
 #: From these tolerances on the fourth-order method is cheaper: for one contact (benchmarks/work_precision.py), and for several, which
 #: spend more of their steps near reversals, where the order counts (docs/decisions/2026-11-23-cost-of-a-chain.md).
 LOOSE, LOOSE_OF_SEVERAL = 1e-4, 2e-4
 #: The steps are held to a part of the tolerance asked for, so that energy closes to it and no case is an outlier.
 SAFETY = 0.5
-
-
-def solve(todo: Request) -> Trajectory | Summary:
-    """Solve as asked."""
-    return stepping.run(todo, *method(todo))
 
 
 def method(todo: Request) -> tuple[tableaux.Tableau, float]:

@@ -13,8 +13,9 @@ from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
-from stickslip.solvers import coulomb_steady_motions as orbits, rosenbrock, set_valued as exact, stepping
+from stickslip.solvers import coulomb_steady_motions as orbits, set_valued as exact, stepping
 from stickslip.solvers.closed_arcs import handles
+from stickslip.solvers.methods import steps_of
 from stickslip.solvers.request import Request, request
 from stickslip.status import Status
 from stickslip.summary import Summary
@@ -36,7 +37,7 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
     if why is not None:
         raise InputError("sweep", [why])
     if law_of(robot).dynamic:
-        return _stepped(todo, *rosenbrock.method(todo))
+        return _stepped(todo, *steps_of(todo))
     if handles(robot) is not None:
         return _stepped(todo, None, exact.REPEAT / 10)
     summary, more = orbits.solve_waiting(todo)
@@ -49,7 +50,7 @@ def unfollowed(robot: Any, method: str) -> str | None:
         what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"
         return f"continue_along needs the end states of one body, and {what}; leave it out"
     law = law_of(robot)
-    known = ("auto", *TABLEAUX) if law.dynamic else ("auto", "exact")
+    known = ("auto", "taylor", *TABLEAUX) if law.dynamic else ("auto", "exact")
     if method in known and law.compiles:
         return None
     what = f"method {method!r} with {law.name}"

@@ -29,6 +29,8 @@ def take(lane, case, S, N, K, PARAM, START, D):
         S[D[F_GROW] + lane] = 1.4
     if D[F_LOOKED] >= 0:
         S[D[F_LOOKED] + lane] = D[ARMS]
+    if D[F_HIGH] >= 0:
+        S[D[F_HIGH] + lane], S[D[F_LOW] + lane] = -math.inf, math.inf
     S[D[F_X] + lane] = START[case, 0]
     for i in range(D[STATES]):
         S[D[F_Y] + i * L + lane] = START[case, 1 + i]
@@ -91,6 +93,8 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     for k in range(D[KEPT_MODES]):
         OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % KEPT, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
     more = 6 + D[STATES] + D[KEPT_MODES]
+    if D[F_HIGH] >= 0:
+        K[lane, WIDE_MAX], K[lane, WIDE_MIN] = S[D[F_HIGH] + lane], S[D[F_LOW] + lane]
     OUT[case, more] = K[lane, LIMIT] if good else np.nan
     OUT[case, more + 1], OUT[case, more + 2] = max(K[lane, WIDE_MAX], K[lane, VMAX]), min(K[lane, WIDE_MIN], K[lane, VMIN])
     COUNT[case, 0] = N[lane, STATUS]
@@ -102,7 +106,7 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
     if D[SIGNALS] > 0:
         call_note_parts(D[AT_NOTE_PARTS], lane, case, S, FOUND, NOTED, D)
-    N[lane, CASE] = -1
+    N[lane, CASE], N[lane, RECORDING] = -1, 0
 
 
 @njit(void(int64, f1, i1), **OPTIONS)
@@ -229,35 +233,35 @@ def keep_piece(S, N, CURSOR, PIECES, D):
     CURSOR[2] += 1
 
 
-@njit(void(float64, f1, i2, f2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
-def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
-    """Note what the last step of every recording lane did; status 7 when the last observation is made."""
-    for lane in range(D[LANES]):
-        if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
-            continue
-        if D[SIGNALS] > 0:
-            if N[lane, CLOSING] == 1:
-                S[D[F_STAT] + lane] = 7.0
-            elif S[D[F_T] + lane] != S[D[F_T0] + lane]:
-                call_reduce_step(D[AT_REDUCE_STEP], lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
-            call_hold(D[AT_HOLD], lane, S, HELD, D)
-            continue
-        if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
-            K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
-            K[lane, LASTED] += S[D[F_T] + lane] - S[D[F_T0] + lane]
-        if D[F_TOP] >= 0 and N[lane, CLOSING] == 0:
-            K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
-        if N[lane, FRESH] > 0:
-            period = S[D[F_C] + D[PERIOD] * D[LANES] + lane]
-            observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], slip_ratio, period, N, K, SEGT, SEGC, D)
-            if N[lane, CLOSING] == 1:
-                S[D[F_STAT] + lane] = 7.0
-                continue
-        if D[F_TOP] >= 0 and D[SET_VALUED] == 0 and S[D[F_HH] + lane] > 0.0:
+@njit(void(int64, float64, f1, i2, f2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
+def watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
+    """Note what the last step of a recording lane did; status 7 when the last observation is made."""
+    if D[SIGNALS] > 0:
+        if N[lane, CLOSING] == 1:
+            S[D[F_STAT] + lane] = 7.0
+        elif S[D[F_T] + lane] != S[D[F_T0] + lane]:
+            call_reduce_step(D[AT_REDUCE_STEP], lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
+        call_hold(D[AT_HOLD], lane, S, HELD, D)
+        return
+    if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
+        K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
+        K[lane, LASTED] += S[D[F_T] + lane] - S[D[F_T0] + lane]
+    if D[F_TOP] >= 0 and N[lane, CLOSING] == 0:
+        K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
+    if N[lane, FRESH] > 0:
+        period = S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+        observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], slip_ratio, period, N, K, SEGT, SEGC, D)
+        if N[lane, CLOSING] == 1:
+            S[D[F_STAT] + lane] = 7.0
+            return
+    if D[F_TOP] >= 0 and D[SET_VALUED] == 0 and S[D[F_HH] + lane] > 0.0:
+        if D[F_TAIL] < 0 or (S[D[F_TAIL] + lane] >= slip_ratio) != (S[D[F_RATIO] + lane] >= slip_ratio):
             K[lane, PART] = turned(lane, slip_ratio, S, D)
-        if S[D[F_T] + lane] != K[lane, TP] or S[D[F_SIGN] + lane] != K[lane, BP]:
-            K[lane, TP], K[lane, VP], K[lane, BP] = S[D[F_T] + lane], S[D[F_Y] + lane], S[D[F_SIGN] + lane]
-            N[lane, FRESH] = 1
+        else:
+            K[lane, PART] = -1.0
+    if S[D[F_T] + lane] != K[lane, TP] or S[D[F_SIGN] + lane] != K[lane, BP]:
+        K[lane, TP], K[lane, VP], K[lane, BP] = S[D[F_T] + lane], S[D[F_Y] + lane], S[D[F_SIGN] + lane]
+        N[lane, FRESH] = 1
 
 
 @njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
@@ -288,6 +292,43 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
         call_hold(D[AT_HOLD], lane, S, HELD, D)
 
 
+@njit(void(int64, int64, f1, i2, f2, f2, f2, f2, i1), **OPTIONS)
+def widen(lane, settle, S, N, K, HELD, ROOM, PARAM, D):
+    """Widen the extremes over the window by the last step, if it did not do so itself."""
+    if N[lane, DONE] < settle or D[F_HIGH] >= 0:
+        return
+    v = S[D[F_Y] + lane]
+    K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
+    if D[SIGNALS] > 0 and D[ARMS] == 1:
+        call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
+        call_hold(D[AT_HOLD], lane, S, HELD, D)
+    elif D[F_TOP] >= 0:  # the extremum within the step
+        v = S[D[F_TOP] + lane]
+        K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
+
+
+@njit(boolean(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, i1), **OPTIONS)
+def go_on(
+    lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT,
+    SEGC, D,
+):  # fmt: skip
+    """After a step at whose end something is known of a lane: on to the next period or case. Returns whether there is one."""
+    stat = S[D[F_STAT] + lane]
+    S[D[F_STAT] + lane] = 0.0
+    if stat == 1.0:
+        arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D)
+        return True
+    if stat != 7.0:
+        N[lane, STATUS] = np.int64(stat)
+        for i in range(SEGMENTS, N.shape[1]):
+            N[lane, i] = 0
+    finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D)
+    if next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+        return True
+    S[D[F_TEND] + lane] = 1e30
+    return False
+
+
 @njit(
     int64(f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1),
     **CALLED, **BORROWING,
@@ -316,42 +357,26 @@ def advance(
         if pieces_wanted and is_piece(S, D):
             keep_piece(S, N, CURSOR, PIECES, D)
         if recording > 0:
-            watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
+            for lane in range(L):
+                if N[lane, RECORDING] == 1:
+                    watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
         if D[SIGNALS] > 0 and D[ARMS] == 0:
             call_widen_all(D[AT_WIDEN_ALL], settle, S, N, D)
         for lane in range(L):
-            stat = S[D[F_STAT] + lane]
-            if N[lane, DONE] >= settle:
-                v = S[D[F_Y] + lane]
-                K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
-                if D[SIGNALS] > 0 and D[ARMS] == 1:
-                    call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
-                    call_hold(D[AT_HOLD], lane, S, HELD, D)
-                elif D[F_TOP] >= 0:  # the extremum within the step
-                    v = S[D[F_TOP] + lane]
-                    K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
-            if stat < 0.5:
+            widen(lane, settle, S, N, K, HELD, ROOM, PARAM, D)
+            if S[D[F_STAT] + lane] < 0.5:
                 continue
-            S[D[F_STAT] + lane] = 0.0
             if N[lane, CASE] < 0:
+                S[D[F_STAT] + lane] = 0.0
                 S[D[F_NACC] + lane] = 0.0
                 S[D[F_NREJ] + lane] = 0.0
                 S[D[F_TEND] + lane] = 1e30
                 continue
-            if stat == 1.0:
-                was = N[lane, RECORDING]
-                arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D)
-                recording += N[lane, RECORDING] - was
-                continue
-            if stat != 7.0:
-                N[lane, STATUS] = np.int64(stat)
-                for i in range(SEGMENTS, N.shape[1]):
-                    N[lane, i] = 0
-            recording -= N[lane, RECORDING]
-            finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D)
-            if next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
-                recording += N[lane, RECORDING]
-            else:
+            was = N[lane, RECORDING]
+            if not go_on(
+                lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT,
+                NOTED, SEGT, SEGC, D,
+            ):  # fmt: skip
                 active -= 1
-                S[D[F_TEND] + lane] = 1e30
+            recording += N[lane, RECORDING] - was
     return active

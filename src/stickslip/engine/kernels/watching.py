@@ -23,30 +23,42 @@ def begin_record(lane, N, K, FOUND, S, D):
     K[lane, LASTED] = 0.0
 
 
-@njit(boolean(int64, float64, float64, f1, i1), **OPTIONS)
-def slipping(lane, theta, slip_ratio, S, D):
-    """Whether the slip ratio 1 - (dz/dt)/v of one inner state is above its limit within a step, on the step's polynomials."""
+@njit(float64(int64, float64, float64, f1, i1), **OPTIONS)
+def slip(lane, theta, slip_ratio, S, D):
+    """By how much |v| times the slip ratio 1 - (dz/dt)/v of one inner state is above its limit within a step, on the step's polynomials."""
     L, degree, first = D[LANES], D[DEGREE], D[F_K] + lane
     v, rise = S[first + degree * L], 0.0
     for m in range(degree - 1, -1, -1):
         v = fma(v, theta, S[first + m * L])
     for m in range(degree, 0, -1):
         rise = fma(rise, theta, m * S[first + (degree + 1 + m) * L])
-    return (1.0 - slip_ratio) * abs(v) >= math.copysign(rise, rise * v) / S[D[F_HH] + lane]
+    return (1.0 - slip_ratio) * abs(v) - math.copysign(rise, rise * v) / S[D[F_HH] + lane]
 
 
 @njit(float64(int64, float64, f1, i1), **OPTIONS)
 def turned(lane, slip_ratio, S, D):
     """The part of a step after which slip begins or ends, where its polynomials are as good as its ends; -1 where it does not."""
-    low, high, slips = 0.0, 1.0, S[D[F_RATIO] + lane] >= slip_ratio
-    if slipping(lane, high, slip_ratio, S, D) == slips:
+    slips = S[D[F_RATIO] + lane] >= slip_ratio
+    low, high, above = 0.0, 1.0, slip(lane, 1.0, slip_ratio, S, D)
+    if (above >= 0.0) == slips:
         return -1.0
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        if slipping(lane, middle, slip_ratio, S, D) == slips:
-            low = middle
+    below, kept = slip(lane, 0.0, slip_ratio, S, D), 0
+    if (below >= 0.0) != slips:
+        return 0.0
+    near = 1e-15 * (abs(below) + abs(above))
+    for _ in range(60):  # false position; an end that stays for two rounds counts half (Illinois rule)
+        part = low + (high - low) * (below / (below - above))
+        if not (part > low and part < high):
+            part = 0.5 * (low + high)
+        value = slip(lane, part, slip_ratio, S, D)
+        if (value >= 0.0) == slips:
+            low, below = part, value
+            above, kept = 0.5 * above if kept == 1 else above, 1
         else:
-            high = middle
+            high, above = part, value
+            below, kept = 0.5 * below if kept == -1 else below, -1
+        if abs(value) <= near or high - low < 1e-15:
+            return part
     return high
 
 

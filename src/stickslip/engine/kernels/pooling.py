@@ -1,0 +1,139 @@
+"""More cases than lanes, for steps of which there are two sorts: lanes hold cases that want the same; the driver's last part."""
+# ruff: noqa: F821
+# mypy: ignore-errors
+#
+# Each case at work has a place, with its rows of N, K, RING and XS; some are in a lane, the others wait, with what a lane holds
+# from step to step in their row of STORE. A lane whose case wants the other sort of step changes it for one that waits for this sort. When
+# there are too few of these, all go over to the other sort. POOL says which place is in which lane (-1: none), then for either sort how
+# many places wait for it and which, and last of which sort the steps are.
+
+#: With how many lanes at work steps of a sort go on while more cases wait for the other sort.
+ENOUGH = 13
+IN_LANE, WAITING, SORT = 0, 1, 3
+
+
+@njit(void(int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
+def put_away(place, lane, sort, S, STORE, POOL, D):
+    """Let the case of a lane wait for steps of a sort."""
+    at, apart = np.uint64(POOL.shape[1] + lane), np.uint64(D[LANES])
+    row = STORE[place]
+    for f in range(np.uint64(D[LASTING])):
+        row[f] = S[at]
+        at += apart
+    S[POOL.shape[1] + lane + D[F_TEND]] = 1e30
+    POOL[WAITING + sort, 0] += 1
+    POOL[WAITING + sort, POOL[WAITING + sort, 0]] = place
+    POOL[IN_LANE, lane] = -1
+
+
+@njit(void(int64, int64, f1, f2, i2, i1), **OPTIONS)
+def bring(lane, sort, S, STORE, POOL, D):
+    """Put a case that waits for steps of a sort into an empty lane, if there is one."""
+    count = POOL[WAITING + sort, 0]
+    if count == 0:
+        return
+    place, first = POOL[WAITING + sort, count], POOL.shape[1] + lane
+    POOL[WAITING + sort, 0] = count - 1
+    at, apart, row = np.uint64(first), np.uint64(D[LANES]), STORE[place]
+    lasting = np.uint64(D[LASTING])
+    for f in range(lasting):
+        S[at] = row[f]
+        at += apart
+    at = np.uint64(first + D[F_C])
+    for j in range(lasting, lasting + np.uint64(D[CONSTANTS])):
+        S[at] = row[j]
+        at += apart
+    S[first + D[F_SOON]] = sort
+    POOL[IN_LANE, lane] = place
+
+
+@njit(void(int64, int64, f1, f2, i2, i1), **OPTIONS)
+def keep_constants(place, lane, S, STORE, POOL, D):
+    """What lasts as long as the case of a lane."""
+    for j in range(D[CONSTANTS]):
+        STORE[place, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
+
+
+@njit(
+    int64(
+        f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1,
+        f2, i2,
+    ),
+    **CALLED, **BORROWING,
+)  # fmt: skip
+def advance_pooled(
+    S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT, SEGC, PIECES, periods, settle, auto, rtol,
+    slip_ratio, budget, calls, D, STORE, POOL,
+):  # fmt: skip
+    """As `advance`, with a row of N, K, RING and XS for each place, and as many numbers before the lanes in S as there are places."""
+    L, places = D[LANES], N.shape[0]
+    begin = POOL.shape[1]
+    active = 0
+    for place in range(places):
+        if N[place, CASE] >= 0:
+            active += 1
+    if active == 0:
+        for lane in range(L):
+            POOL[IN_LANE, lane] = -1
+            S[begin + lane + D[F_TEND]] = 1e30
+        for place in range(places - 1, -1, -1):
+            lane = place if place < L else 0
+            V = S[begin + lane - place :]
+            if next_case(place, periods, settle, auto, V, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+                active += 1
+                keep_constants(place, lane, S, STORE, POOL, D)
+                POOL[IN_LANE, lane] = place
+                S[begin + lane + D[F_SOON]] = 0.0
+                if place >= L:
+                    put_away(place, lane, 0, S, STORE, POOL, D)
+    steps, soon = S[begin:], begin + D[F_SOON]
+    for _ in range(calls):
+        if active == 0:
+            return 0
+        call_step(D[AT_STEP], steps, rtol, budget)
+        sort = POOL[SORT, 0]
+        ready = 0
+        for lane in range(L):
+            wish = np.int64(S[soon + lane])
+            if wish == sort:
+                ready += 1
+                continue
+            place = POOL[IN_LANE, lane]
+            if place < 0:
+                continue
+            if wish > 1:
+                V = S[begin + lane - place :]
+                if N[place, RECORDING] == 1:
+                    watch(place, slip_ratio, V, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
+                if steps[D[F_STAT] + lane] >= 0.5:
+                    case = N[place, CASE]
+                    if not go_on(
+                        place, periods, settle, auto, rtol, slip_ratio, V, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT,
+                        COUNT, NOTED, SEGT, SEGC, D,
+                    ):  # fmt: skip
+                        active -= 1
+                        POOL[IN_LANE, lane] = -1
+                        bring(lane, sort, S, STORE, POOL, D)
+                        ready += POOL[IN_LANE, lane] >= 0
+                        continue
+                    if N[place, CASE] != case:
+                        keep_constants(place, lane, S, STORE, POOL, D)
+                        wish = 2
+                wish -= 2
+                S[soon + lane] = wish
+            if wish != sort and POOL[WAITING + sort, 0] > 0:
+                put_away(place, lane, wish, S, STORE, POOL, D)
+                bring(lane, sort, S, STORE, POOL, D)
+                wish = sort
+            ready += wish == sort
+        if ready < ENOUGH and active - ready > ready:
+            sort = 1 - sort
+            POOL[SORT, 0] = sort
+            for lane in range(L):
+                place = POOL[IN_LANE, lane]
+                if place >= 0 and np.int64(steps[D[F_SOON] + lane]) != sort and POOL[WAITING + sort, 0] > 0:
+                    put_away(place, lane, 1 - sort, S, STORE, POOL, D)
+                    place = -1
+                if place < 0:
+                    bring(lane, sort, S, STORE, POOL, D)
+    return active
