@@ -548,6 +548,16 @@ def test_what_counts_drive_periods_says_so_of_something_that_nothing_drives(file
     assert code == 0 and "more periods" not in out
 
 
+def test_a_diagram_of_a_capsule_settles_as_long_as_asked_and_is_drawn(capsys, tmp_path):
+    """`settle` comes before the strobe points and is no part of a run's periods; the figure shows the velocity of the body."""
+    figure = tmp_path / "doubling.png"
+    words = ["capsule", "omega=1.17..1.18:2", "settle=900", "--batch", "--figure", str(figure)]
+    assert main(["bifurcation", *words]) == 0 and figure.stat().st_size > 5000
+    assert "period 2 from 1.17; " in capsys.readouterr().out
+    assert main(["bifurcation", "capsule", "omega=1.17..1.18:2", "settle=-3"]) == 2
+    assert "settle = -3; allowed is a whole number from 1" in capsys.readouterr().err
+
+
 def test_a_word_that_is_no_law_is_told_the_laws_once(capsys):
     err = call(capsys, "run", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4", "law=dry")[2]
     assert err.count("coulomb-static") == 1

@@ -255,6 +255,27 @@ def test_a_branch_along_the_phase_passes_the_known_chains(orbits):
     assert [s.kind for s in branch.special] == ["type-border"] * 2
 
 
+def test_a_capsule_doubles_its_period_where_its_runs_do():
+    """The flip of the published capsule's preset: continuation against runs on both sides, and both in one picture."""
+    branch = ss.continuation(ss.presets.capsule, parameter="omega", start=1.19, stop=1.17)
+    (flip,) = (special for special in branch.special if special.kind == "flip")
+    assert flip.value == pytest.approx(1.1765165116, abs=1e-9)
+    assert flip.orbit.differences[0] == pytest.approx(-1.0, abs=1e-6), "by differences of the strobe map"
+    beside = ss.bifurcation(ss.presets.capsule, parameter="omega", values=flip.value + np.array([-4e-3, 4e-3]), settle=1500, follow=False)
+    assert beside.period.values.tolist() == [[2, 1]]
+    ax = ss.plot.continuation([branch, branch.doubled()], diagram=beside)
+    assert ax.get_ylabel() == "velocity of body on the strobe (mm/s)"
+    assert {"flip", "unstable", "brute force"} <= {text.get_text() for text in ax.get_legend().get_texts()}
+    doubled = branch.doubled(stop=1.17)
+    drawn = ss.plot.continuation(doubled, "v.inner", special=False).lines
+    states = [state[1] for state in strobe_states(doubled.orbits[-1].run)[:2]]
+    assert {min(states), max(states)} <= {float(y) for line in drawn for y in line.get_ydata()}, "both strobe points are drawn"
+    states = [state[1] for state in strobe_states(doubled.at(flip.value - 4e-3).run)[:2]]
+    assert sorted(states) == pytest.approx(sorted(beside["v.inner"].values[0, 0, -2:]), abs=1e-6)
+    assert ss.plot.continuation(branch, "mean_velocity").get_ylabel().startswith("mean velocity")
+    assert ss.plot.bifurcation(beside).get_ylabel() == ax.get_ylabel()
+
+
 @pytest.mark.slow
 def test_the_branch_goes_back_to_equal_phases():
     """Down to modules in phase, where all events of both come together."""

@@ -22,7 +22,9 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
     made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")
     made.add_argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)")
-    made.add_argument("--observable", default="v", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default v)")
+    made.add_argument(
+        "--observable", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default: the velocity of the first body)"
+    )
     add_targets(made, "the diagram", "the diagram")
     asked = made.parse_intermixed_args(words)
     check_driven(command, asked.robot)
@@ -57,7 +59,7 @@ def _followed(make: Any, parameter: str, values: list[float], period: int, fixed
     return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
 
 
-def _drawn(diagram: Any, branches: list[Any], observable: str) -> Any:
+def _drawn(diagram: Any, branches: list[Any], observable: str | None) -> Any:
     from stickslip import plot
 
     return plot.continuation(branches, observable, diagram=diagram) if branches else plot.bifurcation(diagram, observable)

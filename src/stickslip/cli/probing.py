@@ -126,6 +126,8 @@ def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[s
     if not timed and robot.period is None:
         usual |= {"duration": 1.0}
         options = {name: value for name, value in options.items() if name not in ("periods", "settle")}
+    if not timed and "periods" not in options:  # then it settles before it looks, and not within its periods; the function checks it
+        options = {name: value for name, value in options.items() if name != "settle"}
     own = {name: options[name] for name in usual if name in options}
     try:
         request(robot, **{**usual, **own}, options={k: v for k, v in options.items() if k not in usual})

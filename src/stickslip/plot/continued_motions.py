@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Ax, Grid, Ways, explains_arguments
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.plot.special_kinds import marker_of, name_once
-from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, dot_size, labelled, legend_above, named, publication, scaled
 
 __all__ = ["OBSERVABLES", "continuation"]
 
-_CLOUD = "#8A94A0"
+_STABLE, _UNSTABLE = {"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
+_CLOUD = "#B4BCC6"
 
 
 @explains_arguments
@@ -37,12 +39,13 @@ def continuation(
     branch : Branch or list of Branch
         From `stickslip.continuation`.
     observable : str, optional
-        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of limit cycles also "duration" and "x".
-        If not given, the velocity on the strobe, of a flow its first state, of limit cycles their duration.
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of several bodies "v.body", "v.inner", ...;
+        of limit cycles also "duration" and "x". If not given, the velocity on the strobe, of a flow its first state, of limit cycles their
+        duration; of several bodies the mean velocity, over a diagram the velocity of the first body on the strobe.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional
-        From `stickslip.bifurcation`: its points are drawn below the branches.
+        From `stickslip.bifurcation`: its points are drawn as pale dots below the branches.
     labels : list of str, optional
         Names of the branches; their periods if not given, of limit cycles the turns of the spring in one.
     special : bool
@@ -79,6 +82,8 @@ def continuation(
         for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
             name = labels[i] if labels is not None else _called(b.period, cycles)
             _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
+        if not all(o.stable for b in branches for o in b.orbits):
+            ax.plot([], [], color=INK, label="unstable", **_UNSTABLE)
         if observable == "largest_multiplier":
             ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
         if special:
@@ -97,7 +102,8 @@ def continuation(
 def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
     """What is shown if nothing is named: the velocity on the strobe, of a flow its first state; with a diagram, what both have."""
     first = branch.orbits[0]
-    known = ["duration"] if cycles else ["v", *(first.names if is_flow(first.model) else ()), "mean_velocity"]
+    parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
+    known = ["duration"] if cycles else ["v", *(first.names if is_flow(first.model) else parts), "mean_velocity"]
     shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
     return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 
@@ -129,7 +135,7 @@ def _values(branch: Any, observable: str) -> Any:
     if observable not in first.names or branch.period == 1 or first.model.period is None:
         values = branch.points[observable].values.astype(float)
         if observable == "mean_velocity":
-            values[abs(values) < _ROUNDING * np.array([np.max(o.model.velocity_scale) for o in branch.orbits])] = 0.0
+            values[abs(values) < _ROUNDING * np.array([np.max(machine_of(o.model).velocity_scale) for o in branch.orbits])] = 0.0
         return values[:, None]
     return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
 
@@ -141,6 +147,8 @@ def _strobed(orbit: Any, observable: str) -> Any:
         return orbit.state[column : column + 1]
     if is_flow(run.model):
         return run.strobe[: orbit.period, column]
+    if not machine_of(run.model).is_single:
+        return strobe_states(run)[: orbit.period, column]
     if observable in ("x", "v"):
         return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
     family = observable.rstrip("0123456789")
@@ -152,10 +160,10 @@ def _line(ax: Any, branch: Any, observable: str, values: Any, right: float, up: 
     x, values, stable = _with_changes(branch, observable, values / up)
     x, values = x * right, values * up
     for column in values.T:
-        for state, dash, width in ((True, "-", 1.4), (False, (0, (3, 1.5)), 0.9)):
+        for state, style in ((True, _STABLE), (False, _UNSTABLE)):
             keep = stable == state
             keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # parts touch where stability changes
-            ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, linestyle=dash, linewidth=width, zorder=4)
+            ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, zorder=4, **style)
     ax.plot([], [], color=colour, label=name)
 
 
@@ -185,8 +193,9 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
         raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
     y = diagram[observable]
     x = diagram[parameter].broadcast_like(y).values.ravel() * right
-    ax.plot(x, y.values.ravel() * up, ".", markersize=1.5, color=_CLOUD, markeredgewidth=0, zorder=1, rasterized=True)
-    ax.plot([], [], ".", markersize=4, color=_CLOUD, label="brute force")
+    dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than a branch over them
+    ax.plot(x, y.values.ravel() * up, "o", zorder=1, rasterized=True, **dots)
+    ax.plot([], [], "o", label="brute force", **dots | {"markersize": 4})
 
 
 def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:

@@ -10,21 +10,22 @@ from stickslip.arguments import Ax, Basin, Exponents, Grid, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.plot.continued_motions import OBSERVABLES
 from stickslip.plot.spacing import logarithmic
-from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, dot_size, labelled, legend_above, named, publication, scaled
 
 __all__ = ["basins", "bifurcation", "convergence", "spectrum"]
 
 
 @explains_arguments
-def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
+def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> Any:
     """A bifurcation diagram by brute force; upwards and downwards in two colours, so that hysteresis shows.
 
     Parameters
     ----------
     diagram : xarray.Dataset
         From `stickslip.bifurcation`.
-    observable : str
-        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min".
+    observable : str, optional
+        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min"; of several bodies "v.body", "v.inner", ... If not given, the velocity
+        on the strobe, that of the first body of several, and the first state of a flow.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -40,6 +41,7 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
     >>> ss.plot.bifurcation(diagram, "mean_velocity").get_xlabel()
     'amplitude of the inner mass $A$ (µm)'
     """
+    observable = observable or str(next(iter(getattr(diagram, "data_vars", ())), "v"))
     if "parameter" not in getattr(diagram, "attrs", {}) or observable not in diagram:
         columns = f": {', '.join(map(str, diagram))}" if "parameter" in getattr(diagram, "attrs", {}) else ""
         allowed = f"allowed is the Dataset of ss.bifurcation and a column of it{columns}"
@@ -52,9 +54,9 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
         for i, direction in enumerate(diagram.direction.values):
             part = y.sel(direction=direction)
             x = across.broadcast_like(part).values.ravel() * right
-            size = 1.6 if i == 0 else 0.8
-            ax.plot(x, part.values.ravel() * up, ".", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
-            ax.plot([], [], ".", markersize=5, color=COLOURS[i], label=str(direction))
+            size = dot_size(diagram.sizes[across.name]) / (1 + i)  # those downwards lie on those upwards
+            ax.plot(x, part.values.ravel() * up, "o", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
+            ax.plot([], [], "o", markersize=4 / (1 + i), markeredgewidth=0, color=COLOURS[i], label=str(direction))
         logarithmic(ax, "x", np.sort(across.values) * right)
         ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
         ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))

@@ -11,7 +11,20 @@ import numpy as np
 
 from stickslip.quantities import LINES, SUBSCRIPTS
 
-__all__ = ["COLOURS", "WIDTH", "axes", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled", "symbols"]
+__all__ = [
+    "COLOURS",
+    "WIDTH",
+    "axes",
+    "dot_size",
+    "labelled",
+    "legend_above",
+    "name_rows",
+    "named",
+    "prefix",
+    "publication",
+    "scaled",
+    "symbols",
+]
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
@@ -83,6 +96,17 @@ def axes(ax: Any = None, height: float = 2.1) -> Any:
     import matplotlib.pyplot as plt
 
     return plt.subplots(figsize=(WIDTH, height))[1]
+
+
+def dot_size(count: int) -> float:
+    """Diameter of a diagram's dots [point] for so many values across a column's width: small where they are many.
+
+    Examples
+    --------
+    >>> dot_size(21), dot_size(100), dot_size(600)
+    (3.0, 1.8, 1.2)
+    """
+    return float(np.clip(180.0 / max(count, 1), 1.2, 3.0))
 
 
 def name_rows(ax: Any, names: Sequence[str]) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
-from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, state_attrs, strobe_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -88,7 +88,7 @@ class Branch(Drawn):
         single = not flow and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names = self.orbits[0].names
-        told_of = {name: own_attrs(name, "on the strobe") if flow else {} if single else strobe_attrs(name) for name in names}
+        told_of = {name: own_attrs(name, "on the strobe") if flow else _of_state(name, self.orbits[0].model.period) for name in names}
         columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits], told_of[name]) for i, name in enumerate(names)}
         known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {
@@ -281,6 +281,11 @@ def continuation(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
         )
     return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points, own), own)
+
+
+def _of_state(name: str, period: Any) -> dict[str, str]:
+    """Unit and name of a coordinate of an orbit's state: at the start of a drive period, or of a cycle where there is no drive."""
+    return state_attrs(name, "at the start of the cycle", f"inner state {name}") if period is None else strobe_attrs(name)
 
 
 def _branch(family: Family, period: int, found: Followed, events: Mapping[str, Event]) -> Branch:
