@@ -39,9 +39,9 @@ def continuation(
     branch : Branch or list of Branch
         From `stickslip.continuation`.
     observable : str, optional
-        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of several bodies "v.body", "v.inner", ...;
-        of limit cycles also "duration" and "x". If not given, the velocity on the strobe, of a flow its first state, of limit cycles their
-        duration; of several bodies the mean velocity, over a diagram the velocity of the first body on the strobe.
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of several bodies "v.body" and so on;
+        of limit cycles also "duration" and "x". If not given, the velocity on the strobe, of a flow its first state, of limit cycles
+        their duration; of several bodies the mean velocity, over a diagram the velocity of the first body on the strobe.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional

@@ -24,8 +24,8 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     diagram : xarray.Dataset
         From `stickslip.bifurcation`.
     observable : str, optional
-        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min"; of several bodies "v.body", "v.inner", ... If not given, the velocity
-        on the strobe, that of the first body of several, and the first state of a flow.
+        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min"; of several bodies "v.body" and so on. If not given, the
+        velocity on the strobe, that of the first body of several, and the first state of a flow.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
