@@ -269,6 +269,21 @@ def test_the_picture_moves_bodies_by_one_measure(browser, explorer):
     assert drawn / moved == pytest.approx(np.full((2, 2), (drawn / moved)[0, 0]), rel=1e-3)  # six digits of each displacement
 
 
+@pytest.mark.parametrize("width", [1200, 380])
+def test_bodies_have_their_names_and_numbers_of_several_parts_are_told_apart(browser, explorer, width):
+    page = opened(browser, explorer, viewport={"width": width, "height": 800})
+    names = page.locator(".stage text").evaluate_all("all => all.map(t => [t.textContent, t.getBoundingClientRect().left])")
+    assert [name for name, _ in sorted(names, key=lambda each: each[1])] == ["module 2", "module 1"], "plus is to the right"
+    inside = page.locator(".stage").evaluate(
+        "s => [...s.querySelectorAll('text')].map((t, i) => [t, s.querySelectorAll('rect')[i]].map(e => e.getBoundingClientRect()))"
+        ".every(([t, r]) => t.left > r.left && t.right < r.right && t.top > r.top && t.bottom < r.bottom)"
+    )
+    assert inside
+    assert page.locator(".names", has_text="bar: ").is_visible(), "the scale is said"
+    labels = page.locator("#faster-sliders label").all_inner_texts()
+    assert len(set(labels)) == len(labels) and " mass of the body, module 2" in labels and " phase of the drive 2" in labels
+
+
 @pytest.mark.parametrize(("scheme", "width"), [("light", 1200), ("dark", 380)])
 def test_axe_finds_nothing_and_nothing_sticks_out(browser, explorer, scheme, width):
     page = opened(browser, explorer, color_scheme=scheme, viewport={"width": width, "height": 800})

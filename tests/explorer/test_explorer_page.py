@@ -48,6 +48,15 @@ def explorer():
         yield made
 
 
+#: What a closed list has left beside its text, measured in its own letters.
+ROOM = """found => {
+    const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(found);
+    pen.font = style.font;
+    const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
+    return found.clientWidth - sides - pen.measureText(found.selectedOptions[0].text).width;
+}"""
+
+
 class Page:
     """A page of the explorer, and what went wrong on it."""
 
@@ -287,18 +296,24 @@ def test_a_robot_that_slides_away_does_not_leave_the_map_pale(page):
 
 
 def test_what_is_chosen_for_the_axes_is_shown_whole(page):
-    """The text of a list that is closed, measured in its own letters."""
     page.open()
     map_ready(page)
     page.page.locator("#map-y").select_option("tilt_deg")
-    room = """found => {
-        const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(found);
-        pen.font = style.font;
-        const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
-        return found.clientWidth - sides - pen.measureText(found.selectedOptions[0].text).width;
-    }"""
     for name in ("map-x", "map-y", "vary"):
-        assert page.page.locator(f"#{name}").evaluate(room) >= 0, name
+        assert page.page.locator(f"#{name}").evaluate(ROOM) >= 0, name
+
+
+def test_the_tools_take_the_width_of_a_phone(browser, explorer):
+    """In three lines below the name, each list wide enough for its text."""
+    page = Page(browser, explorer, viewport={"width": 380, "height": 800})
+    with contextlib.closing(page.context):
+        page.open()
+        name, tools, state = (page.page.locator(part).bounding_box() for part in ("header h1", ".tools", "#link"))
+        assert name["y"] + name["height"] <= tools["y"] and state["y"] + state["height"] <= tools["y"] and tools["width"] > 350
+        lines = {round(page.page.locator(f"#{part}").bounding_box()["y"]) for part in ("preset", "undo", "pin", "share", "export", "theme")}
+        assert len(lines) == 3 and tools["height"] < 120
+        for part in ("preset", "export", "theme"):
+            assert page.page.locator(f"#{part}").evaluate(ROOM) >= 0, part
 
 
 def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):

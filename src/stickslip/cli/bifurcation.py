@@ -22,9 +22,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
     made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")
     made.add_argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)")
-    made.add_argument(
-        "--observable", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default: the first velocity)"
-    )
+    made.add_argument("--observable", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default: the first velocity)")
     add_targets(made, "the diagram", "the diagram")
     asked = made.parse_intermixed_args(words)
     check_driven(command, asked.robot)

@@ -13,6 +13,7 @@ from stickslip.explorer.effort import RTOL, affordable
 from stickslip.explorer.sliders import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine_adapter import is_machine, machine_of
+from stickslip.quantities import symbol_text
 
 __all__ = ["OF_A_ROBOT", "Shown", "in_words", "numbers_of", "picture", "report", "study"]
 
@@ -121,7 +122,16 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
         if name not in seen:
             seen.add(name)
             told, value = told_by_field(model, first), float(value)
-            yield replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR)
+            yield _numbered(replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR))
+
+
+def _numbered(p: Parameter) -> Parameter:
+    """One of several equal numbers, such as phases.1, with its place in its words, counted from 1 as bodies are."""
+    last = p.name.rpartition(".")[2]
+    if not last.isdigit():
+        return p
+    place = str(int(last) + 1)
+    return replace(p, label=f"{p.label} {place}", symbol=p.symbol and symbol_text(f"{p.symbol}_{place}"))
 
 
 def _together(model: Any, name: str, value: float) -> str:

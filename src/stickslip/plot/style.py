@@ -12,19 +12,8 @@ import numpy as np
 from stickslip.quantities import LINES, SUBSCRIPTS
 
 __all__ = [
-    "COLOURS",
-    "WIDTH",
-    "axes",
-    "dot_size",
-    "labelled",
-    "legend_above",
-    "name_rows",
-    "named",
-    "prefix",
-    "publication",
-    "scaled",
-    "symbols",
-]
+    "COLOURS", "WIDTH", "axes", "dot_size", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled", "symbols",
+]  # fmt: skip
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")

@@ -38,8 +38,15 @@ export function place(given, first) {
 
 function box(p, checked) {
   const label = document.createElement("label"), input = Object.assign(document.createElement("input"), { type: "checkbox", value: p.name, name: `faster-${p.name}`, checked });
-  label.append(input, ` ${p.symbol ? p.label : p.name}`);
+  label.append(input, ` ${p.symbol ? apart(p, "label") : p.name}`);
   return label;
+}
+
+// A word of a number; with the part of the machine that it is of, if numbers of several parts share the word.
+function apart(p, word) {
+  if (Object.values(known).filter((other) => other[word] === p[word]).length === 1) return p[word];
+  const part = document.querySelector(`[data-parameter="${CSS.escape(p.name)}"]`).closest("fieldset").querySelector("legend").textContent;
+  return `${p[word]}, ${part}`;
 }
 
 function room() {
@@ -68,7 +75,7 @@ function tell(sentence, kind = "wait") {
 export function show(header) {
   if (header.kind === "problems") return tell(header.problems.join("; "), "bad");
   if (header.waits) return tell(header.waits, "busy");
-  const moved = Object.entries(header.values).map(([name, value]) => `${known[name].symbol || name} = ${shown(known[name], value)}${header.ends.includes(name) ? " (the slider's end)" : ""}`);
+  const moved = Object.entries(header.values).map(([name, value]) => `${known[name].symbol ? apart(known[name], "symbol") : name} = ${shown(known[name], value)}${header.ends.includes(name) ? " (the slider's end)" : ""}`);
   tell([`${moved.join(", ")}: the best of ${header.tried} that were tried`, ...header.notes].join("; "));
   $("faster-rows").replaceChildren(...header.rows.map(line));
   offered = header.values;

@@ -42,11 +42,11 @@ export function frame() {
   pen.rotate((Math.max(-12, Math.min(12, run.tilt)) * Math.PI) / 180);
   track(moved, w, unit);
   box(-length / 2, -unit * 3.6, length, unit * 3.4, unit * 0.5, colour("grid"), colour("ink"));
-  box(-unit * 2.8, -unit * 2.9, unit * 5.6, unit * 2, unit * 0.3, colour("card"), colour("line"));
+  box(-unit * 2.8, -unit * 3.3, unit * 5.6, unit * 2, unit * 0.3, colour("card"), colour("line"));
   const middle = (Math.max(...run.xi) + Math.min(...run.xi)) / 2;
-  box((xi - middle) * scale - unit * 0.75, -unit * 2.7, unit * 1.5, unit * 1.6, unit * 0.25, colour("c0"), colour("ink"));
-  letter("m", (xi - middle) * scale, -unit * 1.6, unit * 0.95, colour("card"));
-  letter("M", -unit * 3.13, -unit * 1.75, unit * 0.62, colour("ink"));
+  box((xi - middle) * scale - unit * 0.75, -unit * 3.1, unit * 1.5, unit * 1.6, unit * 0.25, colour("c0"), colour("ink"));
+  letter("m", (xi - middle) * scale, -unit * 2, unit * 0.95, colour("card"));
+  letter("M", 0, -unit * 0.42, unit * 0.95, colour("ink"));
   arrow(v, unit, length);
   pen.restore();
   words(v, x);

@@ -42,7 +42,10 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       make("line", { x1: home(b), x2: home(b), y1: b.place[1] ? mid(b) - 0.5 * high(b) - 10 : ground, y2: b.place[1] ? mid(b) - 0.5 * high(b) - 2 : ground + 9, class: "ink" }, stage);
       const shape = make("rect", { x: -0.5 * wide(b), width: wide(b), y: mid(b) - 0.5 * high(b), height: high(b), rx: 5, class: "bodybox" }, stage);
       shape.style.fill = colour(i);
-      return { shape, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
+      const name = make("text", { y: mid(b) }, stage);
+      name.textContent = b.name;
+      if (name.getComputedTextLength() > wide(b) - 6) name.remove(); // the list below has every name
+      return { shape, name, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
     });
     shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
     const one = zoom > 0 ? 10 ** Math.floor(Math.log10(120 / zoom)) : 1;
@@ -53,7 +56,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       mark.style[b.v ? "stroke" : "fill"] = colour(i);
       item.append(swatch, b.name);
       return item;
-    }), el("li", "soft", `the bar is ${told(one)} ${m.lengths} of motion; areas go with masses, distances between bodies are not to scale`));
+    }), el("li", "", `bar: ${told(one)} ${m.lengths} of motion`), el("li", "soft", "areas are proportional to masses; distances between bodies are not to scale"));
   }
 
   // ---- velocities and contacts over time ----
@@ -124,7 +127,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   }
 
   function at(k) {
-    for (const s of shapes) s.shape.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
+    for (const s of shapes) for (const node of [s.shape, s.name]) node.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
     out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
