@@ -17,7 +17,7 @@ from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES, unit_of
 
 __all__ = [
-    "COLUMNS", "attributes", "dims_of", "flat_columns", "headed", "names_of", "summary_dataset", "trajectory_columns",
+    "COLUMNS", "attributes", "dims_of", "explained_columns", "flat_columns", "headed", "names_of", "summary_dataset", "trajectory_columns",
     "trajectory_dataset", "write_csv",
 ]  # fmt: skip
 
@@ -64,6 +64,25 @@ def _flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> d
 def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:
     """The names of columns with their units: "v [m/s]"."""
     return [f"{name} [{unit}]" for name, (_, unit) in columns.items()]
+
+
+def explained_columns(columns: dict[str, tuple[Any, str]]) -> list[tuple[str, str, str]]:
+    """Heading, unit and meaning of columns.
+
+    Examples
+    --------
+    >>> explained_columns({"v.head": ([0.0], "m/s"), "z0": ([0.0], "m")})[0]
+    ('v.head [m/s]', 'm/s', 'velocity of the body: head')
+    """
+    units = [unit for _, unit in columns.values()]
+    return list(zip(headed(columns), units, map(_meaning, columns), strict=True))
+
+
+def _meaning(name: str) -> str:
+    """The meaning of a column, which may be that of a part or an inner state with a number."""
+    base, _, part = name.partition(".")
+    variable = VARIABLES.get(base) or VARIABLES.get(base.rstrip("0123456789"))
+    return "" if variable is None else f"{variable.long_name}: {part}" if part else variable.long_name
 
 
 def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None, model: Any = None) -> None:

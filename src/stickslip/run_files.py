@@ -58,7 +58,8 @@ class RunFiles:
     def to_excel(self, path: str | Path) -> Path:
         """Write the columns to an Excel workbook (.xlsx), names with units in its first line; returns its path.
 
-        Numbers have 16 digits there. A second sheet gives the status, the method and the robot. Needs openpyxl:
+        Numbers have 16 digits there. A second sheet gives the meaning of each column, a third the status, the method and the robot.
+        Needs openpyxl:
         ``pip install "stickslip[io]"``.
         """
         from stickslip.storage import to_excel

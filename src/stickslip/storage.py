@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import hdf5
-from stickslip.datasets import attributes, dims_of, flat_columns, headed, names_of, trajectory_columns, write_csv
+from stickslip.datasets import attributes, dims_of, explained_columns, flat_columns, names_of, trajectory_columns, write_csv
 from stickslip.dense_output import kind_of, pieces_from_arrays
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
@@ -311,12 +311,12 @@ def to_csv(run: Any, path: str | Path) -> Path:
 
 # ---- Excel ----
 def to_excel(run: Any, path: str | Path) -> Path:
-    """Write the columns of a run to an Excel workbook, units in its first line; returns its path."""
+    """Write the columns of a run to an Excel workbook, units in its first line, with their meanings; returns its path."""
     path = as_path(path, "to_excel", "run.xlsx")
     columns = flat_columns(run)
     rows = zip(*(np.asarray(values, float).tolist() for values, _ in columns.values()), strict=True)
     with moved_into_place(path, unwritable("to_excel")) as beside:
-        write_workbook(beside, headed(columns), rows, len(run.t), attributes(run), "to_excel")
+        write_workbook(beside, explained_columns(columns), rows, len(run.t), attributes(run), "to_excel")
     return path
 
 

@@ -1,9 +1,10 @@
-"""Tables as Excel workbooks: a sheet with the numbers, units in its first line, and a sheet that says where they come from."""
+"""Tables as Excel workbooks: a sheet with the numbers, one with the meaning of each column, and one that says where they come from."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,26 +15,79 @@ __all__ = ["write_workbook"]
 
 #: Rows and columns of a sheet, and characters of a cell: Excel's own limits.
 _ROWS, _COLUMNS, _TEXT = 2**20, 2**14, 32767
+_NARROW, _WIDE, _SENTENCE = 12, 36, 80  # widths of columns, in characters
 
 
 def write_workbook(
-    path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], count: int, about: Mapping[str, Any], doing: str
+    path: Path,
+    columns: Sequence[tuple[str, str, str]],
+    rows: Iterable[Sequence[Any]],
+    count: int,
+    about: Mapping[str, Any],
+    doing: str,
 ) -> None:
-    """Write a table of `count` rows under its `head`, and what is to be known `about` it, to an .xlsx file.
+    """Write a table of `count` rows and what is to be known `about` it to an .xlsx file.
 
-    Numbers that are none (NaN) are empty cells. `InputError` of `doing` where openpyxl is missing or a sheet cannot hold so many rows.
+    Each of the `columns` has a heading, a unit and a meaning. Numbers that are none (NaN) are empty cells. `InputError` of `doing` where
+    openpyxl is missing or a sheet cannot hold so many rows.
     """
-    _check(count, len(head), doing)
+    _check(count, len(columns), doing)
     openpyxl = library(doing, "openpyxl", 'Excel files need openpyxl; type pip install "stickslip[io]", or give a .csv path')
     book = openpyxl.Workbook(write_only=True)
-    sheet, told = book.create_sheet("data"), book.create_sheet("about")
+    head = [heading for heading, _, _ in columns]
+    data = _sheet(openpyxl, book, "data", head, [min(max(_NARROW, len(text) + 4), _WIDE) for text in head], rows)
+    data.auto_filter.ref = f"A1:{openpyxl.utils.get_column_letter(len(head))}{count + 1}"
+    _sheet(openpyxl, book, "columns", ("column", "unit", "meaning"), (_WIDE, _NARROW, _SENTENCE), columns)
+    _sheet(openpyxl, book, "about", ("name", "value", "unit", "meaning"), (_WIDE, _WIDE, _NARROW, _SENTENCE), _facts(about))
+    book.save(path)
+
+
+def _sheet(openpyxl: Any, book: Any, name: str, head: Sequence[str], widths: Sequence[int], rows: Iterable[Sequence[Any]]) -> Any:
+    """A sheet with a bold first line that stays in sight, and columns wide enough for it."""
+    sheet = book.create_sheet(name)
     sheet.freeze_panes = "A2"
-    sheet.append(list(head))
+    for i, width in enumerate(widths, 1):
+        sheet.column_dimensions[openpyxl.utils.get_column_letter(i)].width = width
+    sheet.append([_bold(openpyxl, sheet, text) for text in head])
     for row in rows:
         sheet.append([*map(_cell, row)])
+    return sheet
+
+
+def _bold(openpyxl: Any, sheet: Any, text: str) -> Any:
+    cell = openpyxl.cell.WriteOnlyCell(sheet, text)
+    cell.font = openpyxl.styles.Font(bold=True)
+    return cell
+
+
+def _facts(about: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+    """Name, value, unit and meaning of each fact; a fact that is JSON of several has a row for each of them."""
+    described = _opened(about.get("described", ""))
+    described = described if isinstance(described, dict) else {}
     for name, value in about.items():
-        told.append([str(name), str(value)[:_TEXT]])
-    book.save(path)
+        if name == "described":
+            continue
+        for path, one in _leaves(name, _opened(value)):
+            meaning, unit = described.get(path.partition(".")[2], ("", ""))
+            yield path, one, unit, meaning
+
+
+def _opened(value: Any) -> Any:
+    """What a text of JSON holds; any other value as it is."""
+    if not isinstance(value, str) or not value.startswith("{"):
+        return value
+    try:
+        return json.loads(value)
+    except json.JSONDecodeError:
+        return value
+
+
+def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if not isinstance(value, dict):
+        yield path, value
+        return
+    for name, inner in value.items():
+        yield from _leaves(f"{path}.{name}", inner)
 
 
 def _check(rows: int, columns: int, doing: str) -> None:
@@ -46,4 +100,4 @@ def _cell(value: Any) -> Any:
     """What a cell can hold: there is no NaN in Excel, and no infinity but its name."""
     if isinstance(value, float) and not math.isfinite(value):
         return None if math.isnan(value) else str(value)
-    return value if isinstance(value, (str, int, float)) or value is None else str(value)
+    return value if isinstance(value, (int, float)) or value is None else str(value)[:_TEXT]

@@ -17,7 +17,7 @@ ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
 def read_xlsx(path):
     book = openpyxl.load_workbook(path)
     head, *rows = book["data"].iter_rows(values_only=True)
-    return list(head), rows, dict(book["about"].iter_rows(values_only=True))
+    return list(head), rows, {name: value for name, value, *_ in book["about"].iter_rows(values_only=True)}
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +62,35 @@ def test_a_workbook_of_a_study_has_words_and_empty_cells_where_there_is_no_numbe
     assert rows[0][head.index("motion_type")] == grid.motion_type.values[0]
     assert rows[1][head.index("mean_velocity")] is None
     assert about["maker"] == "coulomb_robot"
+
+
+def test_a_workbook_explains_its_columns_and_its_numbers(run, tmp_path):
+    """A colleague who has only the file finds every unit and meaning in it, and headings that are not cut off."""
+    grid = ss.sweep(ss.presets.two_modules, phase=[0.0, 3.0], stiffness=1200.0)
+    for path in (ss.export(grid, tmp_path / "grid.xlsx"), run.to_excel(tmp_path / "run.xlsx")):
+        book = openpyxl.load_workbook(path)
+        assert book.sheetnames == ["data", "columns", "about"] and [sheet.freeze_panes for sheet in book] == ["A2"] * 3
+        head = list(book["data"][1])
+        assert all(cell.font.b for cell in head) and book["data"].auto_filter.ref == book["data"].dimensions
+        widths = [book["data"].column_dimensions[cell.column_letter].width for cell in head]
+        assert all(width > len(cell.value) for width, cell in zip(widths, head, strict=True))
+        told = {name: (unit, meaning) for name, unit, meaning in book["columns"].iter_rows(min_row=2, values_only=True)}
+        assert list(told) == [cell.value for cell in head] and all(unit and meaning for unit, meaning in told.values())
+        assert all(f"[{unit}]" in name for name, (unit, _) in told.items() if unit != "1")
+    about = {name: rest for name, *rest in openpyxl.load_workbook(tmp_path / "grid.xlsx")["about"].iter_rows(values_only=True)}
+    assert about["numbers.link.damping"] == [0.4, "N s/m", "damping c"]
+    told = {row[0]: row[2] for row in openpyxl.load_workbook(tmp_path / "grid.xlsx")["columns"].iter_rows(values_only=True)}
+    assert told["phase [rad]"] == "phase of the second module φ" and "1: not settled" in told["steadiness"]
+    again = ss.read(tmp_path / "run.xlsx")
+    assert any("3 sheets; the first one, 'data', is read" in note for note in again.notes)
+
+
+def test_points_of_a_branch_have_units_and_the_branch_itself_is_refused_with_the_way(tmp_path):
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")
+    head, *_ = read_xlsx(ss.export(branch.points, tmp_path / "branch.xlsx"))
+    assert {"amplitude [m]", "v [m/s]", "mean_velocity [m/s]"} <= set(head)
+    with pytest.raises(ss.InputError, match=r"a Branch is given; .* export\(branch.points, 'branch.xlsx'\)"):
+        ss.export(branch, tmp_path / "branch.xlsx")
 
 
 def test_a_sheet_that_is_too_long_says_what_to_type(run, tmp_path, monkeypatch):

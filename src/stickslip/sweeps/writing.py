@@ -74,7 +74,11 @@ def _opened(study: Any) -> Any:
         study = study.to_xarray()
     if not hasattr(study, "data_vars"):
         raise InputError(
-            "export", [f"{what}; allowed is a study folder, or what sweep or solve returned; type for example export('study', 'grid.nc')"]
+            "export",
+            [
+                f"{what}; allowed is a study folder, what sweep or solve returned, or another labelled dataset, such as the points of a "
+                "branch; type for example export('study', 'grid.nc') or export(branch.points, 'branch.xlsx')"
+            ],
         )
     if not study.data_vars:
         raise InputError("export", ["the dataset has no columns; allowed is what sweep returned, or a part of it that has some"])
@@ -276,7 +280,14 @@ def _csv(data: Any, path: Path) -> None:
 
 def _excel(data: Any, path: Path) -> None:
     count = int(np.prod([data.sizes[d] for d in _dims(data)], dtype=np.int64))
-    write_workbook(path, [_headed(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
+    write_workbook(path, [_explained(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
+
+
+def _explained(data: Any, name: str) -> tuple[str, str, str]:
+    """Heading, unit and meaning of a column; the meanings of codes too, except of the status, which is written in words."""
+    told = data[name].attrs
+    codes = f" ({told['flag_meanings']})" if "flag_meanings" in told and name != "status" else ""
+    return _headed(data, name), str(told.get("units", "1")), f"{told.get('long_name', '')}{codes}"
 
 
 def _parquet(data: Any, path: Path) -> None:
