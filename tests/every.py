@@ -247,10 +247,22 @@ def _lyapunov(c):
     assert ss.lyapunov(c.machine, periods=50).spectrum is not None
 
 
-def _continuation(c):
+def _branch(c):
     low, high = c.values
-    branch = ss.continuation(c.machine, parameter=c.number, start=low, stop=low + 0.05 * (high - low))
-    assert len(branch.orbits) > 1
+    return ss.continuation(c.machine, parameter=c.number, start=low, stop=low + 0.05 * (high - low))
+
+
+def _continuation(c):
+    assert len(_branch(c).orbits) > 1
+
+
+def _branch_drawn(c):
+    """By each coordinate of its state, by mean velocity and multiplier, and over a diagram where there is one."""
+    branch = _branch(c)
+    known = [name for name in (*branch.orbits[0].names, "mean_velocity", "largest_multiplier") if name in branch.points]
+    assert len(known) > 1 and all(ss.plot.continuation(branch, name).get_ylabel() for name in known)
+    over = None if branch.orbits[0].model.period is None else _diagram(c)
+    assert ss.plot.continuation(branch, diagram=over).get_xlabel()
 
 
 def _basins(c):
@@ -275,9 +287,18 @@ def _edge_state(c):
         raise AssertionError(edge)
 
 
+def _diagram(c):
+    return ss.bifurcation(c.machine, parameter=c.number, values=list(c.values), settle=20, points=2, follow=False)
+
+
 def _bifurcation(c):
-    grid = ss.bifurcation(c.machine, parameter=c.number, values=list(c.values), settle=20, points=2, follow=False)
-    assert grid.sizes[c.number] == 2
+    assert _diagram(c).sizes[c.number] == 2
+
+
+def _diagram_drawn(c):
+    grid = _diagram(c)
+    first = next(iter(grid.data_vars))
+    assert ss.plot.bifurcation(grid).get_ylabel() == ss.plot.bifurcation(grid, first).get_ylabel()
 
 
 def _toml(c):
@@ -387,7 +408,7 @@ every_door = {
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.attractors": _attractors,
-    "ss.edge_state": _edge_state, "ss.bifurcation": _bifurcation,
+    "ss.edge_state": _edge_state, "ss.bifurcation": _bifurcation, "plot.continuation": _branch_drawn, "plot.bifurcation": _diagram_drawn,
     "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
     "CSV": _csv, "report": _report, "plot.velocity": _velocity,
     "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.strobe": _strobe,

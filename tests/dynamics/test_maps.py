@@ -162,7 +162,7 @@ def test_refining_says_what_it_cannot_do(tmp_path):
     axes = dict(amplitude=[1e-4, 2e-4], omega=[100.0, 200.0], tilt_deg=1.7)
     with pytest.raises(ss.InputError, match="out cannot go with refine=True"):
         ss.map(RIG, refine=True, out=tmp_path / "study", **axes)
-    with pytest.raises(ss.InputError, match="exactly two, of numbers"):
+    with pytest.raises(ss.InputError, match=r"only axis is amplitude; .*exactly two, of numbers; .*plot.line_cut\(grid, \"amplitude\"\)"):
         ss.map(RIG, refine=True, amplitude=[1e-4, 2e-4], tilt_deg=1.7)
     with pytest.raises(ss.InputError, match="exactly two, of numbers"):
         ss.map(RIG, law=["lugre", "coulomb"], amplitude=[1e-4, 2e-4], tilt_deg=1.7)

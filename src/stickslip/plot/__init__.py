@@ -27,3 +27,8 @@ __all__ = [
     "optimum", "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve",
     "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    """The figures alone, without the modules that draw them."""
+    return list(__all__)

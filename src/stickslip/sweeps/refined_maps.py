@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
@@ -80,8 +81,7 @@ def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
         raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
     grid = sweep(flow, **arguments)
     if len(grid.sizes) != 2:
-        named = ", ".join(f"{name}" for name in grid.sizes) or "none"
-        raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
+        raise InputError("map", [_other_axes([str(name) for name in grid.sizes])])
     return grid
 
 
@@ -101,8 +101,14 @@ def _check_plane(plan: Plan) -> None:
     """A plane has two axes of numbers: told before anything is computed."""
     labels = labels_of(plan)
     if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind in "if" for d in plan.dims):
-        named = ", ".join(plan.dims) or "none"
-        raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
+        raise InputError("map", [_other_axes(plan.dims)])
+
+
+def _other_axes(names: Sequence[str]) -> str:
+    """Why these are no axes of a plane, and what takes them."""
+    drawn = f', and ss.plot.line_cut(grid, "{names[0]}") to draw it' if len(names) == 1 else ""
+    told = f"the axes are {', '.join(names)}" if len(names) > 1 else f"the only axis is {names[0]}" if names else "there is no axis"
+    return f"{told}; allowed are exactly two, of numbers; type ss.sweep with the same arguments for others{drawn}"
 
 
 class _Refined:

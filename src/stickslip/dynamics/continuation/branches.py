@@ -102,10 +102,14 @@ class Branch(Drawn):
             driven: Any = self.orbits  # nothing of several contacts goes without a drive
             coords["contact"] = list(driven[0].patterns)
             columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in driven])
-        columns["largest_multiplier"] = ("point", [float(abs(o.multipliers).max()) for o in self.orbits], {"units": "1"})
+        columns["largest_multiplier"] = (
+            "point",
+            [float(abs(o.multipliers).max()) for o in self.orbits],
+            _multiplier("largest size of a multiplier"),
+        )
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
-        columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, {"units": "1"})
-        columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, {"units": "1"})
+        columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, _multiplier("real part of a multiplier"))
+        columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, _multiplier("imaginary part of a multiplier"))
         told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
         attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
         return xr.Dataset(columns, coords, attrs)
@@ -195,6 +199,9 @@ _TOLD = {
     "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
     "residual": {"units": "1", "long_name": "residual of the strobe point"},
+    "stable": {"units": "1", "long_name": "whether the motion is stable"},
+    "pattern": {"units": "1", "long_name": "signs of the velocity over one motion period"},
+    "margin": {"units": "1", "long_name": "margin of the motion type"},
 }
 
 
@@ -281,6 +288,10 @@ def continuation(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
         )
     return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points, own), own)
+
+
+def _multiplier(meaning: str) -> dict[str, str]:
+    return {"units": "1", "long_name": meaning}
 
 
 def _of_state(name: str, period: Any) -> dict[str, str]:
