@@ -554,6 +554,9 @@ def test_a_diagram_of_a_capsule_settles_as_long_as_asked_and_is_drawn(capsys, tm
     words = ["capsule", "omega=1.17..1.18:2", "settle=900", "--batch", "--figure", str(figure)]
     assert main(["bifurcation", *words]) == 0 and figure.stat().st_size > 5000
     assert "period 2 from 1.17; " in capsys.readouterr().out
+    assert main(["bifurcation", *words, "--observable", "w"]) == 2, "there is no such column"
+    found = capsys.readouterr()
+    assert "period 2 from 1.17; " in found.out and "'w'" in found.err and "v.inner" in found.err, "what was computed is told all the same"
     assert main(["bifurcation", "capsule", "omega=1.17..1.18:2", "settle=-3"]) == 2
     assert "settle = -3; allowed is a whole number from 1" in capsys.readouterr().err
 

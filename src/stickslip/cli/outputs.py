@@ -46,18 +46,20 @@ def targets(asked: Any) -> Targets:
 
 
 def finish(asked: Any, files: Targets, found: Outcome) -> int:
-    """Draw, write and print what was found."""
-    if files.figure is not None:
-        show.draw_to(files.figure, found.draw().figure)
+    """Write, print and draw what was found; in this order, so that a picture that cannot be drawn loses no numbers."""
     if files.out is not None:
         from stickslip.sweeps import export
 
         export(found.data, files.out)
+    if not asked.json:
+        print(found.text)
+    if files.figure is not None:
+        show.draw_to(files.figure, found.draw().figure)
     written = [str(path) for path in (files.figure, files.out) if path is not None]
     if asked.json:
         show.print_json({**found.record, "written": written})
-    else:
-        print("\n".join([found.text, *(f"written to {path}" for path in written)]))
+    for path in () if asked.json else written:
+        print(f"written to {path}")
     return 0
 
 

@@ -44,7 +44,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       shape.style.fill = colour(i);
       const name = make("text", { y: mid(b) }, stage);
       name.textContent = b.name;
-      if (name.getComputedTextLength() > wide(b) - 6) name.remove(); // the list below has every name
+      if (name.getComputedTextLength() > wide(b) - 6 || name.getBBox().height > high(b)) name.remove(); // the list below has every name
       return { shape, name, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
     });
     shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
