@@ -548,6 +548,19 @@ def test_what_counts_drive_periods_says_so_of_something_that_nothing_drives(file
     assert code == 0 and "more periods" not in out
 
 
+def test_a_map_of_a_chain_draws_the_motion_types_of_the_contact_that_is_chosen(capsys, tmp_path):
+    words = ["map", "two_modules", "phase=0..3:2", "stiffness=300..1200:2", "--figure", str(tmp_path / "types.png")]
+    assert main(words) == 2
+    found = capsys.readouterr()
+    assert "two_modules: 4 cases" in found.out and "type --contact 'module 1', --contact 'module 2', or --velocity FILE" in found.err
+    assert main([*words, "--contact", "module 2"]) == 0 and (tmp_path / "types.png").exists()
+    out = capsys.readouterr().out
+    assert "% of the plane" in out and out.endswith(f"written to {tmp_path / 'types.png'}\n")
+    assert main([*words, "--contact", "module2"]) == 2 and "did you mean 'module 2'" in capsys.readouterr().err
+    alone = ["map", "piezo_rig", "law=coulomb", "amplitude=1e-4..6e-4:2", "tilt_deg=0..1:2", "--contact", "body"]
+    assert main(alone) == 2 and "this robot has one contact; leave it out" in capsys.readouterr().err
+
+
 def test_a_diagram_of_a_capsule_settles_as_long_as_asked_and_is_drawn(capsys, tmp_path):
     """`settle` comes before the strobe points and is no part of a run's periods; the figure shows the velocity of the body."""
     figure = tmp_path / "doubling.png"

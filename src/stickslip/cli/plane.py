@@ -35,20 +35,39 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
     made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .svg or .pdf)")
     made.add_argument("--velocity", metavar="FILE", help="draw the mean velocity")
+    made.add_argument("--contact", metavar="NAME", help="the contact whose motion types are drawn and counted, of a machine with several")
     made.add_argument("--x", metavar="NAME", help="the horizontal axis; by default the first")
     asked = made.parse_intermixed_args(words)
     pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
     file = out_file(asked.out)
     with remembered(command, words, asked, file):
         grid, name = _grid(asked, file)
-    _draw(grid, asked.x, pictures)
+    one = _of_contact(grid, asked.contact)
+    found = _found(one)
+    if not asked.json:  # a picture that cannot be drawn loses no numbers
+        print(_told(name, found))
+    _draw(one, asked.x, pictures)
     written = [str(p) for p in (*pictures.values(), file or asked.out) if p]
-    found = _found(grid)
     if asked.json:
         show.print_json({"robot": name, "found": found, "attributes": dict(grid.attrs), "written": written})
-    else:
-        print(_told(name, found, written))
+    for path in () if asked.json else written:
+        print(f"written to {path}")
     return 0
+
+
+def _of_contact(grid: Any, name: str | None) -> Any:
+    """The map with the motion types of one contact, where one is chosen."""
+    if name is None:
+        return grid
+    names = _contacts(grid)
+    if name not in names:
+        told = did_you_mean(name, names) if names else "this robot has one contact; leave it out"
+        raise InputError("--contact", [f"{name!r} is no contact of this map; {told}"])
+    return grid.sel(contact=name)
+
+
+def _contacts(grid: Any) -> list[str]:
+    return [str(name) for name in grid["contact"].values] if "contact" in grid.dims else []
 
 
 def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
@@ -77,6 +96,9 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
 def _draw(grid: Any, x: str | None, pictures: dict[str, Path | None]) -> None:
     if not any(pictures.values()):
         return
+    if pictures["figure"] is not None and (names := _contacts(grid)):
+        ways = ", ".join(f"--contact {name!r}" for name in names)
+        raise InputError("--figure", [f"motion types are those of one contact; type {ways}, or --velocity FILE for the mean velocity"])
     import matplotlib
 
     matplotlib.use("Agg")
@@ -121,12 +143,12 @@ def _largest(values: Any) -> dict[str, int]:
     return {str(d): int(i) for d, i in zip(values.dims, place, strict=True)}
 
 
-def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
+def _told(name: str, found: dict[str, Any]) -> str:
     law = f" with the law {found['law']}" if found["law"] else ""
     lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
     shares = sorted(found["shares"].items(), key=lambda item: -item[1])
     lines += [show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in shares)] if shares else []
-    return "\n".join([*lines, *_fastest(found), *found["notes"], *(f"written to {path}" for path in written)])
+    return "\n".join([*lines, *_fastest(found), *found["notes"]])
 
 
 def _fastest(found: dict[str, Any]) -> list[str]:
