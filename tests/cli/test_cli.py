@@ -344,7 +344,10 @@ def test_several_values_are_read(text, told):
         (["identify", *ROBOT, "--mean", "1", "--level", "high"], "--level 'high'; allowed is a number"),
         (["identify", *ROBOT, "--mean", "1", "--free", "mu0=0.1..0.2", "--level", "95"], "--level: 95; allowed is above 0 and below 1"),
         (["map", *ROBOT[:2], "amplitude=1e-4..8e-4:9999", "omega=60..300:9999", "--x", "omeg"], "did you mean 'omega'?"),
-        (["map", *ROBOT[:2], "law=coulomb", "amplitude=1e-4..8e-4:9999"], "the axes are amplitude; allowed are exactly two"),
+        (
+            ["map", *ROBOT[:2], "law=coulomb", "amplitude=1e-4..8e-4:9999"],
+            "amplitude has several values; allowed are exactly two; type stickslip sweep with the same words",
+        ),
         (["sweep", *ROBOT, "--sobol", "4"], "type for example amplitude=1e-4..8e-4"),
         (["sweep", *ROBOT, "--resume"], "type for example --out study"),
         (["sweep", *ROBOT, "--tile", "0", "--out", "study"], "allowed is a whole number of cases from 1"),

@@ -84,6 +84,10 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     asked.zip = False
     study, _ = axes_of(asked)
     axes = [name for name, given in study.arguments.items() if isinstance(given, list)]
+    if len(axes) != 2:
+        given = " and ".join(axes) + (" have" if len(axes) > 1 else " has" if axes else "nothing has")
+        allowed = "allowed are exactly two; type stickslip sweep with the same words for others"
+        raise InputError("map", [f"{given} several values; {allowed}"])
     if asked.x is not None and asked.x not in axes:
         raise InputError("--x", [f"{asked.x!r} is not an axis of this map; {did_you_mean(asked.x, axes)}"])
     options = run_options(asked, file)
