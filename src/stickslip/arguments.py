@@ -175,7 +175,9 @@ def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: di
         signature.bind(*args, **kwargs)
     except TypeError:
         _check_places(function.__name__, list(signature.parameters.values()), args)
-        check_arguments(function.__name__, dict(signature.parameters), args, kwargs, "not an argument")
+        check_arguments(
+            function.__name__, dict(signature.parameters), args, kwargs, lambda: described_arguments(function), "not an argument"
+        )
 
 
 def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:

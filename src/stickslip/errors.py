@@ -211,7 +211,7 @@ def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") 
     >>> other_words("tilt_deg", 1.7, ["track.tilt"])
     'angles are in radians here; type track.tilt=0.0296706 for 1.7 degrees'
     >>> other_words("drive.frequency", 30, ["drive.omega"])
-    'the frequency is omega, in rad/s; type drive.omega=60pi for 30 Hz'
+    'the frequency is omega, in rad/s; type drive.omega="30 Hz"'
     >>> other_words("mu0", 0.18, ["mu_plus", "mu_minus"], " = ")
     'friction has a value for each direction here; type mu_plus = 0.18 and mu_minus = 0.18'
     """
@@ -225,10 +225,8 @@ def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") 
     def given(usual: float) -> float:
         return value if isinstance(value, (int, float)) and abs(value) < 1e300 else usual
 
-    if last in ("frequency", "freq", "f", "hz") and (
-        line := typed("omega", f"{2 * given(40.0):g}pi" if equals == "=" else 2 * math.pi * given(40.0))
-    ):
-        return f"the frequency is omega, in rad/s; type {line} for {given(40.0):g} Hz"
+    if last in ("frequency", "freq", "f", "hz") and (line := typed("omega", f'"{given(40.0):g} Hz"')):
+        return f"the frequency is omega, in rad/s; type {line}"
     if last in ("tilt_deg", "angle_deg") and (line := typed("tilt", math.radians(given(1.7)))):
         return f"angles are in radians here; type {line} for {given(1.7):g} degrees"
     for words, symbol, usual in ((("mu", "mu0", "mu_k"), "mu", 0.18), (("f0", "mu_s", "fs"), "f", 0.21)):

@@ -212,7 +212,7 @@ class Frozen:
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
         if args or kwargs:  # copying makes an empty one first
-            check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
+            check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -315,8 +315,15 @@ def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
     return tuple(inspect.signature(made).parameters.items())[1:]
 
 
-def check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, kwargs: Any, not_known: str = "not a field") -> None:
-    """Names that are not known or missing, said as one of our sentences."""
+def check_arguments(
+    what: str,
+    known: dict[str, inspect.Parameter],
+    args: Any,
+    kwargs: Any,
+    described: Callable[[], Mapping[str, Mapping[str, Any]]],
+    not_known: str = "not a field",
+) -> None:
+    """Names that are not known or missing, said as one of our sentences; what to type is an example of the argument's description."""
     problems = Problems(what)
     takes_any = any(p.kind is p.VAR_KEYWORD for p in known.values()) and not_known != "not a field"
     for name in kwargs if not takes_any else ():
@@ -325,8 +332,13 @@ def check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, k
             problems.add(f"{name!r} is {not_known}; {hint}")
     for p in list(known.values())[len(args) :]:
         if p.default is p.empty and p.name not in kwargs and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL):
-            problems.add(f"{p.name} is missing; type {p.name}=...")
+            problems.add(f"{p.name} is missing; type {p.name}={_example_in(described().get(p.name, {}))}")
     problems.check()
+
+
+def _example_in(told: Mapping[str, Any]) -> str:
+    """An example of a number; dots where nobody described it."""
+    return example_of(told) if told.get("example") is not None else "..."
 
 
 def _changed(part: Any, changes: dict[str, Any]) -> Any:
@@ -345,7 +357,7 @@ def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> di
     for path, value in changes.items():
         meant: tuple[str, ...] = (path,)
         try:
-            _look_up(record, path)
+            _look_up(record, path, value)
         except InputError as error:
             meant = numbers_meant(path, (name for name, _ in leaves(record)))
             if not meant:
@@ -373,7 +385,7 @@ def _by_head(changes: dict[str, Any]) -> dict[str, Any]:
     return grouped
 
 
-def _look_up(record: Any, path: str) -> Any:
+def _look_up(record: Any, path: str, given: Any) -> Any:
     head, _, rest = path.partition(".")
     if isinstance(record, tuple):
         names = [str(i) for i in range(len(record))]
@@ -382,8 +394,9 @@ def _look_up(record: Any, path: str) -> Any:
         names = [f.name for f in dataclasses.fields(record)] if dataclasses.is_dataclass(record) else []
         value = getattr(record, head, None)
     if head not in names:
-        raise InputError(type(record).__name__, [f"{head!r} is not a field; {_of_parts(record, path) or did_you_mean(head, names)}"])
-    return _look_up(value, rest) if rest else value
+        hint = _of_parts(record, path) or other_words(head, given, names) or did_you_mean(head, names)
+        raise InputError(type(record).__name__, [f"{head!r} is not a field; {hint}"])
+    return _look_up(value, rest, given) if rest else value
 
 
 def _of_parts(record: Any, path: str) -> str:
@@ -391,6 +404,10 @@ def _of_parts(record: Any, path: str) -> str:
     found = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
     typed = " or ".join(f'replace({{"{name}": ...}})' for name in found[:3])
     return f"{found[0].rpartition('.')[0]} has it; type {typed}" if found else ""
+
+
+def _descriptions_in(cls: Any) -> dict[str, Mapping[str, Any]]:
+    return {field.name: field.metadata for field in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else {}
 
 
 def described_by(cls: Any, name: str) -> Mapping[str, Any]:

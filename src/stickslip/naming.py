@@ -9,9 +9,9 @@ from typing import Any
 from stickslip.arguments import described_arguments
 from stickslip.fields import is_record, leaves, told_by_field
 from stickslip.number_names import numbers_meant
-from stickslip.quantities import axis_in, quantity
+from stickslip.quantities import axis_in, pretty_unit, quantity
 
-__all__ = ["axis_of", "described", "example_for"]
+__all__ = ["axis_of", "described", "example_for", "unit_in"]
 
 _START = {
     "start.x": quantity("position at the start", "m", "x"),
@@ -60,6 +60,19 @@ def _with_part(told: Mapping[str, Any], name: str, make: Any) -> Mapping[str, An
     if not last or "label" not in told or callable(make) or len(_meant(make, alike)) < 2:
         return told
     return {**told, "label": f"{told['label']} ({'.'.join(places[: last + 1])})"}
+
+
+def unit_in(name: str, make: Any = None) -> str:
+    """The unit of a number as it stands behind its value; empty for a bare number, and where nobody described it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> unit_in("sigma0", ss.presets.piezo_rig), unit_in("link.stiffness", ss.Chain.example()), unit_in("mu0", ss.presets.piezo_rig)
+    ('N/m', 'N/m', '')
+    """
+    unit = (axis_of(name, make) or ("", ""))[1]
+    return "" if unit == "1" else pretty_unit(unit)
 
 
 def example_for(name: str) -> float:

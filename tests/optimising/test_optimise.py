@@ -377,4 +377,4 @@ def test_bounds_and_limits_may_have_units():
     [stroke, speed] = checked_limits(robot, {"stroke": (None, "1.4 mm"), "mean_velocity": ("1 mm/s", None)}, noted)
     assert stroke.high == pytest.approx(1.4e-3) and speed.low == pytest.approx(1e-3) and noted.found == []
     checked_over(robot, {"drive.amplitude": ("1 s", "2 s"), "drive.frequency": (1.0, 2.0)}, noted)
-    assert "allowed is (low, high)" in noted.found[0] and "the frequency is omega, in rad/s; type drive.omega=80pi" in noted.found[1]
+    assert "allowed is (low, high)" in noted.found[0] and 'the frequency is omega, in rad/s; type drive.omega="40 Hz"' in noted.found[1]

@@ -11,6 +11,8 @@ from stickslip.quantities import AMPLITUDE, OMEGA, PHASE
 
 __all__ = ["Harmonic"]
 
+_FOUND = "the amplitude was found for"
+
 
 @dataclass(frozen=True, eq=False, init=False)
 class Harmonic(OfFrequency, Remarked, Drive):
@@ -27,7 +29,8 @@ class Harmonic(OfFrequency, Remarked, Drive):
     phase : float, optional
         Phase :math:`\varphi` at the start of a run [rad]; zero if left out. It sets the phase difference between several inner masses.
     notes : tuple of str, optional
-        Remarks on where these numbers come from; `Robot.notes` repeats them. A copy with other numbers has none.
+        Remarks on where these numbers come from; `Robot.notes` repeats them. A copy with another amplitude has none; a copy with another
+        frequency has a remark that the amplitude, such as that of a `PiezoBeam`, was found for the former one.
 
     Examples
     --------
@@ -49,6 +52,21 @@ class Harmonic(OfFrequency, Remarked, Drive):
         object.__setattr__(self, "notes", None if notes is None else tuple(notes))
         object.__setattr__(self, "phase", phase)
         self.__post_init__()
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed; its remarks are about what it keeps of the old ones."""
+        changed = {**(changes or {}), **fields}
+        same = self._of_another_frequency() if "omega" in changed else self.notes
+        return super().replace({"notes": None if "amplitude" in changed else same, **changed})
+
+    def _of_another_frequency(self) -> tuple[str, ...] | None:
+        """The remark on an amplitude that was found for another frequency: this one, or the one that it is said of already."""
+        if not self.notes or self.notes[0].startswith(_FOUND):
+            return self.notes
+        return (
+            f"{_FOUND} {_range(self.frequency)} Hz and is kept at another frequency, where the same actuator has another amplitude (near a "
+            "resonance by a multiple); make the drive anew, such as drive=PiezoBeam().drive(voltage=20, frequency=32.7)",
+        )
 
     @property
     def velocity_scale(self) -> float:
@@ -85,3 +103,10 @@ class Harmonic(OfFrequency, Remarked, Drive):
     def example(cls) -> Harmonic:
         """The drive of the paper, with the amplitude inferred for its first track."""
         return cls(amplitude=5.525e-4, omega=65.4 * pi)
+
+
+def _range(value: Any) -> str:
+    """A number, or the smallest and the largest of an array."""
+    import numpy as np
+
+    return " to ".join(dict.fromkeys(f"{end:.5g}" for end in (np.min(value), np.max(value))))

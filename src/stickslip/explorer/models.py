@@ -156,7 +156,7 @@ DRIVES: dict[str, Part] = {
 # ---- tracks ----
 _TILTED = {"tilt_deg": TILT_DEG}
 TRACKS: dict[str, Part] = {
-    "folded": Part("incline, folded in (Eq. 4.1)", _TILTED, lambda p: Level()),
+    "folded": Part("incline, folded in (Eq. 4.1)", _TILTED, lambda p: Level(folded=_tilt(p))),
     "gravity": Part("incline, with gravity", _TILTED, lambda p: Incline(tilt=_tilt(p))),
     "level": Part("level", {}, lambda p: Level()),
     "varying": Part(

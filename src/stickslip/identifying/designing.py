@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
 
@@ -18,9 +19,10 @@ from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.targets import Target
 from stickslip.information import Information
+from stickslip.naming import unit_in
 from stickslip.sealing import sealed
 
-__all__ = ["USES", "Design", "Experiment", "curve_and_slopes", "design", "in_words", "record_of", "settings_of"]
+__all__ = ["USES", "Design", "Experiment", "curve_and_slopes", "design", "in_words", "record_of", "settings_of", "units_of_settings"]
 
 #: A parameter is told if its expected standard error is below this part of its value.
 TOLD = 0.25
@@ -47,17 +49,20 @@ class Experiment:
         By how much a change of each parameter by a tenth moves the values, rms over all samples, as a part of the noise of one.
     separation : float
         Rms difference between the rival laws over the noise, times the root of the number of samples; NaN without rivals.
+    units : dict
+        Units of the settings and of the parameters; those without a unit are left out.
     """
 
     settings: tuple[dict[str, Any], ...]
     errors: dict[str, float]
     separation: float
     visible: dict[str, float]
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def words(self) -> str:
         """The settings, those done together joined."""
-        return " + ".join(map(in_words, self.settings))
+        return " + ".join(in_words(chosen, self.units) for chosen in self.settings)
 
 
 @sealed
@@ -117,7 +122,7 @@ class Design(Drawn):
         return "Experiments, the best first"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        head = ("experiment", *(f"error of {name}" for name in self.values))
+        head = ("experiment", *(f"error of {name} = {with_unit(v, self.best.units.get(name, ''))}" for name, v in self.values.items()))
         told = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
         return [[head, *((e.words, *row) for e, row in zip(self.experiments, told, strict=False))]]
 
@@ -179,6 +184,7 @@ def design(
     """
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
+    units = units_of_settings(make, free, settings)
     slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
@@ -188,7 +194,7 @@ def design(
                 apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
         except (InputError, SolveError) as error:
             slopes.pop(i, None)
-            dropped.append(f"{in_words(chosen)} is left out: {error}")
+            dropped.append(f"{in_words(chosen, units)} is left out: {error}")
     if len(slopes) < together:
         raise InputError(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
@@ -200,7 +206,7 @@ def design(
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
     found.sort(key=key)
     best = found[0]
-    return Design(dict(free), tuple(e for e, _, _ in found), (*_notes(best, free, using), *dropped))
+    return Design(dict(free), tuple(replace(e, units=units) for e, _, _ in found), (*_notes(best, free, using), *dropped))
 
 
 def _checked(
@@ -251,9 +257,26 @@ def settings_of(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
     return found
 
 
-def in_words(settings: dict[str, Any]) -> str:
-    """The settings of one experiment in words."""
-    return ", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in settings.items()) or "as given"
+def in_words(settings: dict[str, Any], units: Mapping[str, str]) -> str:
+    """The settings of one experiment in words.
+
+    Examples
+    --------
+    >>> in_words({"amplitude": 4e-4, "law": "coulomb"}, {"amplitude": "m"})
+    'amplitude = 0.0004 m, law = coulomb'
+    """
+    return ", ".join(f"{name} = {with_unit(value, units.get(name, ''))}" for name, value in settings.items()) or "as given"
+
+
+def with_unit(value: Any, unit: str) -> str:
+    """A value with its unit."""
+    return f"{value:.5g} {unit}".rstrip() if is_number(value) else str(value)
+
+
+def units_of_settings(make: Any, free: Iterable[str], settings: list[dict[str, Any]]) -> dict[str, str]:
+    """Units of the parameters and of what experiments set, as their maker describes them."""
+    units = {name: unit_in(name, make) for name in dict.fromkeys([*free, *(name for chosen in settings for name in chosen)])}
+    return {name: unit for name, unit in units.items() if unit}
 
 
 def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.benches import bench_of
-from stickslip.identifying.designing import USES, Design, Experiment, curve_and_slopes, in_words, record_of, settings_of
+from stickslip.identifying.designing import USES, Design, Experiment, curve_and_slopes, in_words, record_of, settings_of, units_of_settings
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit_text import OVER_MOTION, listed
 from stickslip.identifying.motions import motion_of
@@ -46,17 +46,24 @@ def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: in
             problems.add(f"experiments: {name} is what is sought; allowed are what an experiment sets, such as {known[0]}")
     problems.whole("samples", samples, 40, example=2000)
     problems.check()
-    rows, found, dropped = _rows_of(fit), [], []
+    rows, units, found, dropped = _rows_of(fit), _units(fit, settings), [], []
     for chosen in settings:
         try:
             found.append(_expected(fit, rows, chosen, {**usual, **{k: v for k, v in chosen.items() if k in _HOW}}, samples))
         except (InputError, SolveError) as error:
-            dropped.append(f"{in_words(chosen)} is left out: {error}")
+            dropped.append(f"{in_words(chosen, units)} is left out: {error}")
     if not found:
         raise InputError("next_experiment", ["none of the experiments can be computed", *dropped])
     found.sort(key=lambda pair: pair[1])
-    best = found[0][0]
-    return Design(dict(fit.values), tuple(e for e, _ in found), (_verdict(fit, best), *dropped))
+    best = replace(found[0][0], units=units)
+    return Design(dict(fit.values), tuple(replace(e, units=units) for e, _ in found), (_verdict(fit, best), *dropped))
+
+
+def _units(fit: Fit, settings: list[dict[str, Any]]) -> dict[str, str]:
+    """Units of parameters and settings; a prescribed motion has its own."""
+    stroke = "m" if fit.problem.targets[0].kind in ("force", "applied force") else "rad"
+    motion = dict(zip(_MOTION, (stroke, "Hz", "N"), strict=True)) if _over_motion(fit) else {}
+    return {**units_of_settings(fit.problem.parameters.make, fit.values, settings), **motion}
 
 
 def _over_motion(fit: Fit) -> bool:
@@ -190,8 +197,8 @@ def _verdict(fit: Fit, best: Experiment) -> str:
     left = [name for name in fit.undetermined if not np.isfinite(best.errors[name])]
     told = [name for name in fit.undetermined if name not in left]
     if not fit.undetermined:
-        return f"{in_words(best.settings[0])} leaves the least uncertain; all parameters are determined already"
+        return f"{best.words} leaves the least uncertain; all parameters are determined already"
     if not told:
         return f"none of the experiments determines {listed(left)}; change what else an experiment sets, or fix {listed(left[:1])}"
     beside = f"; {listed(left)} stay open" if left else ""
-    return f"{in_words(best.settings[0])} determines {listed(told)}{beside}"
+    return f"{best.words} determines {listed(told)}{beside}"

@@ -7,7 +7,9 @@ from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Drawn
+from stickslip.naming import unit_in
 from stickslip.optimising.gradients import Gradient
+from stickslip.optimising.results import unit_of_result
 from stickslip.sealing import sealed
 
 __all__ = ["Optimum", "Search"]
@@ -125,22 +127,26 @@ class Optimum(Drawn):
         return self.values[name]
 
     def _title(self) -> str:
-        return f"Optimum: {self.of} = {self[self.of]:.7g}"
+        return f"Optimum: {self.of} = {self[self.of]:.7g} {self._unit(self.of)}".rstrip()
 
     def _facts(self) -> dict[str, Any]:
         share = {} if self.of_limit is None else {f"of the limit ({self.limit})": f"{100 * self.of_limit:.4g} %"}
-        robust = {} if self.robust is None else {"over the sample": f"{self.robust:.7g}"}
+        robust = {} if self.robust is None else {"over the sample": f"{self.robust:.7g} {self._unit(self.of)}".rstrip()}
         return {**share, **robust, "active limits": ", ".join(self.active) or "none", "candidates tried": self.tried}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         known = [name for name, value in self.values.items() if isinstance(value, float) and isinstance(self.given.get(name), float)]
-        varied: list[tuple[str, ...]] = [(name, f"{value:.6g}") for name, value in self.varied.items()]
-        found: list[tuple[str, ...]] = [(name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known]
-        return [[("number", "best"), *varied], [("result", "given", "best"), *found]]
+        varied: list[tuple[str, ...]] = [(name, f"{value:.6g}", unit_in(name, self.model)) for name, value in self.varied.items()]
+        found: list[tuple[str, ...]] = [(name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}", self._unit(name)) for name in known]
+        return [[("number", "best", "unit"), *varied], [("result", "given", "best", "unit"), *found]]
+
+    def _unit(self, name: str) -> str:
+        return unit_of_result(name, self.model)
 
     def __repr__(self) -> str:
         share = f"{100 * self.of_limit:.4g} % of the limit ({self.limit})" if self.of_limit is not None else self.limit
         active = f"active: {', '.join(self.active)}" if self.active else "no limit is active"
-        active += f"; over the sample {self.robust:.9g}" if self.robust is not None else ""
+        active += f"; over the sample {self.robust:.9g} {self._unit(self.of)}".rstrip() if self.robust is not None else ""
         more = "".join(f"; {note}" for note in self.notes)
-        return f"<Optimum: {self.of} = {self[self.of]:.9g}, {share}; {active}; {self.tried} candidates{more}>"
+        best = f"{self.of} = {self[self.of]:.9g} {self._unit(self.of)}".rstrip()
+        return f"<Optimum: {best}, {share}; {active}; {self.tried} candidates{more}>"

@@ -10,12 +10,15 @@ import numpy as np
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine_adapter import machine_of
+from stickslip.optimising.peaks import LIMITS
+from stickslip.quantities import pretty_unit
 from stickslip.sweeps.models_of_points import Group
 from stickslip.sweeps.planning import SOLVER
 from stickslip.sweeps.result_columns import COLUMNS, dim_of, part_columns
 from stickslip.sweeps.solving import columns_of_group
+from stickslip.variables import VARIABLES, in_units_of
 
-__all__ = ["check_quantity", "moved_by", "quantities", "results_of"]
+__all__ = ["check_quantity", "moved_by", "quantities", "results_of", "unit_of_result"]
 
 Array = Any
 #: Drive periods that a motion is given to settle.
@@ -53,6 +56,21 @@ def quantities(model: Any) -> list[str]:
     if machine_of(model).is_single:
         return [name for name in known if name not in ("body_velocity", "body_displacement", "slip_max", "slip_min")]
     return [name for name in known if name not in ("drive_power", "cost_of_transport")]
+
+
+def unit_of_result(name: str, model: Any) -> str:
+    """The unit of a result of a machine or of a peak of its drives, as it stands behind the value; empty for a bare number.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> chain, joint = ss.Chain.example(), ss.Joint.example()
+    >>> unit_of_result("velocity_max.0", chain), unit_of_result("mean_velocity", joint), unit_of_result("relative_acceleration", chain)
+    ('m/s', 'rad/s', 'm/s²')
+    """
+    column = name.partition(".")[0]
+    unit = LIMITS.get(column) or (in_units_of(model, VARIABLES[column].unit) if column in VARIABLES else "")
+    return "" if unit == "1" else pretty_unit(unit)
 
 
 def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
-from stickslip.fields import leaves, told_by_field
-from stickslip.optimising.peaks import LIMITS
-from stickslip.quantities import axis_in, pretty_unit
+from stickslip.fields import leaves
+from stickslip.naming import unit_in
+from stickslip.optimising.results import unit_of_result
 from stickslip.report.charts import Figure, chart, curve
 from stickslip.report.drawn import svg
 from stickslip.report.of_run import run_page
-from stickslip.variables import VARIABLES
 
 __all__ = ["optimum_page"]
 
@@ -76,10 +75,13 @@ def _told(value: Any, unit: str = "") -> str:
     return "–" if missing else f"{float(value):.7g} {unit}".rstrip().replace("-", "−")
 
 
-def _unit(name: str) -> str:
-    """The unit of a result or of a peak of the drives."""
-    unit = LIMITS.get(name) or (VARIABLES[name].unit if name in VARIABLES else "")
-    return "" if unit == "1" else unit.replace("^2", "²")
+def _per(unit: str, of: str) -> str:
+    """The unit of a derivative."""
+    return f"{unit or 1} per {of}" if of else unit
+
+
+def _within(ends: tuple[float, float], unit: str) -> str:
+    return f"{ends[0]:g} to {ends[1]:g} {unit}".rstrip()
 
 
 def _gains(best: Any) -> tuple[str, Any, list[Any]]:
@@ -93,7 +95,7 @@ def _gains(best: Any) -> tuple[str, Any, list[Any]]:
             if before and isfinite(before) and isfinite(after)
             else "–"
         )
-        rows.append((_words(name), _told(before, _unit(name)), _told(after, _unit(name)), change))
+        rows.append((_words(name), _told(before, unit_of_result(name, best.model)), _told(after, unit_of_result(name, best.model)), change))
     return "Gain and cost.", ("", "as given", "best", "change"), rows
 
 
@@ -105,7 +107,7 @@ def _varied(best: Any) -> tuple[str, Any, list[Any]]:
         if isinstance(what, tuple):
             at = "at a bound" if name in best.active else ""
             value = next(now[leaf] for leaf in now if _named(leaf, name))
-            rows.append((name, f"{what[0]:g} to {what[1]:g}", _told(value, _unit_of(best.model, name)), at))
+            rows.append((name, _within(what, unit_in(name, best.model)), _told(value, unit_in(name, best.model)), at))
         else:
             rows.append((name, f"a waveform of {what.count} ({what.kind})", "its numbers stand below", ""))
     numbers = len(own)
@@ -124,9 +126,9 @@ def _limits(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     rows = [
         (
             _words(name),
-            _told(low, _unit(name)),
-            _told(high, _unit(name)),
-            _told(best.values.get(name), _unit(name)),
+            _told(low, unit_of_result(name, best.model)),
+            _told(high, unit_of_result(name, best.model)),
+            _told(best.values.get(name), unit_of_result(name, best.model)),
             "reached" if name in best.active else "",
         )
         for name, (low, high) in best.search.subject_to.items()
@@ -138,32 +140,26 @@ def _uncertain(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     """What was not known exactly."""
     part = best.search.quantile
     counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
-    rows = [(name, " ".join(map(str, said))) for name, said in best.search.robust.items()]
+    rows = [(name, f"{' '.join(map(str, spread))} {unit_in(name, best.model)}".rstrip()) for name, spread in best.search.robust.items()]
     yield (
-        f"Numbers that are not known exactly. What counted is {counted}: {_told(best.robust, _unit(best.of))}.",
+        f"Numbers that are not known exactly. What counted is {counted}: {_told(best.robust, unit_of_result(best.of, best.model))}.",
         ("number", "distribution"),
         rows,
     )
 
 
-def _unit_of(model: Any, name: str) -> str:
-    """The unit of a number of a machine; nothing where nobody knows."""
-    unit = (axis_in(told_by_field(model, name)) or ("", ""))[1]
-    return "" if unit == "1" else pretty_unit(unit)
-
-
 def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     """Derivatives, those with the largest effect first."""
-    own, found = dict(leaves(best.model)), best.sensitivities
+    own, found, unit = dict(leaves(best.model)), best.sensitivities, unit_of_result(best.of, best.model)
     effects = {name: slope * own[name] / 100 for name, slope in found.items() if name in own and isfinite(slope)}
     order = sorted(effects, key=lambda name: -abs(effects[name]))[:_SLOPES]
     one_sided = {note.partition(":")[0] for note in found.notes}
     rows = [
         (
             name,
-            _told(own[name], _unit_of(best.model, name)),
-            _told(found[name]),
-            _told(effects[name], _unit(best.of)),
+            _told(own[name], unit_in(name, best.model)),
+            _told(found[name], _per(unit, unit_in(name, best.model))),
+            _told(effects[name], unit),
             "one side, see the remarks" if name in one_sided else "",
         )
         for name in order
@@ -179,12 +175,12 @@ def _history(best: Any) -> Figure:
     """The best value against the candidates that were tried."""
     tried, value = best.search.history.T
     x, y = [*tried, best.tried], [*value, value[-1]]
-    what = f"{_words(best.of)}, the best so far"
+    what, unit = f"{_words(best.of)}, the best so far", unit_of_result(best.of, best.model)
 
     def draw(ax: Any) -> None:
         ax.step(x, y, where="post")
         ax.set_xlabel("candidates tried")
-        ax.set_ylabel(f"{_words(best.of)}{f' ({_unit(best.of)})' if _unit(best.of) else ''}")
+        ax.set_ylabel(f"{_words(best.of)}{f' ({unit})' if unit else ''}")
 
-    asked = chart(what, x, ("candidates", ""), (_words(best.of), _unit(best.of)), [curve("best so far", y)])
+    asked = chart(what, x, ("candidates", ""), (_words(best.of), unit), [curve("best so far", y)])
     return Figure(f"Course of the search: {what}.", svg(draw), asked)
