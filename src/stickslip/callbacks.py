@@ -9,13 +9,13 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["told_of_progress"]
+__all__ = ["progress_callback"]
 
 PAUSE = 5.0  # between two lines where nobody watches [s]
 
 
-def told_of_progress(progress: Any, what: str) -> Callable[..., Any] | None:
-    """What is called as work goes on: the function that was given, a line on stderr for True, nothing for None and False.
+def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
+    """The callback that is called as work goes on: the function that was given, a line on stderr for True, nothing for None and False.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def told_of_progress(progress: Any, what: str) -> Callable[..., Any] | None:
 
     Examples
     --------
-    >>> told_of_progress(print, "solve") is print, told_of_progress(False, "solve")
+    >>> progress_callback(print, "solve") is print, progress_callback(False, "solve")
     (True, None)
     """
     if progress is None or progress is False:

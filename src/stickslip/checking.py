@@ -13,7 +13,7 @@ from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, perio
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.machine_adapter import is_machine, machine_of
@@ -235,7 +235,7 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
 
 def _told(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
     """Counts who was asked."""
-    done, tell = iter(range(whole + 1)), told_of_progress(progress, "check")
+    done, tell = iter(range(whole + 1)), progress_callback(progress, "check")
     return lambda who: tell(who, next(done), whole) if tell else None
 
 

@@ -263,7 +263,7 @@ class HarmonicArcs(_Arrays):
         object.__setattr__(self, "mode", _columns(self.mode))
         flaws = self.layout.flaws(states=1, ways=1, memories=0, contacts=self.mode.shape[1])
         if flaws or not self.layout.is_one:
-            raise InputError("HarmonicArcs", flaws or [f"a layout of {self.layout.says}; allowed is one body on one contact"])
+            raise InputError("HarmonicArcs", flaws or [f"a layout of {self.layout.description}; allowed is one body on one contact"])
 
     @property
     def memory(self) -> Array:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.maths import is_symbol
 from stickslip.number_names import numbers_meant
-from stickslip.quantities import allowed_in, example_of, told_inside
+from stickslip.quantities import allowed_in, description_inside, example_of
 from stickslip.typed_numbers import in_unit
 
 if TYPE_CHECKING:
@@ -506,13 +506,13 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
             yield prefix + name, value
 
 
-def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
+def field_description(record: Any, name: str) -> Mapping[str, Any]:
     """The metadata of the field that a dotted name stands for; nothing where it is part of a tuple of numbers without a field of its own.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> told_by_field(ss.Chain.example(), "link.stiffness")["label"]
+    >>> field_description(ss.Chain.example(), "link.stiffness")["label"]
     'stiffness of the spring'
     """
     told: Mapping[str, Any] = {}
@@ -524,7 +524,7 @@ def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
         own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
         told, record = own.get(place, {}), getattr(record, place, None)
         held = told if "words" in told else held
-    return told_inside(told, held)
+    return description_inside(told, held)
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:

@@ -151,7 +151,7 @@ class SwitchingFlow:
         >>> henon = lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0])
         >>> flow = SwitchingFlow.of_map(henon, {"a": 0.3, "b": 0.3}, ("x", "y"))
         >>> b = ss.continuation(flow, parameter="a", start=0.3, stop=0.4, guess={"x": 0.8, "y": 0.2})
-        >>> [(s.kind, s.told) for s in b.special]  # a = 3 (1 - b)^2/4
+        >>> [(s.kind, s.rounded) for s in b.special]  # a = 3 (1 - b)^2/4
         [('flip', '0.3675')]
         """
         if not callable(f):

@@ -100,7 +100,7 @@ def inner_start(model: Any, x: Any = 0.0) -> Any:
     [[0.0], [0.0]]
     """
     cases = math.prod(labels_of(model).shape)
-    if not law_of(model).says_start:
+    if not law_of(model).has_start:
         return np.zeros((cases, law_of(model).states))
     batch = flat(model)
     law = law_of(batch)

@@ -198,7 +198,7 @@ class StateLayout:
     def _not_single(self) -> list[str]:
         if not self.single or self.is_one:
             return []
-        return [f"single=True with {self.says}; allowed is one body and one contact; leave it out"]
+        return [f"single=True with {self.description}; allowed is one body and one contact; leave it out"]
 
     def _without_principal(self) -> list[str]:
         names = [body.name for body in self.bodies]
@@ -206,7 +206,7 @@ class StateLayout:
         return [] if known else [f"principal={self.principal!r}; allowed is one of {', '.join(map(repr, names))}, or None"]
 
     @property
-    def says(self) -> str:
+    def description(self) -> str:
         """How many bodies and contacts there are, and their names."""
         return " and ".join(
             f"{len(parts)} {word if len(parts) == 1 else plural}" + (f" ({', '.join(p.name for p in parts)})" if parts else "")
@@ -311,4 +311,4 @@ def of_one_contact(what: str, run: Any, why: str) -> Any:
         return replace(run, pieces=replace(run.pieces, layout=replace(layout, single=True)))
     parts = [f"run.{kind}[{of[0].name!r}]" for kind, of in (("bodies", layout.bodies), ("contacts", layout.contacts)) if of]
     hint = f"type {' and '.join(parts)} for the columns of one of them"
-    raise InputError(what, [f"the run has {layout.says}; allowed is one body on one contact, as {why}; {hint}"])
+    raise InputError(what, [f"the run has {layout.description}; allowed is one body on one contact, as {why}; {hint}"])

@@ -41,8 +41,8 @@ class MachineAdapter:
         return _mechanics_of_parts(self.model)
 
     @cached_property
-    def said(self) -> Any:
-        """What says its equations: the model, or the machine of several bodies that its drive makes of it."""
+    def declaring(self) -> Any:
+        """What declares its equations: the model, or the machine of several bodies that its drive makes of it."""
         return parts_of(self.model)
 
     @property
@@ -53,7 +53,7 @@ class MachineAdapter:
     @property
     def principal(self) -> str | None:
         """The body whose motion is the machine's; None where there is none, or one body on one contact."""
-        return None if self.is_single else getattr(self.said, "principal", None)
+        return None if self.is_single else getattr(self.declaring, "principal", None)
 
     @property
     def own(self) -> dict[str, int]:
@@ -174,7 +174,7 @@ class MachineAdapter:
     @property
     def free_velocity(self) -> Any:
         """What its drive would do to the body without friction [m/s]."""
-        own = getattr(self.said, "free_velocity", None)
+        own = getattr(self.declaring, "free_velocity", None)
         return self.velocity_scale if own is None else own
 
     @property

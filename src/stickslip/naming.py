@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stickslip.arguments import described_arguments
-from stickslip.fields import is_record, leaves, told_by_field
+from stickslip.fields import field_description, is_record, leaves
 from stickslip.number_names import numbers_meant
 from stickslip.quantities import axis_in, pretty_unit, quantity
 
@@ -26,7 +26,7 @@ def described(name: str, make: Any = None) -> Mapping[str, Any]:
         return _START[name]
     if callable(make):
         return described_arguments(make).get(name, {})
-    return told_by_field(make, name) or next((told_by_field(make, each) for each in _meant(make, name)), {})
+    return field_description(make, name) or next((field_description(make, each) for each in _meant(make, name)), {})
 
 
 def _meant(record: Any, name: str) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ class Observable:
 
     Examples
     --------
-    >>> Observable(lambda s: s.v, "max", "m/s").says
+    >>> Observable(lambda s: s.v, "max", "m/s").meaning
     'largest value over the last motion period of an observable'
     """
 
@@ -39,7 +39,7 @@ class Observable:
     unit: str
 
     @property
-    def says(self) -> str:
+    def meaning(self) -> str:
         """Meaning of the column."""
         name = getattr(self.function, "__name__", "<lambda>")
         return f"{REDUCTIONS[self.reduce]} over the last motion period of {'an observable' if name == '<lambda>' else name}"
@@ -71,9 +71,9 @@ class Derived:
     values: Callable[[Any, int, dict[str, Derived], int], dict[str, Any]]
 
     @property
-    def says(self) -> str:
+    def meaning(self) -> str:
         """Meaning of the column."""
-        return f"derivative of {getattr(self.of, 'says', self.of)} by {self.by}, of the steady motion from rest"
+        return f"derivative of {getattr(self.of, 'meaning', self.of)} by {self.by}, of the steady motion from rest"
 
     @property
     def fingerprint(self) -> str:

@@ -29,7 +29,7 @@ def shared_at_rest(run: Any) -> str:
     for pattern in np.unique(rests, axis=0):
         several = _undetermined(np.array(machine.mechanics.directions), np.flatnonzero(pattern))
         if several:
-            return _told([machine.mechanics.contacts[i] for i in several])
+            return _text([machine.mechanics.contacts[i] for i in several])
     return ""
 
 
@@ -41,11 +41,11 @@ def notes_of_cases(model: Any, columns: dict[str, Any]) -> dict[str, int]:
     found = {_MOVED_APART: int(np.sum(good & _moved_apart(model, columns)))}
     for group in _groups(model) if "stick_fraction" in columns else []:
         names = [machine_of(model).mechanics.contacts[i] for i in group]
-        found[_told(names)] = int(np.sum(good & _rested_at_once(model, group, np.asarray(columns["stick_fraction"]))))
+        found[_text(names)] = int(np.sum(good & _rested_at_once(model, group, np.asarray(columns["stick_fraction"]))))
     return {sentence: count for sentence, count in found.items() if count}
 
 
-def _told(names: list[str]) -> str:
+def _text(names: list[str]) -> str:
     return (
         f"{', '.join(names)} rest at once on one body: only the sum of their friction forces follows from the equations, and the forces "
         "that are given share it in proportion to what each can bear"

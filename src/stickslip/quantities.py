@@ -165,14 +165,14 @@ def holding(words: Mapping[str, str], units: Mapping[str, str] | None = None) ->
 
     Examples
     --------
-    >>> told = told_inside(quantity("amplitude of the inner mass", "m"), holding({"the inner mass": "the target"}, {"m": "rad"}))
+    >>> told = description_inside(quantity("amplitude of the inner mass", "m"), holding({"the inner mass": "the target"}, {"m": "rad"}))
     >>> told["label"], told["unit"]
     ('amplitude of the target', 'rad')
     """
     return {"words": words, "units": units or {}}
 
 
-def told_inside(told: Mapping[str, Any], held: Mapping[str, Any]) -> Mapping[str, Any]:
+def description_inside(told: Mapping[str, Any], held: Mapping[str, Any]) -> Mapping[str, Any]:
     """The description of a number within a field that was described by `holding`."""
     if "label" not in told or not held.get("words"):
         return told

@@ -62,11 +62,11 @@ class SeveralBodies(Mechanics):
         self.controllers = Controllers(model.controllers())
         links = {ends: _several(link) for ends, link in model.links().items()}
         self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
-        self.told = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
+        self.prescribed = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
         walls = [(ends, stop) for ends, each in model.stops().items() for stop in _several(each)]
         self.elastic_stops = [(ends, stop) for ends, stop in walls if stop.restitution is None]
         self.elastic += self.elastic_stops
-        self.groups, self.arms = _groups(self.bodies, self.told)
+        self.groups, self.arms = _groups(self.bodies, self.prescribed)
         self.coordinate = {name: c for c, group in enumerate(self.groups) for name in group}
         self.named_stops = _named([Stopper(self, ends, stop) for ends, stop in walls])
         self.stops = tuple(stop for _, stop in self.named_stops if stop.part.restitution is not None)
@@ -146,7 +146,7 @@ class SeveralBodies(Mechanics):
     @property
     def _motions(self) -> list[Any]:
         """Prescribed distances, and what contacts rub on that is neither the track nor a body."""
-        return [link for _, link in self.told] + [c.on for c in self.joints.values() if c.on is not None]
+        return [link for _, link in self.prescribed] + [c.on for c in self.joints.values() if c.on is not None]
 
     @property
     def time_scale(self) -> Any:
@@ -266,7 +266,7 @@ class SeveralBodies(Mechanics):
 
     def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
         """What prescribed distances add to each body's position, velocity or acceleration, beyond its coordinate's."""
-        if not self.told:
+        if not self.prescribed:
             return (0.0,) * len(self.bodies)
         found: dict[str, Any] = {}
         for group in self.groups:

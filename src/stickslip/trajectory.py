@@ -502,7 +502,7 @@ class Trajectory(Drawn, RunFiles):
     def _settled(self) -> str:
         layout = self.pieces.layout
         if machine_of(self.model).is_single and not layout.is_one:
-            return f"whether a motion of {layout.says} has settled is not judged"
+            return f"whether a motion of {layout.description} has settled is not judged"
         return self.steadiness.note
 
     def __repr__(self) -> str:

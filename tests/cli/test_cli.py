@@ -312,7 +312,7 @@ def test_several_values_are_read(text, told):
         (["run", "."], "cannot be read"),
         (["run", *ROBOT, "--jsn"], "did you mean '--json'?"),
         (["run", *ROBOT, "peridos=10"], "did you mean 'periods'?"),
-        (["run", *ROBOT, "frequency=40"], "type omega=80pi for 40 Hz"),
+        (["run", *ROBOT, "frequency=40"], 'type omega="40 Hz"'),
         (["sweep", *ROBOT, "--out", "grid.ods"], "'grid.ods' ends in '.ods'; allowed are .nc, .mat, .csv, .xlsx, .parquet"),
         (["report", "not-there.nc"], "there is no 'not-there.nc'; give a .nc file"),
         (["run", *ROBOT, "amplitude"], "'amplitude' is not NAME=VALUE"),
@@ -503,9 +503,9 @@ def files(tmp_path, monkeypatch):
 def test_a_number_in_another_unit_or_under_another_name_is_told_what_to_type(files, capsys):
     """Hertz and degrees are converted, and what is told to be typed is taken."""
     code, _, err = call(capsys, "run", "mine.toml", "drive.frequency=30", "tilt_deg=1.7")
-    assert code == 2 and "type drive.omega=60pi for 30 Hz" in err and "type track.tilt=0.0296706 for 1.7 degrees" in err
-    assert call(capsys, "run", "mine.toml", "drive.omega=60pi", "track.tilt=0.0296706", "periods=5")[0] == 0
-    assert "drive.omega=40pi for 20 Hz" in call(capsys, "sweep", "mine.toml", "drive.frequency=20..30:3")[2]
+    assert code == 2 and 'type drive.omega="30 Hz"' in err and "type track.tilt=0.0296706 for 1.7 degrees" in err
+    assert call(capsys, "run", "mine.toml", "drive.omega=30 Hz", "track.tilt=0.0296706", "periods=5")[0] == 0
+    assert 'drive.omega="20 Hz"' in call(capsys, "sweep", "mine.toml", "drive.frequency=20..30:3")[2]
     bad = RIG.replace("mu_plus", "mu0").replace("tilt = 0.03", "tilt_deg = 1.7").replace("sigma0 = 4e5\n", "").replace("v_s = 2e-3\n", "")
     (files / "bad.toml").write_text(bad, encoding="utf-8")
     err = call(capsys, "run", "bad.toml")[2]
@@ -611,7 +611,7 @@ def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
     from stickslip.cli.bifurcation import _left_out
 
     def branch(period, *flips):
-        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", told=f"{value:g}") for value in flips])
+        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", rounded=f"{value:g}") for value in flips])
 
     (note,) = _left_out("mu0", [branch(1, 0.0378), branch(2, 0.0382)])
     assert "period 4 and more are not followed; they begin at mu0 = 0.0382" in note and "ss.continuation(...).doubled().doubled()" in note

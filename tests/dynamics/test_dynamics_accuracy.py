@@ -49,7 +49,7 @@ def test_flips_of_the_rig_are_the_same_from_other_places(period, starts, publish
     assert abs(found[0].value - found[1].value) <= found[0].accuracy + found[1].accuracy
     for flip in found:
         assert abs(flip.value - published) <= flip.accuracy + 5e-11 and flip.accuracy <= 1e-10
-        assert flip.told == certain(flip.value, flip.accuracy)
+        assert flip.rounded == certain(flip.value, flip.accuracy)
 
 
 WEAKER = ss.Stribeck(1.0, 1.0, 1.5, 1.5, v_s=0.4)
@@ -80,8 +80,8 @@ def test_a_border_that_was_halved_to_a_millionth_says_so():
     b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4.15e-4, stop=4.25e-4, tilt_deg=1.7, step=0.2)
     (grazing,) = (s for s in b.special if s.kind == "grazing")
     assert 1e-12 <= grazing.accuracy <= 1e-10
-    assert f"grazing at {grazing.told};" in repr(b) or f"grazing at {grazing.told}; " in repr(b)
-    assert len(grazing.told) <= len("0.00042345678")
+    assert f"grazing at {grazing.rounded};" in repr(b) or f"grazing at {grazing.rounded}; " in repr(b)
+    assert len(grazing.rounded) <= len("0.00042345678")
 
 
 def test_curves_and_their_meetings_carry_their_accuracy():
@@ -96,8 +96,8 @@ def test_curves_and_their_meetings_carry_their_accuracy():
 
 def test_no_digit_beyond_the_accuracy_is_told():
     point = Special("flip", 0.0468108467123, None, 3e-8)
-    assert (point.told, repr(point)) == ("0.0468108", "<Special: flip at 0.0468108, accuracy 3e-08>")
-    assert Meeting("triple-point", (0.21723362821, 1.0), None, (1e-6, 2e-15)).told == "(0.217234, 1)"
+    assert (point.rounded, repr(point)) == ("0.0468108", "<Special: flip at 0.0468108, accuracy 3e-08>")
+    assert Meeting("triple-point", (0.21723362821, 1.0), None, (1e-6, 2e-15)).rounded == "(0.217234, 1)"
     kind, value, orbit = point
     assert (kind, value, orbit) == ("flip", 0.0468108467123, None)
     rng = np.random.default_rng(4)
@@ -113,7 +113,7 @@ def test_the_table_of_a_branch_and_the_command_line_carry_it_too(capsys):
 
     b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")
     (told,) = json.loads(b.points.attrs["special"])
-    assert told["accuracy"] == b.special[0].accuracy and f"type-border at {b.special[0].told}" in repr(b)
+    assert told["accuracy"] == b.special[0].accuracy and f"type-border at {b.special[0].rounded}" in repr(b)
     words = ["bifurcation", "piezo_rig", "tilt_deg=1.7", "law=coulomb", "amplitude=5e-4..6e-4:2", "--follow"]
     assert main(words) == 0
     line = next(line for line in capsys.readouterr().out.splitlines() if "type-border" in line)

@@ -23,7 +23,7 @@ from stickslip.explorer.dropped_records import drive_of, velocity_of
 from stickslip.explorer.effort import affordable, effort
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.frames import read
-from stickslip.explorer.kernels import Kernels, told
+from stickslip.explorer.kernels import Kernels, state_table
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.requests import DEFAULT, State, message, state
@@ -415,7 +415,7 @@ def test_a_recorded_shape_is_kept_by_the_python_the_study_file_and_the_kernels()
     exec(python(found).partition("run =")[0], names)
     assert names["robot"] == found.robot() != State(drive="recorded", law="coulomb", also=()).robot()
     assert ss.Robot.from_toml(export("study.toml", found).decode()) == found.robot()
-    assert state(json.loads(json.dumps(told(found, "coulomb")))).robot() == found.robot()
+    assert state(json.loads(json.dumps(state_table(found, "coulomb")))).robot() == found.robot()
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
         damped.append((force - still) * rate + none)
         net = net - np.outer(force + none, [float(name == ends[0]) - float(name == ends[1]) for name in mechanics.bodies])
     weight = sum(body.weight_at(t, x[:, i], v[:, i]) * v[:, i] for i, body in enumerate(mechanics.parts.values()))
-    told = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.told else none
+    told = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.prescribed else none
     drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + told
     damping = np.array(damped).reshape(-1, len(t)).T
     return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}

@@ -13,7 +13,7 @@ from stickslip.benching.path import dissipation, hysteresis
 from stickslip.benching.pulled import breakaway, stick_slip
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import lag, steady_friction
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.engine.law_checks import finite
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
@@ -100,7 +100,7 @@ def bench(
     names = _names(experiments)
     _check(load, mass, stiffness, speed)
     found: list[Bench] = []
-    progress = told_of_progress(progress, "bench")
+    progress = progress_callback(progress, "bench")
     whole = len(laws) * len(names)
     for one in laws:
         setup = Setup(one, float(load), float(mass), stiffness, speed)

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["record", "told"]
+__all__ = ["as_text", "record"]
 
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     }
 
 
-def told(record: dict[str, Any]) -> str:
+def as_text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
     made = record["provenance"]
     rows = [

@@ -61,7 +61,7 @@ def act(command: str, words: list[str]) -> int:
     if asked.json:
         show.print_json({**_record(study, found), "written": written})
     else:
-        print("\n".join([_told(study, found), *(f"written to {path}" for path in written)]))
+        print("\n".join([_text(study, found), *(f"written to {path}" for path in written)]))
     return 0
 
 
@@ -93,8 +93,8 @@ def _written(found: Any, study: Any, files: tuple[Path | None, ...], again: str)
 
 
 def _record(study: Any, found: Any) -> dict[str, Any]:
-    special = [{"kind": s.kind, "values": s.values, "accuracy": s.accuracy, "told": s.told, "stable": s.stable} for s in found.found]
-    borders = [{"kind": b.kind, "values": b.values, "accuracy": b.accuracy, "told": b.told, "ended": b.ended} for b in found.borders]
+    special = [{"kind": s.kind, "values": s.values, "accuracy": s.accuracy, "change": s.change, "stable": s.stable} for s in found.found]
+    borders = [{"kind": b.kind, "values": b.values, "accuracy": b.accuracy, "change": b.change, "ended": b.ended} for b in found.borders]
     axes = {name: found.map[name].values for name in found.parameters}
     columns = {str(name): found.map[name].values for name in found.map.data_vars}
     return {
@@ -103,7 +103,7 @@ def _record(study: Any, found: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _told(study: Any, found: Any) -> str:
+def _text(study: Any, found: Any) -> str:
     """Regions, borders and special points as a person reads them."""
     p, q = found.parameters
     lines = [
@@ -114,5 +114,5 @@ def _told(study: Any, found: Any) -> str:
     if rows:
         lines.append(show.table(["special point", p, q, "accuracy", "what changes"], [list(row) for row in rows[:_ROWS]]))
     lines += [f"… {len(rows) - _ROWS} more; --report FILE or --json gives all"] if len(rows) > _ROWS else []
-    lines += [f"border: {b.kind}, {b.told}, {show.counted(len(b.values), 'point')}" for b in found.borders]
+    lines += [f"border: {b.kind}, {b.change}, {show.counted(len(b.values), 'point')}" for b in found.borders]
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])

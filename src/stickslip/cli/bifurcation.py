@@ -36,7 +36,7 @@ def act(command: str, words: list[str]) -> int:
     options = {**study.options, **fixed}
     diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=watcher(), **options)
     branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
-    record, text = _record(study, parameter, diagram, branches), _told(study, parameter, diagram, branches)
+    record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
     return finish(asked, files, Outcome(record, text, diagram, lambda: _drawn(diagram, branches, asked.observable)))
 
 
@@ -84,7 +84,7 @@ def _record(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> di
     }
 
 
-def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
+def _text(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
     """Where the period changes, and what was found on the branches."""
     fixed = {name: value for name, value in study.arguments.items() if name != parameter}
     lines = [Subject(study.name, study.make, fixed).title()]
@@ -93,13 +93,13 @@ def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
         lines.append(f"{direction}: {_stretches(diagram[parameter].values, period)}")
     for b in branches:
         lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
-        lines += [f"  {s.kind:<12} {parameter} = {s.told}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
+        lines += [f"  {s.kind:<12} {parameter} = {s.rounded}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
     return "\n".join([*lines, *(f"note: {note}" for note in _left_out(parameter, branches))])
 
 
 def _left_out(parameter: str, branches: list[Any]) -> list[str]:
     """The doublings behind the last branch, which are not followed, and how to follow them."""
-    flips = [s.told for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
+    flips = [s.rounded for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
     if not flips:
         return []
     count = branches[-1].period

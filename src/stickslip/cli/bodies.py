@@ -8,7 +8,7 @@ from stickslip.cli import show
 from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
-__all__ = ["record", "told"]
+__all__ = ["as_text", "record"]
 
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
@@ -71,7 +71,7 @@ def _energy(run: Any) -> dict[str, Any]:
     return {**works, "worst_residual": balance.worst}
 
 
-def told(record: dict[str, Any]) -> str:
+def as_text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
     work, made = record["energy"], record["provenance"]["versions"]
     driven, period = record["period_time"] is not None, record.get("period")

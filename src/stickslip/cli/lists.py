@@ -31,14 +31,14 @@ def act(command: str, words: list[str]) -> int:
     if asked.json:
         show.print_json({command: found})
     elif asked.names or len(found) <= _FEW:
-        print("\n".join(_told(name, entry) for name, entry in found.items()))
+        print("\n".join(_text(name, entry) for name, entry in found.items()))
     else:
         print(show.facts((name, entry["about"]) for name, entry in found.items()))
         print(f"stickslip {command} NAME explains one of them, --json all.")
     return 0
 
 
-def _told(name: str, entry: dict[str, Any]) -> str:
+def _text(name: str, entry: dict[str, Any]) -> str:
     rows = [[n, a["symbol"], a["unit"], _default(a), a["meaning"]] for n, a in entry["arguments"].items()]
     lines = show.table(["name", "symbol", "unit", "default", "meaning"], rows).splitlines()
     return "\n".join([f"{name}: {entry['about']}", *(f"  {line}" for line in lines)])

@@ -103,10 +103,10 @@ def _map(asked: Any) -> Outcome:
         "robot": study.name, "axes": {name: found[name].values for name in axes},
         "columns": {str(name): found[name].values for name in found.data_vars},
     }  # fmt: skip
-    return Outcome(record, _told(study.name, axes, found), found, lambda: draw(found))
+    return Outcome(record, _text(study.name, axes, found), found, lambda: draw(found))
 
 
-def _told(name: str, axes: list[str], found: Any) -> str:
+def _text(name: str, axes: list[str], found: Any) -> str:
     """What share of the map moves how."""
     import numpy as np
 

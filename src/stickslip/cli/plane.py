@@ -45,7 +45,7 @@ def act(command: str, words: list[str]) -> int:
     one = _of_contact(grid, asked.contact)
     found = _found(one)
     if not asked.json:  # a picture that cannot be drawn loses no numbers
-        print(_told(name, found))
+        print(_text(name, found))
     _draw(one, asked.x, pictures)
     written = [str(p) for p in (*pictures.values(), file or asked.out) if p]
     if asked.json:
@@ -147,7 +147,7 @@ def _largest(values: Any) -> dict[str, int]:
     return {str(d): int(i) for d, i in zip(values.dims, place, strict=True)}
 
 
-def _told(name: str, found: dict[str, Any]) -> str:
+def _text(name: str, found: dict[str, Any]) -> str:
     law = f" with the law {found['law']}" if found["law"] else ""
     lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
     shares = sorted(found["shares"].items(), key=lambda item: -item[1])

@@ -30,8 +30,8 @@ def act(command: str, words: list[str]) -> int:
 
     run = solve(robot, **study.options, keep="trajectory")
     written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
-    make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
-    make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.told)
+    make, tell = (_record, _text) if robot.period is not None else (timed.record, timed.as_text)
+    make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.as_text)
     record = make(study, run, written)
     if asked.json:
         show.print_json(record)
@@ -83,7 +83,7 @@ def _steadiness(found: Any) -> dict[str, Any]:
     return {"code": found.code, "word": found.word, "settling_error": error}
 
 
-def _told(record: dict[str, Any]) -> str:
+def _text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
     m, work = record["motion"], record["energy"]
     percent = ", ".join(f"{name} {100 * m[f'{name}_fraction']:.1f} %" for name in ("forward", "backward", "stick"))

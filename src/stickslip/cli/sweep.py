@@ -63,7 +63,7 @@ def act(command: str, words: list[str]) -> int:
         axes = {name: grid[name].values for name in _axes(grid)}
         show.print_json({"robot": study.name, "axes": axes, "columns": columns, "attributes": dict(grid.attrs), "written": written})
     else:
-        print(_told(grid, study, written))
+        print(_text(grid, study, written))
     return 0
 
 
@@ -184,7 +184,7 @@ def _headed(grid: Any, name: str) -> str:
     return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
-def _told(grid: Any, study: Any, written: str | None) -> str:
+def _text(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
     from stickslip.sweeps.result_columns import is_of_cases
 

@@ -61,7 +61,7 @@ def lines_of_motion(model: Any) -> list[str]:
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).is_single
     try:
-        mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).said)
+        mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).declaring)
         parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]
         return [*_of_bodies(mechanics), *parts, *_of_contacts(mechanics, letters)]
     except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
@@ -154,7 +154,7 @@ def _of_links(mechanics: _Parts) -> list[str]:
     for ends, part, letter in mechanics.pulls:
         distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
         lines += _tension(part, distance, rate, text_of(letter))
-    for (first, second), link in mechanics.told:
+    for (first, second), link in mechanics.prescribed:
         start = mechanics.parts[first].position - mechanics.parts[second].position
         distance = mechanics.distance((first, second), mechanics.x)
         lines.append(f"{text_of(distance)} &= {text_of(start + link.position(t))}")

@@ -117,13 +117,13 @@ def _check_law(law: LawAdapter, load: float, speed: float) -> None:
                 raise InputError(
                     law.name,
                     [
-                        f"{what}(v={v:.6g}, {_told(law.start(load)) if law.dynamic else ''}load={load:.6g}) is {value} with {numbers}; "
+                        f"{what}(v={v:.6g}, {_text(law.start(load)) if law.dynamic else ''}load={load:.6g}) is {value} with {numbers}; "
                         f"allowed is a finite number; check the law's formula and fields. {_BOTH}"
                     ],
                 )
 
 
-def _told(z: tuple[Any, ...]) -> str:
+def _text(z: tuple[Any, ...]) -> str:
     """The inner states of a start, as an argument."""
     return f"z={z[0] if len(z) == 1 else z}, " if any(z) else "z=0, "
 

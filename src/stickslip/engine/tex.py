@@ -24,7 +24,7 @@ from stickslip.engine.letters import (
     order_of,
     symbol,
 )
-from stickslip.fields import told_by_field
+from stickslip.fields import field_description
 
 __all__ = ["Letters", "indices", "letters_of", "subscripted", "text_of"]
 
@@ -241,7 +241,7 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     places = name.split(".")
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
     place = "%s" if number else ""
-    own = str(told_by_field(record, name).get("symbol", ""))
+    own = str(field_description(record, name).get("symbol", ""))
     stem, index = _own_letter(own) if own else _letter(words[-1])
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
     return (

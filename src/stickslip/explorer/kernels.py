@@ -181,7 +181,7 @@ class Kernels:
                 if process is None or process.poll() is not None:
                     process = self._processes[later] = _helper(later)
             assert process.stdin is not None and process.stdout is not None
-            process.stdin.write(json.dumps({"state": told(found, law), "many": many}) + "\n")
+            process.stdin.write(json.dumps({"state": state_table(found, law), "many": many}) + "\n")
             process.stdin.flush()
             if process.stdout.readline():
                 return True
@@ -190,7 +190,7 @@ class Kernels:
         return not later
 
 
-def told(found: State, law: str) -> dict[str, Any]:
+def state_table(found: State, law: str) -> dict[str, Any]:
     """A state with one law as the table that `state` reads."""
     return {
         "drive": found.drive,

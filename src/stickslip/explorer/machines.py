@@ -11,7 +11,7 @@ from typing import Any
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.explorer.effort import RTOL, affordable
 from stickslip.explorer.sliders import Parameter
-from stickslip.fields import leaves, told_by_field
+from stickslip.fields import field_description, leaves
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import symbol_text
 
@@ -121,7 +121,7 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
         name = _together(model, first, float(value))
         if name not in seen:
             seen.add(name)
-            told, value = told_by_field(model, first), float(value)
+            told, value = field_description(model, first), float(value)
             yield _numbered(replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR))
 
 

@@ -181,8 +181,8 @@ def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     from stickslip import __version__
     from stickslip.engine.traced_law import TracedLaw
     from stickslip.exporting.c import written_in_c
+    from stickslip.exporting.heads import head
     from stickslip.exporting.matlab_source import written_in_matlab
-    from stickslip.exporting.told import head
 
     law = TracedLaw(own)
     write = written_in_c if language == "c" else written_in_matlab

@@ -154,7 +154,7 @@ class LawAdapter:
 
     def start(self, load: Any) -> States:
         """Inner states of a contact that nobody has moved: what the law says, else zeros."""
-        return self._shaped(self.law.start(load), "start") if self.says_start else (0.0,) * self.states
+        return self._shaped(self.law.start(load), "start") if self.has_start else (0.0,) * self.states
 
     def velocity_scale(self) -> Any:
         """A velocity over which friction changes [m/s]; None where the law has none."""
@@ -178,7 +178,7 @@ class LawAdapter:
         return self.dynamic and _takes_applied(kind)
 
     @property
-    def says_start(self) -> bool:
+    def has_start(self) -> bool:
         """Whether the law says in which inner states a contact is that nobody has moved."""
         return bool(self.states) and callable(getattr(self.law, "start", None))
 

@@ -1,4 +1,4 @@
-"""`design`: before fitting, what can an experiment tell, and which one tells most."""
+"""`design`: which parameters an experiment can determine, and which experiment is the most informative, before it is done."""
 
 from __future__ import annotations
 
@@ -68,16 +68,16 @@ class Experiment:
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Drawn):
-    """What experiments can tell about some parameters.
+    """How well experiments determine some parameters.
 
     Parameters
     ----------
     values : dict
         Where the parameters are supposed to be.
     experiments : tuple of Experiment
-        The most telling first (the smallest volume of the confidence region; with rivals, the largest separation).
+        The most informative first (the smallest volume of the confidence region; with rivals, the largest separation).
     notes : tuple of str
-        Which parameters none of them can tell, which are confounded, and which experiments were left out and why.
+        Which parameters none of them can determine, which are confounded, and which experiments were left out and why.
     """
 
     values: dict[str, float]
@@ -88,12 +88,12 @@ class Design(Drawn):
 
     @property
     def best(self) -> Experiment:
-        """The most telling."""
+        """The most informative experiment."""
         return self.experiments[0]
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """Parameters that the best experiment tells to within a quarter of their value."""
+    def determined(self) -> tuple[str, ...]:
+        """Parameters that the best experiment determines to within a quarter of their value."""
         return tuple(n for n, e in self.best.errors.items() if e < TOLD * abs(self.values[n]))
 
     @property
@@ -102,9 +102,9 @@ class Design(Drawn):
         return tuple(n for n, part in self.best.visible.items() if part < FAINT)
 
     @property
-    def untold(self) -> tuple[str, ...]:
-        """Parameters that it does not."""
-        return tuple(n for n in self.values if n not in self.told)
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters that the best experiment does not determine so well."""
+        return tuple(n for n in self.values if n not in self.determined)
 
     def __str__(self) -> str:
         lines = []
@@ -179,7 +179,7 @@ def design(
     >>> import stickslip as ss
     >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
     ...                  noise=1e-3, samples=200, tilt_deg=1.7)
-    >>> plan.told, plan.untold
+    >>> plan.determined, plan.undetermined
     (('mu0',), ('sigma0',))
     """
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)

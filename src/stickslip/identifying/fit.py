@@ -468,9 +468,9 @@ class Fit(Face):
     def report(self, path: str | Path | None = None) -> str | Path:
         """The fit as text; with a path, as an HTML file with data, fit, residuals, uncertainties and provenance (returns its path)."""
         if path is None:
-            from stickslip.identifying.fit_text import told
+            from stickslip.identifying.fit_text import report_text
 
-            return Text(told(self))
+            return Text(report_text(self))
         from stickslip.identifying.fit_pages import write_report
 
         return write_report(path, [self])

@@ -16,8 +16,8 @@ __all__ = [
     "error_text",
     "listed",
     "parameter_rows",
+    "report_text",
     "sure",
-    "told",
     "undetermined",
     "unit_of_kind",
     "unit_of_parameter",
@@ -157,7 +157,7 @@ def counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def told(fit: Any) -> str:
+def report_text(fit: Any) -> str:
     """The fit as text."""
     records, parameters = counted(len(fit.problem.targets), "record"), counted(len(fit.names), "parameter")
     rows = [f"{fit.law} fitted to {records}, {counted(fit.count, 'value')}; {parameters} free"]

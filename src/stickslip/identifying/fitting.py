@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.distributions import ALLOWED, distribution_of
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
@@ -147,7 +147,7 @@ def identify(
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), partial(nested_seeds, rough, starts, seed))
+    best, agree = searched(rough, starts, seed, progress_callback(progress, "identify"), partial(nested_seeds, rough, starts, seed))
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
@@ -248,7 +248,7 @@ def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None,
 
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
-    notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
+    notes += [f"{t.label}: {t.remark}, transient=True fits them too" for t in problem.targets if getattr(t, "remark", None)]
     notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     notes += [

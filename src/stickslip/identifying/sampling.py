@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, is_whole
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective
@@ -39,7 +39,7 @@ def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed:
     rng = np.random.default_rng(seed)
     sampler = emcee.EnsembleSampler(count, size, target, vectorize=True)
     sampler._random.seed(int(rng.integers(2**31)))  # the stretch moves draw from it: one seed, one chain
-    report, steps = told_of_progress(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
+    report, steps = progress_callback(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
     for done, _ in enumerate(steps, 1):
         if report:
             report(done, ahead + draws)

@@ -58,7 +58,7 @@ class Target:
     slips: bool = False  # whether the frequency is fitted further
     transient: bool = False  # whether the first sample is where the motion starts, in a state that is fitted
     placed: bool = False  # whether it matters where that is, so that the position is fitted too
-    said: str | None = None  # what was done about a start that is not steady
+    remark: str | None = None  # what was done about a start that is not steady
     cut: str | None = None  # what was left out of a very long record
     period: int = 1  # drive periods after which the motion repeats, as far as the record tells
     unit: str = ""  # of the values, where it is not that of the kind
@@ -95,12 +95,12 @@ def target(
         return mean_target(rec, sigma, label)
     if kind == "auto":
         kind = "velocity" if "velocity" in rec or "position" not in rec else "position"
-    said = None
+    remark = None
     if not transient:
-        rec, _, said = settled(rec, settle, frequency)
+        rec, _, remark = settled(rec, settle, frequency)
     if kind == "mean":
         found = mean_velocity(rec, frequency)
-        return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
+        return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), remark=remark)
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
     if own is not None:
@@ -124,7 +124,7 @@ def target(
         slips,
         transient,
         False,
-        said,
+        remark,
         None,
         repeats or 1,
         unit=_ROTARY.get(quantity_of(rec[kind].unit) or "", ""),

@@ -219,9 +219,9 @@ def _check_groups(mechanics: Any, problems: Problems) -> None:
     for name, contact in mechanics.joints.items():
         _check_flight(name, contact, mechanics, problems)
     joined = sum(len(group) - 1 for group in mechanics.groups)
-    if joined < len(mechanics.told):
+    if joined < len(mechanics.prescribed):
         problems.add("links() prescribes distances in a closed loop; allowed is one path from body to body; leave one of them out")
-    for ends, link in mechanics.told if period is not None else ():
+    for ends, link in mechanics.prescribed if period is not None else ():
         begun, back = link.position(0.0), link.position(period)
         reach = abs(link.position(period / 3) - begun) + abs(link.position(period / 2) - begun)
         if not everywhere(abs(back - begun) <= _CLOSED * (reach + abs(begun))):

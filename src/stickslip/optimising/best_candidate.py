@@ -22,14 +22,14 @@ from stickslip.optimising.results import results_of
 from stickslip.optimising.small_friction import small_friction_limit
 from stickslip.optimising.unknowns import Unknowns
 
-__all__ = ["told", "values_of"]
+__all__ = ["optimum_of", "values_of"]
 
 Array = Any
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
 _SAME = 1e-5  # of the mean velocity: attractors nearer to each other are one; dynamic laws are run to 1e-6
 
 
-def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
+def optimum_of(worth: Candidates, notes: list[str], search: Search) -> Optimum:
     """The result of a search that has met a machine within the limits."""
     model, space = worth.space.machine(worth.best), worth.space
     values, given = values_of(model), values_of(space.model)
@@ -67,7 +67,7 @@ def _remarks(values: dict[str, Any]) -> list[str]:
 def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
     """Sentences on limits beyond which the search began."""
     beyond = [limit for limit in limits if limit.name in given and np.min(limit.margins(given[limit.name])) < -KEPT]
-    return [f"the given machine violates {limit.told()}" for limit in beyond]
+    return [f"the given machine violates {limit.in_words()}" for limit in beyond]
 
 
 def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:

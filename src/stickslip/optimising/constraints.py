@@ -54,7 +54,7 @@ class Limit:
         low, high = (float(end) if np.isfinite(end) else None for end in (self.low, self.high))
         return low, high
 
-    def told(self) -> str:
+    def in_words(self) -> str:
         """In words."""
         low, high = ("None" if end is None else f"{end:g}" for end in self.ends)
         return f"{self.name} within ({low}, {high})"

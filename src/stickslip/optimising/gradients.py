@@ -170,7 +170,7 @@ def check_of(what: str, of: Any, model: Any) -> None:
 
 def named(of: Any) -> str:
     """What a quantity is called."""
-    return f"the {of.says}" if isinstance(of, Observable) else str(of)
+    return f"the {of.meaning}" if isinstance(of, Observable) else str(of)
 
 
 def _with_differences(found: Gradient, orbit: PeriodicOrbit, of: Any, unknown: dict[str, tuple[str, ...]]) -> Gradient:

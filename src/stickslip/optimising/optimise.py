@@ -8,9 +8,9 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.batch import shape_of
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, StickslipError, is_whole
-from stickslip.optimising.best_candidate import told
+from stickslip.optimising.best_candidate import optimum_of
 from stickslip.optimising.candidates import Candidates, Stopped
 from stickslip.optimising.constraints import KEPT, checked_limits, scales_within
 from stickslip.optimising.optimum import Optimum, Search
@@ -118,7 +118,7 @@ def optimise(
     _check_middle(space)
     population = int(np.clip(_EACH * space.count, _LEAST, _MOST))
     generations = _GENERATIONS + _MORE * space.count
-    report, most = told_of_progress(progress, "optimise"), 2 * population * generations
+    report, most = progress_callback(progress, "optimise"), 2 * population * generations
 
     def tell(tried: int) -> None:
         if report is not None and report(min(tried, most), most) is False:
@@ -136,7 +136,7 @@ def optimise(
         report(worth.tried, worth.tried)
     over = {each.name: each.form or (each.low, each.high) for each in varied}
     asked = (over, {limit.name: limit.ends for limit in limits}, _as_given(robust), quantile, starts, int(seed))
-    return told(worth, notes, Search(maximise is not None, *asked, np.array(worth.history)))
+    return optimum_of(worth, notes, Search(maximise is not None, *asked, np.array(worth.history)))
 
 
 def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> str:
@@ -199,8 +199,8 @@ def _none_kept(worth: Candidates) -> StickslipError:
     if not worth.tried:
         return StickslipError("optimise: the search was stopped before a candidate was run")
     limits = {limit.name: limit for limit in worth.limits}
-    nearest = [f"{limits[name].told()} (nearest: {value:.6g})" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
-    said, kept = f"none of {worth.tried} candidates", " and ".join(limit.told() for limit in worth.limits)
+    nearest = [f"{limits[name].in_words()} (nearest: {value:.6g})" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
+    said, kept = f"none of {worth.tried} candidates", " and ".join(limit.in_words() for limit in worth.limits)
     why = f"{'keeps ' + kept + ' and ' if kept else ''}has a {worth.quantity}; widen the bounds in over"
     if nearest:
         why = f"keeps {' and '.join(nearest)}; widen these limits in subject_to, or the bounds in over"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, StickslipError
 from stickslip.fields import leaves
 from stickslip.naming import axis_of
@@ -82,7 +82,7 @@ def pareto(
     if maximise == minimise or (isinstance(subject_to, dict) and minimise in subject_to):
         problems.add(f"{minimise!r} is to be small and is maximised or limited too; allowed are two quantities; leave it out of the other")
     problems.check()
-    report, whole = told_of_progress(progress, "pareto"), points + 2
+    report, whole = progress_callback(progress, "pareto"), points + 2
     asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers)
     least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
     most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.drives.drive_adapter import lacking
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
-from stickslip.fields import leaves, told_by_field
+from stickslip.fields import field_description, leaves
 from stickslip.number_names import numbers_meant
 from stickslip.optimising.typed_ends import typed_ends
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
@@ -164,7 +164,7 @@ def _varied(model: Any, name: str, what: Any, known: list[str], problems: Proble
         hint = other_words(name, None, known) or did_you_mean(name, known)
         problems.add(f"over: {name!r} is not a number of {type(model).__name__}; {hint}")
         return None
-    told = {leaf: told_by_field(model, leaf) for leaf in meant}
+    told = {leaf: field_description(model, leaf) for leaf in meant}
     try:
         low, high = typed_ends(what, str(told[meant[0]].get("unit", "")))
         if low is None or high is None:

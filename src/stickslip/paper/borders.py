@@ -12,7 +12,7 @@ from stickslip.analysis.closed_form import coulomb_type
 from stickslip.friction.law_adapter import law_of
 from stickslip.paper.words import listed
 
-__all__ = ["Stretch", "exact_types", "longest", "stretches", "told"]
+__all__ = ["Stretch", "exact_types", "in_words", "longest", "stretches"]
 
 #: Points at which the formulas are asked before their changes are halved.
 POINTS = 2001
@@ -76,6 +76,6 @@ def longest(found: tuple[Stretch, ...], word: Any = True) -> tuple[float, float]
     return max(held, key=lambda s: s[1] - s[0]) if held else None
 
 
-def told(found: tuple[Stretch, ...], say: Callable[[float], str]) -> str:
+def in_words(found: tuple[Stretch, ...], say: Callable[[float], str]) -> str:
     """The words in order, with the value at which each ends."""
     return listed([*(f"{s.word} to {say(s.high)}" for s in found[:-1]), f"{found[-1].word} beyond"])

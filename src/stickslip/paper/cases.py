@@ -82,7 +82,7 @@ class Case:
         Arguments of the preset that differ from its defaults.
     varied : str
         What the section varies, as the caption writes it.
-    said : str
+    statement : str
         What the paper says about this figure, if anything.
     amplitude_source : str
         "printed", or how it was inferred.
@@ -93,7 +93,7 @@ class Case:
     amplitude: float
     varied: str
     changes: dict[str, float] = field(default_factory=dict)
-    said: str = ""
+    statement: str = ""
     amplitude_source: str = INFERRED_5
     tilt_deg: float = 1.7
 

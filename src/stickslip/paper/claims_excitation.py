@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.borders import exact_types, stretches, told
+from stickslip.paper.borders import exact_types, in_words, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
 from stickslip.paper.claims_page import CONFIRMED, Claim, Part, Study, verdict
 from stickslip.paper.followed_motions import followed
@@ -75,7 +75,7 @@ def all_types_by_amplitude(study: Study) -> Claim:
 def _borders() -> str:
     """The amplitudes at which the exact type changes at 1.7 degrees."""
     found = stretches(lambda A: exact_types(rig(CASES[1], amplitude=A, law="coulomb")), 2e-4, 8e-4)
-    return f"Along the amplitude, by the exact borders: {told(found, millimetres)}."
+    return f"Along the amplitude, by the exact borders: {in_words(found, millimetres)}."
 
 
 def always_periodic(study: Study) -> Claim:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.borders import exact_types, stretches, told
+from stickslip.paper.borders import exact_types, in_words, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
 from stickslip.paper.claims_page import CONFIRMED, Claim, Part, Study, verdict
 from stickslip.paper.solved_runs import batch
@@ -90,7 +90,7 @@ def only_three_and_four(study: Study) -> Claim:
                 f"A = {millimetres(A)}",
                 verdict(ok),
                 f"exact: {', '.join(f'{t} at {m:g}' for m, t in at.items())} (LuGre labels: {listed(words)}); from 0.05 to 0.21: "
-                f"{told(stretches(_along_mu0(A), 0.05, 0.21), _six)}",
+                f"{in_words(stretches(_along_mu0(A), 0.05, 0.21), _six)}",
             )
         )
     return Claim(
@@ -154,9 +154,9 @@ def all_types_by_kinetic(study: Study) -> Claim:
         verdict(len(types) < 4),
         (
             f"It does, at the inferred amplitude of {millimetres(AMPLITUDE_5, 1)} too: along μ₀, from tan 1.7° = {plain(low, 6)} on, the "
-            f"exact type is {told(found, _six)} (to {high:g})."
+            f"exact type is {in_words(found, _six)} (to {high:g})."
             if len(types) == 4
-            else f"Along μ₀ the exact type is {told(found, _six)}: {len(types)} of the four.",
+            else f"Along μ₀ the exact type is {in_words(found, _six)}: {len(types)} of the four.",
             f"The borders are closed formulas; at {agree} of {len(dense)} coefficients the exact solver gives the same type.",
             f"Figures 22 to 26 show {listed(figures)}.",
             _where(A, all_four),

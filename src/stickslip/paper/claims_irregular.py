@@ -127,7 +127,7 @@ def period_two(study: Study) -> Claim:
             f"from 10⁻⁶ to 10⁻¹⁰; mean velocity {speed(ours[-1][1], 8)}.",
             f"By continuation of its orbit the motion of period two is stable from {found.low.text()} mm, where it {found.low.why}, to "
             f"{found.high.text()} mm, where it {found.high.why} ({_sure(found)}).",
-            f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(near.flips_told)}.",
+            f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(near.rounded_flips)}.",
             f"On the map of {near.grid.period.size} pairs of μ₀ (0.03 to 0.21) and A (0.25 to 0.95 mm) "
             f"{percent(near.shares['period 2'])} have period two, {percent(near.shares['higher periods'])} a higher one, and "
             f"{percent(near.shares['chaotic'])} are chaotic: small kinetic friction does give more than the four types.",

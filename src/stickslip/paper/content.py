@@ -99,7 +99,7 @@ def _around(found: Any) -> dict[str, Any]:
     return {
         "points": found.grid.period.size,
         "shares": [(name, percent(share)) for name, share in found.shares.items()],
-        "flips": listed(found.flips_told),
+        "flips": listed(found.rounded_flips),
         "largest": f"{plain(top['exponent'], 2)} ± {plain(top['error'], 1)}",
         "where": f"A = {millimetres(top['amplitude'], 3)}, μ₀ = {plain(top['mu0'], 3)}",
         "full": FULL,

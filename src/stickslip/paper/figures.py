@@ -186,7 +186,7 @@ def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, fl
         f"{speed(mean_velocity(run))}; exact Coulomb type {twin}."
     )
     scales = (" The body only stretches its bristles." if presliding else "") + (" Axes of its own scale." if own else "")
-    said = f" The paper: {case.said}." if case.said else ""
+    said = f" The paper: {case.statement}." if case.statement else ""
     _, scale = _scale(run)
     return render(
         folder,

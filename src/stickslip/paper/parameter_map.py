@@ -47,7 +47,7 @@ class Around:
     accuracies: tuple[float, ...]
 
     @property
-    def flips_told(self) -> list[str]:
+    def rounded_flips(self) -> list[str]:
         """The flips, to their certain digits."""
         from stickslip.dynamics.continuation.point_accuracy import certain
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
@@ -143,7 +143,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     >>> result.table[0].type  # doctest: +SKIP
     'I'
     """
-    begun, tell = time.perf_counter(), told_of_progress(progress, "reproduce") or _silent
+    begun, tell = time.perf_counter(), progress_callback(progress, "reproduce") or _silent
     folder = _folder(Path(out))
     runs = solve_all(tell)
     study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)
@@ -203,7 +203,9 @@ def _case(runs: Runs, case: Any, judged: Motion) -> dict[str, Any]:
     run, twin = runs.figures[case.figure], runs.twins[case.figure]
     told, exact = motion(run), motion(twin)
     return {
-        **{name: getattr(case, name) for name in ("figure", "section", "tilt_deg", "amplitude", "changes", "said", "amplitude_source")},
+        **{
+            name: getattr(case, name) for name in ("figure", "section", "tilt_deg", "amplitude", "changes", "statement", "amplitude_source")
+        },
         "lugre": {"mean_velocity": mean_velocity(run), "period": told.period, "word": told.type, "pattern": told.pattern},
         "coulomb": {"mean_velocity": mean_velocity(twin), "period": exact.period, "type": exact.type, "margin": exact.margin},
         "verdict": judged.as_data(),

@@ -56,7 +56,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
             x, values = across.values * right, one[quantity].values * up
             if quantity == "share":
                 ax.fill_between(x, one.share_low.values, one.share_high.values, color=colour, alpha=0.15, linewidth=0)
-            ax.plot(x, values, ".-", color=colour, markersize=4, label=_told(one))
+            ax.plot(x, values, ".-", color=colour, markersize=4, label=_text(one))
             wild = one.period.values == 0
             ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
         ax.set_xlabel(labelled(across, side))
@@ -65,7 +65,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     return ax
 
 
-def _told(one: Any) -> str:
+def _text(one: Any) -> str:
     """An attractor by its number and its periods."""
     periods = sorted({int(p) for p in one.period.values if p >= 0}, key=lambda p: (p == 0, p))
     words = ", ".join(str(p) if p else "none" for p in periods)

@@ -126,7 +126,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
             ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
         ax.set_xlabel(labelled(found.map[across], side))
         ax.set_ylabel(labelled(found.map[upward], mark))
-        handles: list[Any] = [Patch(color=paints[k + 1], label=_told(a)) for k, a in enumerate(found.attractors)]
+        handles: list[Any] = [Patch(color=paints[k + 1], label=_text(a)) for k, a in enumerate(found.attractors)]
         for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
             handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []
         legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
@@ -142,7 +142,7 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
     return many
 
 
-def _told(attractor: Any) -> str:
+def _text(attractor: Any) -> str:
     """An attractor by its mean velocity, or its period where it makes no way, and its share."""
     period = f"period {attractor.period}" if attractor.period else "no period"
     way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else period

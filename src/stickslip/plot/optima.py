@@ -88,7 +88,7 @@ def _cuts(found: Any, ax: Any) -> Any:
         way, number, values, kept = found.cuts[name]
         x, line = right * (number if alone else way), {"color": COLOURS[i % 7], "linestyle": DASHES[i % 7]}
         beyond = _beyond(kept == 0.0)
-        ax.plot(x, np.where(kept, factor * values, np.nan), linewidth=1.6, label=None if alone else _told(found, name), zorder=3, **line)
+        ax.plot(x, np.where(kept, factor * values, np.nan), linewidth=1.6, label=None if alone else _text(found, name), zorder=3, **line)
         ax.plot(x, np.where(beyond, factor * values, np.nan), linewidth=0.6, zorder=2, **line)
         ax.plot(np.interp(_best(found, name), number, x), best * factor, color=COLOURS[i % 7], zorder=8, **_STAR)
         if alone and beyond.any():
@@ -111,7 +111,7 @@ def _across(found: Any, name: str) -> tuple[float, str]:
     return factor, named(label, pretty_unit(unit), letter)
 
 
-def _told(found: Any, name: str) -> str:
+def _text(found: Any, name: str) -> str:
     """A number with its best value and its bounds."""
     unit = (axis_of(name, found.model) or ("", "1"))[1]
     low, high = found.search.over[name]

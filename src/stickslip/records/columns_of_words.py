@@ -19,7 +19,7 @@ class Wordless:
     """Lines without their columns of words, and what was left out."""
 
     lines: list[str]
-    said: str
+    remark: str
 
 
 def without_words(lines: list[str], separator: str | None) -> Wordless | None:

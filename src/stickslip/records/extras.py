@@ -18,7 +18,7 @@ from stickslip.unpacking import Allowance
 
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 
-__all__ = ["damage_told", "library", "parse_tdms"]
+__all__ = ["damage_reported", "library", "parse_tdms"]
 
 
 def library(name: str, what: str) -> Any:
@@ -27,7 +27,7 @@ def library(name: str, what: str) -> Any:
 
 
 @contextlib.contextmanager
-def damage_told(what: str) -> Iterator[None]:
+def damage_reported(what: str) -> Iterator[None]:
     """Whatever goes wrong inside is said of the file, which is damaged: a damaged file meets a library at any place."""
     try:
         yield
@@ -41,7 +41,7 @@ def damage_told(what: str) -> Iterator[None]:
 def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
     """The channels of a TDMS file, each over the time that its properties give."""
     nptdms, raw = library("nptdms", "TDMS"), Raw("TDMS")
-    with damage_told("TDMS"):
+    with damage_reported("TDMS"):
         with _heard("nptdms", raw.notes):
             _check_declared(nptdms.TdmsFile.read_metadata(io.BytesIO(data)), allowance)
             file = nptdms.TdmsFile.read(io.BytesIO(data))

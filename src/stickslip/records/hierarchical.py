@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip import hdf5
 from stickslip.errors import InputError
-from stickslip.records.extras import damage_told
+from stickslip.records.extras import damage_reported
 from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
@@ -23,7 +23,7 @@ _DEEPEST = 8  # groups within groups
 def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
     raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
-    with damage_told(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
+    with damage_reported(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
         told = hdf5.attributes(file, allowance, len(data))
         if "_NCProperties" in told:
             raw.format = "netCDF4"
@@ -127,7 +127,7 @@ def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:
     from scipy.io import netcdf_file
 
     raw, watched = Raw("netCDF3", table=True), _Watched(data, allowance)
-    with damage_told("netCDF"), netcdf_file(watched, "r", mmap=False) as file:
+    with damage_reported("netCDF"), netcdf_file(watched, "r", mmap=False) as file:
         for name, variable in file.variables.items():
             unit = getattr(variable, "units", None)
             values = np.array(variable[:], float) if variable.shape else np.array(float(variable.getValue()))

@@ -11,7 +11,7 @@ from xml.parsers import expat
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.extras import damage_told, library
+from stickslip.records.extras import damage_reported, library
 from stickslip.records.raw import Column, Raw
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
@@ -26,7 +26,7 @@ _Row = tuple[Any, ...]
 def parse_xlsx(data: bytes, allowance: Allowance) -> Raw:
     """The table on the first sheet of an Excel file."""
     openpyxl, raw = library("openpyxl", "XLSX"), Raw("XLSX", table=True)
-    with damage_told("XLSX"):
+    with damage_reported("XLSX"):
         _check_archive(data, allowance)
         with warnings.catch_warnings(action="ignore"):  # of styles and the like, which are not read
             book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)

@@ -79,7 +79,7 @@ def _table(lines: list[str], separator: str | None, decimal: str | None, notes: 
         kept = without_words(lines, separator)
         if kept is None:
             raise error from None
-        notes.append(f"{kept.said}: words are not read")
+        notes.append(f"{kept.remark}: words are not read")
         return _numbered(kept.lines, separator, decimal, notes)
 
 

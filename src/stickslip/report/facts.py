@@ -104,7 +104,7 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
 
     law = machine_of(run.model).law_names
     found = [
-        ("machine", f"{type(run.model).__name__} with {run.pieces.layout.says}" + (f", {law} friction" if law else "")),
+        ("machine", f"{type(run.model).__name__} with {run.pieces.layout.description}" + (f", {law} friction" if law else "")),
         (f"mean velocity of {_whose(run.model)}", millimetres(mean_of(run), model=run.model)),
     ]
     if run.model.period is not None:

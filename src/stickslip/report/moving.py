@@ -107,7 +107,7 @@ def _start(mechanics: Any, name: str) -> tuple[float, int]:
 def _standing_on(mechanics: Any) -> dict[str, str | None]:
     """For each body the one on the track above which it is drawn; None for those on the track."""
     on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
-    joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.told]] + [stop.ends for stop in mechanics.stops]
+    joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.prescribed]] + [stop.ends for stop in mechanics.stops]
     joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
     found: dict[str, str | None] = dict.fromkeys(on_track)
     for _ in mechanics.bodies:
@@ -148,7 +148,7 @@ def _links(model: Any) -> list[list[int]]:
         return []
     mechanics: Any = machine.mechanics
     number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
-    joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.told]
+    joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.prescribed]
     return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in mechanics.model.links()]
 
 

@@ -78,7 +78,7 @@ def _borders(found: Any) -> tuple[str, Any, list[Any]]:
     for border in found.borders:
         ends = [", ".join(f"{v:.6g}" for v in border.values[k]) for k in (0, -1)]
         worst = max(max(pair) for pair in border.accuracy)
-        rows.append((border.kind, border.told, ends[0], ends[1], f"{worst:.1g}", "; ".join(dict.fromkeys(border.ended))))
+        rows.append((border.kind, border.change, ends[0], ends[1], f"{worst:.1g}", "; ".join(dict.fromkeys(border.ended))))
     return "Borders that were followed in both numbers.", ("kind", "what changes", "from", "to", "accuracy", "ends"), rows
 
 

@@ -69,7 +69,7 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _told(value: Any, unit: str = "") -> str:
+def _text(value: Any, unit: str = "") -> str:
     """A number with its unit; a dash where there is none."""
     missing = value is None or not isfinite(float(value))
     return "–" if missing else f"{float(value):.7g} {unit}".rstrip().replace("-", "−")
@@ -95,7 +95,7 @@ def _gains(best: Any) -> tuple[str, Any, list[Any]]:
             if before and isfinite(before) and isfinite(after)
             else "–"
         )
-        rows.append((_words(name), _told(before, unit_of_result(name, best.model)), _told(after, unit_of_result(name, best.model)), change))
+        rows.append((_words(name), _text(before, unit_of_result(name, best.model)), _text(after, unit_of_result(name, best.model)), change))
     return "Gain and cost.", ("", "as given", "best", "change"), rows
 
 
@@ -107,7 +107,7 @@ def _varied(best: Any) -> tuple[str, Any, list[Any]]:
         if isinstance(what, tuple):
             at = "at a bound" if name in best.active else ""
             value = next(now[leaf] for leaf in now if _named(leaf, name))
-            rows.append((name, _within(what, unit_in(name, best.model)), _told(value, unit_in(name, best.model)), at))
+            rows.append((name, _within(what, unit_in(name, best.model)), _text(value, unit_in(name, best.model)), at))
         else:
             rows.append((name, f"a waveform of {what.count} ({what.kind})", "its numbers stand below", ""))
     numbers = len(own)
@@ -126,9 +126,9 @@ def _limits(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     rows = [
         (
             _words(name),
-            _told(low, unit_of_result(name, best.model)),
-            _told(high, unit_of_result(name, best.model)),
-            _told(best.values.get(name), unit_of_result(name, best.model)),
+            _text(low, unit_of_result(name, best.model)),
+            _text(high, unit_of_result(name, best.model)),
+            _text(best.values.get(name), unit_of_result(name, best.model)),
             "reached" if name in best.active else "",
         )
         for name, (low, high) in best.search.subject_to.items()
@@ -142,7 +142,7 @@ def _uncertain(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
     rows = [(name, f"{' '.join(map(str, spread))} {unit_in(name, best.model)}".rstrip()) for name, spread in best.search.robust.items()]
     yield (
-        f"Numbers that are not known exactly. What counted is {counted}: {_told(best.robust, unit_of_result(best.of, best.model))}.",
+        f"Numbers that are not known exactly. What counted is {counted}: {_text(best.robust, unit_of_result(best.of, best.model))}.",
         ("number", "distribution"),
         rows,
     )
@@ -157,9 +157,9 @@ def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     rows = [
         (
             name,
-            _told(own[name], unit_in(name, best.model)),
-            _told(found[name], _per(unit, unit_in(name, best.model))),
-            _told(effects[name], unit),
+            _text(own[name], unit_in(name, best.model)),
+            _text(found[name], _per(unit, unit_in(name, best.model))),
+            _text(effects[name], unit),
             "one side, see the remarks" if name in one_sided else "",
         )
         for name in order

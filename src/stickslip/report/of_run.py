@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.fields import leaves, told_by_field
+from stickslip.fields import field_description, leaves
 from stickslip.machine_adapter import machine_of
 from stickslip.quantities import axis_in, pretty_unit
 from stickslip.report.charts import Figure, chart_library
@@ -115,7 +115,7 @@ def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: boo
 
 def numbers_of(model: Any) -> list[tuple[str, str, str]]:
     """The same of any machine, as its fields describe them."""
-    return numbers((name, value, axis_in(told_by_field(model, name))) for name, value in leaves(model))
+    return numbers((name, value, axis_in(field_description(model, name))) for name, value in leaves(model))
 
 
 def _toml(run: Any) -> str:

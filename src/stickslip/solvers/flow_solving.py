@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, labels_of, numbers_by_name, spread
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.engine.texts import recurrence
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import number
@@ -60,7 +60,7 @@ def solve(
     asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options)
     if asked.keep == "trajectory":
         return _run(asked, start)
-    return _summary(asked, told_of_progress(progress, "solve"))
+    return _summary(asked, progress_callback(progress, "solve"))
 
 
 def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> Asked:

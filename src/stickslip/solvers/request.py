@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, labels_of, spread
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
@@ -91,7 +91,7 @@ def request(
     _check_names(labels, keep, method, options, problems)
     states = _start_states(model, labels, start, problems)
     problems.check()
-    progress = told_of_progress(progress, "solve")
+    progress = progress_callback(progress, "solve")
     keep = keep or ("summary" if labels.shape else "trajectory")
     observed = checked("solve", observe, VARIABLES)
     if observed and keep == "trajectory":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.fields import told_by_field
+from stickslip.fields import field_description
 from stickslip.jsontext import plain
 from stickslip.machine_adapter import machine_of
 from stickslip.naming import axis_of
@@ -95,7 +95,7 @@ def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]
     """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
     found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
     if plan.sample is not None:
-        found |= {name: axis_in(told_by_field(plan.sample[0], name)) for name in numbers}
+        found |= {name: axis_in(field_description(plan.sample[0], name)) for name in numbers}
     return {name: axis for name, axis in found.items() if axis}
 
 
@@ -126,7 +126,7 @@ def about(plan: Plan) -> dict[str, dict[str, str]]:
     """Units and meanings of a user's own columns."""
     observe = plan.options.get("observe") or {}
     units = {name: _slope_unit(plan, each) if each.unit is None else each.unit for name, each in observe.items()}
-    return {name: {"units": units[name], "long_name": each.says} for name, each in observe.items()}
+    return {name: {"units": units[name], "long_name": each.meaning} for name, each in observe.items()}
 
 
 def _slope_unit(plan: Plan, slope: Derived) -> str:

@@ -63,7 +63,7 @@ def _robot(plan: Plan) -> str:
     if plan.sample is None:
         return "none"
     parts = list(leaves(plan.sample[0], kinds=True))
-    told = [[name, _told(_first(value))] for name, value in parts]
+    told = [[name, _text(_first(value))] for name, value in parts]
     things = [plan.make, *(thing for _, value in parts if not is_array(value) for thing in _within(value))]
     foreign = dict.fromkeys(part for thing in things for part in _parts_of(thing) if not _known(part))
     return digest(told + [_source(part) for part in foreign])
@@ -83,14 +83,14 @@ def _first(value: Any) -> Any:
     return np.asarray(value).ravel()[0] if is_array(value) else value
 
 
-def _told(value: Any) -> str:
+def _text(value: Any) -> str:
     """A value as text that is the same in every process."""
     if isinstance(value, type) or inspect.isroutine(value):
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, (list, tuple)):
-        return str([_told(item) for item in value])
+        return str([_text(item) for item in value])
     if type(value).__repr__ is object.__repr__:  # which says an address
-        return f"{_told(type(value))} {sorted(vars(value).items()) if hasattr(value, '__dict__') else ''}"
+        return f"{_text(type(value))} {sorted(vars(value).items()) if hasattr(value, '__dict__') else ''}"
     return str(value)
 
 

@@ -115,7 +115,7 @@ class _Tiled(BackendArray):
     """One column of a study as an array that reads its tiles."""
 
     def __init__(self, folder: Path, told: dict[str, Any], name: str):
-        self.folder, self.told, self.name = folder, told, name
+        self.folder, self.manifest, self.name = folder, told, name
         self.parts = told.get("parts", {})
         dim = dim_of(name, self.parts)
         self.cases = tuple(told["shape"])
@@ -137,11 +137,11 @@ class _Tiled(BackendArray):
 
     def _values(self, flat: Array) -> Array:
         """Values of some cases, given by their numbers."""
-        each = max(int(self.told["cases_per_tile"]), 1)
+        each = max(int(self.manifest["cases_per_tile"]), 1)
         names = part_columns(self.name, self.parts)
         result, tiles = np.empty((len(flat), *self.shape[len(self.cases) :]), self.dtype), flat // each
         for k in np.unique(tiles):
             at = np.flatnonzero(tiles == k)
-            found = read_tile(self.folder, self.told, int(k), [*names])
+            found = read_tile(self.folder, self.manifest, int(k), [*names])
             result[at] = stacked(self.name, found, self.parts)[flat[at] - k * each]
         return result

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.callbacks import told_of_progress
+from stickslip.callbacks import progress_callback
 from stickslip.status import STATUS
 
 __all__ = ["Bar", "Lines", "Progress", "Watch"]
@@ -81,7 +81,7 @@ class Watch:
     """Counts what tiles and threads report and tells the callback, at most ten times a second; remembers that it said stop."""
 
     def __init__(self, cases: int, callback: Callable[[Progress], Any] | bool | None):
-        self.cases, self.callback, self.stopped = cases, told_of_progress(callback, "progress"), False
+        self.cases, self.callback, self.stopped = cases, progress_callback(callback, "progress"), False
         self._begun: dict[int, int] = {}
         self._statuses: dict[str, int] = {}
         self._finished, self._resumed, self._began, self._told = 0, 0, time.monotonic(), 0.0

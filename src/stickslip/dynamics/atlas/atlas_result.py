@@ -137,14 +137,14 @@ class Atlas(Drawn):
 
     @cached_property
     def special(self) -> xr.Dataset:
-        """The special points as an `xarray.Dataset` over ``point``: the two numbers, their accuracy, kind, told, stable."""
+        """The special points as an `xarray.Dataset` over ``point``: the two numbers, their accuracy, kind, change, stable."""
         import xarray as xr
 
         columns: dict[str, Any] = {}
         for i, name in enumerate(self.parameters):
             columns[name] = ("point", [s.values[i] for s in self.found], self.plane.family.describe(name))
             columns[f"{name}_accuracy"] = ("point", [s.accuracy[i] for s in self.found])
-        for name in ("kind", "told", "stable"):
+        for name in ("kind", "change", "stable"):
             columns[name] = ("point", [getattr(s, name) for s in self.found])
         return xr.Dataset(columns)
 
@@ -234,7 +234,7 @@ class Atlas(Drawn):
     def rows(self) -> list[tuple[str, ...]]:
         """The special points as text, with their certain digits."""
         return [
-            (s.kind, *(certain(v, e) for v, e in zip(s.values, s.accuracy, strict=True)), f"{max(s.accuracy):.1g}", s.told)
+            (s.kind, *(certain(v, e) for v, e in zip(s.values, s.accuracy, strict=True)), f"{max(s.accuracy):.1g}", s.change)
             for s in self.found
         ]
 

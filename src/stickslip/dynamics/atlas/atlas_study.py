@@ -135,7 +135,7 @@ def _outcome_of(found: dict[str, Any]) -> Outcome:
     branch = found["branch"] and FollowedBranch(**{**found["branch"], **{name: tuple(found["branch"][name]) for name in columns}})
     borders = tuple(
         Border(
-            row["kind"], tuple(map(tuple, row["values"])), tuple(map(tuple, row["accuracy"])), row["told"],
+            row["kind"], tuple(map(tuple, row["values"])), tuple(map(tuple, row["accuracy"])), row["change"],
             tuple(map(_special_of, row["special"])), tuple(row["ended"]),
         )
         for row in found["borders"]

@@ -35,7 +35,7 @@ class PointOfBorder:
         The two numbers there.
     accuracy : (float, float)
         By how much each may be wrong; 0 of the number at which a branch was followed.
-    told : str
+    change : str
         What changes there.
     stable : bool
         Whether the motion beside it attracts, so that what changes there can be seen.
@@ -44,12 +44,12 @@ class PointOfBorder:
     kind: str
     values: tuple[float, float]
     accuracy: tuple[float, float]
-    told: str = ""
+    change: str = ""
     stable: bool = True
 
     def __repr__(self) -> str:
         at = ", ".join(certain(value, unsure) for value, unsure in zip(self.values, self.accuracy, strict=True))
-        return f"<{self.kind} at ({at}), accuracy {max(self.accuracy):.1g}{f': {self.told}' if self.told else ''}>"
+        return f"<{self.kind} at ({at}), accuracy {max(self.accuracy):.1g}{f': {self.change}' if self.change else ''}>"
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Border:
         Its points in order.
     accuracy : tuple of (float, float)
         By how much they may be wrong, across the curve.
-    told : str
+    change : str
         What changes there.
     special : tuple of PointOfBorder
         Where it meets another border.
@@ -75,7 +75,7 @@ class Border:
     kind: str
     values: tuple[tuple[float, float], ...]
     accuracy: tuple[tuple[float, float], ...]
-    told: str
+    change: str
     special: tuple[PointOfBorder, ...]
     ended: tuple[str, ...]
 
@@ -84,7 +84,7 @@ class Border:
         return float(np.min(np.linalg.norm((smooth(np.array(self.values)) - values) / spans, axis=1)))
 
     def __repr__(self) -> str:
-        return f"<Border: {self.kind}, {len(self.values)} points{f', {self.told}' if self.told else ''}>"
+        return f"<Border: {self.kind}, {len(self.values)} points{f', {self.change}' if self.change else ''}>"
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOf
             period=seed.motion.period, guess=np.array(seed.motion.state), step=_LONG if short else _USUAL, **fixed,
         )  # fmt: skip
     except (SolveError, InputError) as error:
-        return Outcome(refused=(f"{change.told}: {seed.motion.word} could not be followed: {_reason(error)}",))
+        return Outcome(refused=(f"{change.words}: {seed.motion.word} could not be followed: {_reason(error)}",))
     points = [_point(seed, special, other, branch) for special in branch.special]
     borders, refused = [], []
     low, high = change.range(plane)
@@ -202,7 +202,7 @@ def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve
     ]
     rows, errors = (tuple((float(p), float(q)) for p, q in table) for table in (values, unsure))
     ended = tuple(way.ended for way in ways)
-    return Border(last.kind, rows, errors, point.told, tuple(met), ended)
+    return Border(last.kind, rows, errors, point.change, tuple(met), ended)
 
 
 def _reason(error: Exception) -> str:

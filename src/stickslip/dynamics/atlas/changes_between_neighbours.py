@@ -33,7 +33,7 @@ class Change(NamedTuple):
         return (i + 1, j) if self.axis == 0 else (i, j + 1)
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """What changes, in words."""
         before, after = (" + ".join(words) for words in sorted((self.before, self.after)))
         return f"{before} and {after}" if before and after else f"{before or after} and none of that name"

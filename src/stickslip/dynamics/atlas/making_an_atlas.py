@@ -210,19 +210,19 @@ class _Making:
         """Follow the motions of a change until one of them shows what is between the neighbours, and strike off what that explains."""
         seeds = seeds_of(self.plane, grid, change)
         if not seeds:
-            self.reasons[f"{change.told}: neither repeats, and only motions that repeat can be followed"] += 1
+            self.reasons[f"{change.words}: neither repeats, and only motions that repeat can be followed"] += 1
         for k, seed in enumerate(seeds):
             name = f"{change.axis}-{change.near[0]:04d}-{change.near[1]:04d}-{k}"
             outcome = self.study.outcome(name)
             if outcome is None:
                 known = [border for other in outcomes for border in other.borders]
                 new = partial(_is_new, self.plane, known)
-                outcome = followed(self.plane, seed, change, new, change.told in self.without_curve)
+                outcome = followed(self.plane, seed, change, new, change.words in self.without_curve)
                 self.study.keep_outcome(name, outcome)
             outcomes.append(outcome)
             self.reasons.update(outcome.refused)
             if outcome.refused and not outcome.borders:
-                self.without_curve.add(change.told)
+                self.without_curve.add(change.words)
             for done in explained_by(self.plane, outcome.borders, outcome.points, left):
                 left.remove(done)
             explained = bool(explained_by(self.plane, outcome.borders, outcome.points, [change]))
@@ -251,7 +251,7 @@ class _Making:
             )
         if followed == most:
             told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
-        places = Counter(change.told for change in left)
+        places = Counter(change.words for change in left)
         return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
 
 
@@ -276,7 +276,7 @@ def _next(left: list[Change]) -> Change:
     """The middle one of the changes that are most frequent."""
     kinds: dict[tuple[int, str], list[Change]] = {}
     for change in left:
-        kinds.setdefault((change.axis, change.told), []).append(change)
+        kinds.setdefault((change.axis, change.words), []).append(change)
     most = max(kinds.values(), key=len)
     return most[len(most) // 2]
 

@@ -12,7 +12,7 @@ from stickslip.batch import some_of
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
-from stickslip.dynamics.attractors.motion_features import told_apart
+from stickslip.dynamics.attractors.motion_features import numbered_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
@@ -120,7 +120,7 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     lost = np.bincount(owner, ~(good > 0), len(begun)).astype(int).tolist()
     for k in range(len(begun)):
         rows = np.flatnonzero(owner == k)
-        period, V, numbers = told_apart(T[rows], points[rows], ways[rows], good[rows], plane.at, look.rtol)
+        period, V, numbers = numbered_motions(T[rows], points[rows], ways[rows], good[rows], plane.at, look.rtol)
         own = [np.flatnonzero(numbers == n) for n in range(numbers.max() + 1)]
         found.append([(len(first) + i, int(period[m[0]]), float(V[m].mean()), len(m)) for i, m in enumerate(own)])
         first += [int(rows[m[0]]) for m in own]

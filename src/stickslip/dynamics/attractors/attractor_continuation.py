@@ -142,7 +142,7 @@ class _Along:
     def settled(self, model: Any, states: Array) -> tuple[Array, Array, Array]:
         return settled_points(spread_over(model, len(states)), states, self.settle, self.rtol, self.workers, None)
 
-    def told(self, model: Any, points: Array, ways: Array, good: Array) -> tuple[Features, Array]:
+    def numbered(self, model: Any, points: Array, ways: Array, good: Array) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""
         motions = features_of(float(model.period), points, ways, self.at, self.rtol)
         return motions, numbered(motions, good > 0)
@@ -153,10 +153,10 @@ def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
     model = along.robots.robot(float(along.values[k]))
     first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.found]
     whole = along.settled(model, np.vstack([*(track.state[None, :] for track in alive), first]))
-    motions, number = along.told(model, *whole)
+    motions, number = along.numbered(model, *whole)
     if len(_claims(motions, number[: len(alive)], [track.means for track in alive])) < len(alive):  # one ends, or the step was too long
         whole = _in_small_steps(along, k, alive, whole)
-        motions, number = along.told(model, *whole)
+        motions, number = along.numbered(model, *whole)
     carried, ours = number[: len(alive)], number[len(alive) :]
     lasting = [i for i, track in enumerate(alive) if not track.between]
     claims = _claims(motions, np.where(np.isin(np.arange(len(alive)), lasting), carried, -1), [track.means for track in alive])
@@ -195,7 +195,7 @@ def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Arr
         except InputError:
             return whole
         found = along.settled(model, states)
-        motions, number = along.told(model, *found)
+        motions, number = along.numbered(model, *found)
         lasting = np.array([not track.between for track in alive])
         kept = set(_claims(motions, np.where(lasting, number, -1), before).values())
         for i in set(np.flatnonzero(lasting).tolist()) - kept:

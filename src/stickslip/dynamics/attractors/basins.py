@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, state_attrs
-from stickslip.dynamics.attractors.motion_features import told_apart
+from stickslip.dynamics.attractors.motion_features import numbered_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -234,7 +234,7 @@ def settled_points(
 def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:
     import xarray as xr
 
-    period, V, number = told_apart(float(model.period), points, ways, good, at, rtol, by_phase)
+    period, V, number = numbered_motions(float(model.period), points, ways, good, at, rtol, by_phase)
     shape = tuple(len(axis) for axis in axes.values())
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity, whole_motions
 from stickslip.sealing import sealed
 
-__all__ = ["Features", "features_of", "numbered", "told_apart"]
+__all__ = ["Features", "features_of", "numbered", "numbered_motions"]
 
 Array = Any
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
@@ -67,7 +67,9 @@ def numbered(motions: Features, good: Array) -> Array:
     return number
 
 
-def told_apart(T: Any, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False) -> tuple[Array, Array, Array]:
+def numbered_motions(
+    T: Any, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False
+) -> tuple[Array, Array, Array]:
     """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
     motions = features_of(T, points, ways, at, rtol, by_phase)
     return np.where(good == UNDONE, UNDONE, motions.period), motions.mean_velocity, numbered(motions, good > 0)

@@ -164,7 +164,7 @@ class Branch(Drawn):
         >>> import stickslip as ss
         >>> pitchfork = ss.SwitchingFlow.of_map(lambda y, n: ((1 + n.p) * y[0] - y[0] ** 3,), {"p": -0.1}, ("x",))
         >>> b = ss.continuation(pitchfork, parameter="p", start=-0.1, stop=0.3, guess={"x": 0.0})
-        >>> [(s.kind, s.told) for s in b.special]
+        >>> [(s.kind, s.rounded) for s in b.special]
         [('branch-point', '0')]
         >>> other = b.switched()
         >>> bool(abs(other.values - [orbit.state[0] ** 2 for orbit in other.orbits]).max() < 1e-9)
@@ -183,10 +183,10 @@ class Branch(Drawn):
         return {"orbits": f"{len(self.orbits)}, {stable} of them stable", "ended": self.ended}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        return [[("special point", self.parameter), *((s.kind, s.told) for s in self.special)]] if self.special else []
+        return [[("special point", self.parameter), *((s.kind, s.rounded) for s in self.special)]] if self.special else []
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{s.kind} at {s.told}" for s in self.special) or "no special point"
+        told = "; ".join(f"{s.kind} at {s.rounded}" for s in self.special) or "no special point"
         return (
             f"<Branch: period {self.period}, {len(self.orbits)} points, "
             f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {told}; {self.ended}>"

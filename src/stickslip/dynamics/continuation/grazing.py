@@ -34,7 +34,7 @@ def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
     run, found = orbit.run, dict[str, tuple[float, float]]()
     span = float(run.model.period or orbit.duration)
     for touch in touches(run if is_flow(run.model) else run.parted, span, lambda what: what[0] in _TOUCHED):
-        least = touch.told()[1]
+        least = touch.extremum()[1]
         if touch.name not in found or abs(least) < abs(found[touch.name][0]):
             found[touch.name] = least, touch.size
     return found

@@ -143,7 +143,7 @@ class _Touching:
         apart, touch = min(near, key=lambda item: item[0], default=(np.inf, None))
         if touch is None or apart > _NEAR:
             return None
-        t, value = touch.told()
+        t, value = touch.extremum()
         return (t / whole) % 1.0, value
 
 
@@ -201,7 +201,7 @@ def _towards(path: Path, orbit: Any, u: Array, along: Array, away: float) -> lis
         apart, other = min(alike, key=lambda item: item[0], default=(np.inf, None))
         if other is None or apart > _NEAR:
             continue
-        (t, a), (_, b) = touch.told(), other.told()
+        (t, a), (_, b) = touch.extremum(), other.extremum()
         if abs(b) > _SMALL * touch.size and abs(a) < abs(b):
             seen.append(_Seen(abs(2 * a - b) / abs(b), touch, (t / length) % 1.0, (near, a), (far, b)))
     return seen

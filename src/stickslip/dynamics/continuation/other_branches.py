@@ -48,7 +48,9 @@ def doubled(branch: Any, flip: Special, low: float, high: float, step: float, po
         found = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
         if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
             return followed(path, path.point(found, direction), low, high, min(step, distance), points, branch.events)
-    raise SolveError(f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.told}: {found.why}")
+    raise SolveError(
+        f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.rounded}: {found.why}"
+    )
 
 
 def across(branch: Any, special: Special, low: float, high: float, step: float, points: int) -> Followed:
@@ -59,7 +61,7 @@ def across(branch: Any, special: Special, low: float, high: float, step: float, 
     here = crossing(path, origin, _along(path, branch, origin), path.remembered(orbit))
     beside = sides(path, here, here.other) if here else ()
     if here is None or not beside:
-        raise SolveError(f"no motion of the other branch was found beside the branch point at {branch.parameter} = {special.told}")
+        raise SolveError(f"no motion of the other branch was found beside the branch point at {branch.parameter} = {special.rounded}")
     found = [_side(path, first, low, high, step, points, branch.events) for first in reversed(beside)]
     middle = replace(here.point, tangent=here.other, orbit=orbit)
     back, ahead = found

@@ -62,12 +62,12 @@ class Special:
         return self.kind in _OF_STABILITY
 
     @property
-    def told(self) -> str:
+    def rounded(self) -> str:
         """The value, to its certain digits."""
         return certain(self.value, self.accuracy)
 
     def __repr__(self) -> str:
-        return f"<Special: {self.kind} at {self.told}, accuracy {self.accuracy:.1g}>"
+        return f"<Special: {self.kind} at {self.rounded}, accuracy {self.accuracy:.1g}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,9 @@ class Meeting:
         return iter((self.kind, self.values, self.orbit))
 
     @property
-    def told(self) -> str:
+    def rounded(self) -> str:
         """The two parameters, to their certain digits."""
         return f"({', '.join(map(certain, self.values, self.accuracy))})"
 
     def __repr__(self) -> str:
-        return f"<Meeting: {self.kind} at {self.told}>"
+        return f"<Meeting: {self.kind} at {self.rounded}>"

@@ -37,7 +37,7 @@ class Touch(NamedTuple):
     size: float
     function: Callable[[Array], Array]
 
-    def told(self) -> tuple[float, float]:
+    def extremum(self) -> tuple[float, float]:
         """The instant and the number there."""
         low, high = self.within
         if low == high:

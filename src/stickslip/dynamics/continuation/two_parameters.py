@@ -96,7 +96,7 @@ class Curve(Drawn):
         return {"kind": self.kind, "from": ends[0], "to": ends[1], "points": len(self.values), "ended": self.ended}
 
     def __repr__(self) -> str:
-        told = "".join(f"; {m.kind} at {m.told}" for m in self.special)
+        told = "".join(f"; {m.kind} at {m.rounded}" for m in self.special)
         return f"<Curve: {self.kind} in ({', '.join(self.parameters)}), {len(self.values)} points{told}; {self.ended}>"
 
 
@@ -144,7 +144,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
 
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.p + n.q * y[0] - y[0] ** 3,), {"p": -0.5, "q": 1.3}, ("x",))
     >>> b = ss.continuation(cubic, parameter="p", start=-0.5, stop=0.3, guess={"x": -0.9})
-    >>> [(met.kind, met.told) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
+    >>> [(met.kind, met.rounded) for met in ss.special_curve(b, b.special[1], "q", stop=0.5).special]
     [('cusp', '(0, 1)')]
 
     Where a bristle just does not slip back, in amplitude and friction:

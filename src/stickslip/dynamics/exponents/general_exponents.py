@@ -88,13 +88,13 @@ class Lyapunov(Drawn):
     _drawn_by = "convergence"
 
     @property
-    def told(self) -> str:
+    def rounded(self) -> str:
         """The exponents with their standard errors, rounded accordingly."""
         known = zip(self.spectrum.tolist(), self.errors.tolist(), strict=True)
         return ", ".join(f"{rounded(a, e)} ± {e:.1g}" if np.isfinite(a) else "−∞" for a, e in known) + f" per {self.unit}"
 
     def _facts(self) -> dict[str, Any]:
-        return {"exponents": self.told, "averaged over": f"{self.steps:g} {self.unit}s"}
+        return {"exponents": self.rounded, "averaged over": f"{self.steps:g} {self.unit}s"}
 
     def _remarks(self) -> list[str]:
         return [self.note] if self.note else []

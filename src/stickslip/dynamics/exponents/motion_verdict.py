@@ -63,8 +63,8 @@ class Verdict(Face):
 
     def _facts(self) -> dict[str, Any]:
         period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
-        rotation = {} if self.rotation is None else {"rotation number": f"{self.rotation.told} turns per drive period"}
-        return {"motion": self.kind, **period, **rotation, "exponents": self.exponents.told, "evidence": self.why}
+        rotation = {} if self.rotation is None else {"rotation number": f"{self.rotation.rounded} turns per drive period"}
+        return {"motion": self.kind, **period, **rotation, "exponents": self.exponents.rounded, "evidence": self.why}
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"

@@ -48,13 +48,13 @@ class Rotation:
     points: int
 
     @property
-    def told(self) -> str:
+    def rounded(self) -> str:
         """The value to the digits that are known, with its error."""
         places = int(np.clip(1 - np.floor(np.log10(self.error)), 1, 15)) if self.error > 0 else 15
         return f"{self.value:.{places}f} ± {self.error:.0e}"
 
     def __repr__(self) -> str:
-        return f"<Rotation: {self.told} turns per step, from {self.points} points>"
+        return f"<Rotation: {self.rounded} turns per step, from {self.points} points>"
 
 
 @explains_arguments
@@ -91,7 +91,7 @@ def rotation_number(points: Numbers) -> Rotation:
     >>> angles = [0.1]
     >>> for _ in range(1000):
     ...     angles.append(angles[-1] + 0.3 + 0.05 * np.sin(2 * np.pi * angles[-1]))
-    >>> ss.rotation_number(angles).told
+    >>> ss.rotation_number(angles).rounded
     '0.29713871144207 ± 3e-13'
     """
     x = _checked(points)
@@ -130,7 +130,7 @@ def rotation_of_strobe(model: Any, state: Array, rtol: float) -> tuple[Rotation 
         found = rotation_on_curve(points[:, [i, j]])
         if found is not None:
             told = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
-            return found, f"{told}, rotation number {found.told} turns per drive period, up to whole turns and its sense"
+            return found, f"{told}, rotation number {found.rounded} turns per drive period, up to whole turns and its sense"
     return None, "no two numbers of its strobe state show one closed curve: it has more than two frequencies, or its curve is folded"
 
 

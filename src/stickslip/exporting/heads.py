@@ -1,4 +1,4 @@
-"""What the head of an exported law says: which law, units, signs, and how its step is made."""
+"""The head of an exported law: which law, units, signs, and how its step is made."""
 
 from __future__ import annotations
 
