@@ -9,7 +9,10 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["progress_callback"]
+__all__ = ["Reported", "progress_callback", "reporting"]
+
+#: What takes the progress of work: (what, done, in all); False stops the work.
+Reported = Callable[[str, int, int], Any]
 
 PAUSE = 5.0  # between two lines where nobody watches [s]
 
@@ -45,6 +48,19 @@ def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
         return progress
     allowed = "a function that is called as the work goes on, True for a line on the terminal, or None"
     raise InputError(what, [f"progress = {progress!r}; allowed is {allowed}; type progress=True"])
+
+
+def reporting(progress: Any, what: str) -> Reported:
+    """The same as a function that may always be called: with what was done last, how much is done, and how much there is.
+
+    Examples
+    --------
+    >>> reporting(None, "continuation")("amplitude = 4e-4", 3, 400)
+    >>> reporting(lambda *state: print(state), "continuation")("amplitude = 4e-4", 3, 400)
+    ('amplitude = 4e-4', 3, 400)
+    """
+    call = progress_callback(progress, what)
+    return (lambda *state: None) if call is None else call
 
 
 def _is_watched(out: Any) -> bool:

@@ -219,12 +219,39 @@ def test_a_misspelt_argument_of_a_preset_is_told():
     says(lambda: ss.presets.coulomb_robot(0.5), "alpha_minus is missing")
 
 
+def double_well(t, y, n):
+    return y[1], y[0] - y[0] ** 3 - n.d * y[1] + n.F * ss.maths.cos(t)
+
+
+DUFFING = ss.SwitchingFlow({0: double_well}, {}, 2 * ss.maths.pi, {"d": 0.5, "F": 0.1}, ("x", "v"))
+
+
+def branch(**more):
+    steps = dict(start=3.6e-4, stop=3.8e-4, step=0.2)
+    return ss.continuation(ss.presets.piezo_rig, parameter="amplitude", tilt_deg=1.7, mu0=0.18, law="coulomb", **steps, **more)
+
+
+def test_a_branch_stops_when_its_progress_says_so():
+    seen = []
+    whole = branch(progress=lambda *state: seen.append(state))
+    assert seen[0][1:] == (2, 400) and seen[-1] == (whole.ended, len(whole.values), len(whole.values))
+    assert [done for _, done, _ in seen] == [*range(2, len(whole.values) + 1), len(whole.values)]
+    short = branch(progress=lambda what, done, most: done < 3)
+    assert short.ended == "it was stopped by progress" and len(short.values) == 3
+
+
 def test_progress_means_one_thing_everywhere(capsys):
+    whole, record = branch(), ss.virtual_rig(rig(law="coulomb"), noise=1e-4, seed=1)
     calls = [
         lambda p: ss.solve(rig(amplitude=[5e-4, 6e-4]), periods=3, progress=p),
         lambda p: ss.sweep(ss.presets.piezo_rig, amplitude=[5e-4, 6e-4], tilt_deg=1.7, law="coulomb", periods=3, progress=p),
         lambda p: ss.bench(ss.Coulomb(0.15, 0.2), experiments=["steady"], progress=p),
         lambda p: ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=[5e-4, 6e-4], tilt_deg=1.7, law="coulomb", progress=p),
+        lambda p: branch(progress=p),
+        lambda p: ss.special_curve(whole, whole.special[0], "mu0", stop=0.185, progress=p),
+        lambda p: ss.propagate(rig(law="coulomb"), uncertain={"friction.mu_plus": (0.15, "3%")}, samples=4, progress=p),
+        lambda p: ss.compare(record, rig(law="coulomb"), laws=["coulomb"], progress=p),
+        lambda p: ss.edge_state(DUFFING, {"x": -1.0}, {"x": 1.0}, progress=p),
     ]
     for call in calls:
         for progress in (True, False, None, lambda *now: None):

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin, motion
 from stickslip.arguments import Law, Measured, Model, explains_arguments
+from stickslip.callbacks import Reported, reporting
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.faces import Drawn, Text
 from stickslip.friction import LAWS
@@ -154,6 +155,7 @@ def compare(
     noise: float | None = None,
     settle: int | str = "auto",
     rtol: float = 1e-8,
+    progress: Reported | bool | None = None,
 ) -> Comparison:
     """Compare a record with several friction laws for one robot: curves aligned in phase, mean velocities, rms, events and motion types.
 
@@ -176,6 +178,8 @@ def compare(
         Drive periods at the start of the record that are left out; "auto" finds those that differ from the later ones, and a note says so.
     rtol : float
         Relative tolerance of the solver.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (law, laws done, in all).
 
     Returns
     -------
@@ -193,7 +197,11 @@ def compare(
     whole = record
     record, _, said = settled(record, settle, frequency)
     seen = target(record, using, noise, frequency, "record", 0)
-    curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
+    curves, report = {}, reporting(progress, "compare")
+    for done, (label, model) in enumerate(robots.items()):
+        report(label, done, len(robots))
+        curves[label] = steady_curve(model, None, rtol)
+    report("all laws", len(robots), len(robots))
     shifts = {label: best_phase(seen, curve) for label, curve in curves.items()}
     rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label

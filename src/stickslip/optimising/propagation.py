@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
+from stickslip.callbacks import progress_callback
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import Problems
 from stickslip.faces import Drawn, rounded, sure
@@ -144,6 +146,7 @@ def propagate(
     seed: int = 0,
     workers: int = 1,
     indices: bool = False,
+    progress: Callable[[int, int], Any] | bool | None = None,
 ) -> Propagated:
     """Propagate uncertain numbers to a result of the steady motion from rest, and rank their influence.
 
@@ -167,6 +170,8 @@ def propagate(
     indices : bool
         Whether to compute Sobol indices of the numbers, which must be independent; n numbers need n + 2 times as many cases (Saltelli
         2010).
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (cases done, in all).
 
     Returns
     -------
@@ -208,8 +213,9 @@ def propagate(
         )
     problems.check()
     assert spread is not None
+    watch = progress_callback(progress, "propagate")
     u = _designed(len(spread.names), samples, int(seed), indices)
-    values = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers)).reshape(u.shape[1:])
+    values = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch).reshape(u.shape[1:])
     found, notes = _indices(spread.names, values, int(seed)) if indices else (None, [])
     kept = values[:2] if indices else values  # the other rows of a design for indices are mixtures of the first two
     inputs = spread.inputs(u[:, : len(kept)].reshape(len(u), -1))
@@ -227,11 +233,11 @@ def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
     return np.concatenate([A[:, None], B[:, None], mixed], axis=1)
 
 
-def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1) -> Array:
+def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None) -> Array:
     """A result for each case of a sample."""
     check_sample("propagate", model, sample)
     machines, cases = sampled(model, 1, sample)
-    return results_of(machines, cases, workers)[of]
+    return results_of(machines, cases, workers, watch=watch)[of]
 
 
 def _swings(model: Any, spread: Spread, of: str) -> dict[str, tuple[float, float]]:

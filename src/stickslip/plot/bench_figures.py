@@ -185,7 +185,7 @@ def _sparse(ax: Any, experiment: Any) -> None:
     ):  # fmt: skip
         axis.set_major_locator(LogLocator(numticks=3) if log else MaxNLocator(nbins=3))
         axis.set_minor_formatter(NullFormatter())
-        axis.set_major_formatter(_in_units(EngFormatter(unit, sep=""), factor))
+        axis.set_major_formatter(_in_units(EngFormatter(unit, sep="\N{THIN SPACE}"), factor))
 
 
 def _in_units(formatter: Any, factor: float) -> Any:

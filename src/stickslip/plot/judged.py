@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ Plan = Annotated[Any, Kind(lambda v: hasattr(v, "experiments") and hasattr(v, "t
 _SAME = 1e-17  # of the answer: where a difference of 0 is drawn
 _APART = 4.0  # difference of AICc below which data do not tell two laws apart
 _TOLD = 25.0  # per cent: a parameter with a smaller error is determined
+_ACROSS = 26  # letters of an experiment in a line
 _SHOWN = 8  # experiments
 _LEAST, _MOST = 1e-3, 1e3  # per cent, between which errors are drawn
 
@@ -121,7 +123,7 @@ def ranking(found: Ranks, ax: Ax = None) -> Any:
         name_rows(ax, [row.label for row in laws])
         ax.set_ylim(-0.6, len(laws) - 0.4)
         ax.set_xlabel("ΔAICc above the best law")
-        legend_above(ax, ncols=4, columnspacing=1.0, handlelength=1.2)
+        legend_above(ax, ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
 
 
@@ -148,11 +150,12 @@ def design(found: Plan, ax: Ax = None) -> Any:
     >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
     ...                  noise=1e-3, samples=200, tilt_deg=1.7)
     >>> ss.plot.design(plan).get_xlabel()
-    'expected standard error (% of the value)'
+    'expected error (% of the value)'
     """
     shown = list(reversed(found.experiments[:_SHOWN]))
     with publication():
-        ax = axes(ax, 1.0 + 0.26 * len(shown))
+        rows = [textwrap.fill(e.words, _ACROSS) for e in shown]
+        ax = axes(ax, 1.0 + 0.26 * len(shown) + 0.13 * sum(row.count("\n") for row in rows))
         ax.axvspan(_LEAST / 10, _TOLD, color=SHADE, linewidth=0, zorder=0, label="determined")
         everything: list[float] = []
         for k, (name, value) in enumerate(found.values.items()):
@@ -163,8 +166,8 @@ def design(found: Plan, ax: Ax = None) -> Any:
             ax.plot(x, range(len(shown)), marker, color=COLOURS[k % 7], markersize=4.5, label=name, linewidth=0, zorder=3, clip_on=False)
         ax.set_xscale("log")
         ax.set_xlim(0.5 * min(everything), max(2 * max(everything), 2 * _TOLD) if max(everything) < _MOST else _MOST)
-        name_rows(ax, [e.words for e in shown])
+        name_rows(ax, rows)
         ax.set_ylim(-0.6, len(shown) - 0.4)
-        ax.set_xlabel("expected standard error (% of the value)")
-        legend_above(ax, ncols=4, columnspacing=1.0, handlelength=1.2)
+        ax.set_xlabel("expected error (% of the value)")
+        legend_above(ax, ncols=3, columnspacing=1.0, handlelength=1.2)
     return ax

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.callbacks import Reported, reporting
 from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.given_states import states_of
@@ -137,6 +138,7 @@ def edge_state(
     periods: int = 100,
     settle: int = 200,
     rtol: float = 1e-10,
+    progress: Reported | bool | None = None,
 ) -> EdgeState:
     """The edge state between two attractors: the motion on the border of their basins, by bisection and edge tracking.
 
@@ -158,6 +160,8 @@ def edge_state(
         Drive periods after which it is first asked to which motion a start leads; what is on neither then is run on, to 15 times as long.
     rtol : float
         Tolerance for dynamic laws.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (what is done, periods so far, periods at most); return False to stop.
 
     Returns
     -------
@@ -194,13 +198,18 @@ def edge_state(
     at = coordinates(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
     judge = judge_between(Judge(model, at, int(settle), rtol), ends)
-    return _tracked(judge, narrowed(judge, ends), int(periods))
+    report = reporting(progress, "edge_state")
+    found = _tracked(judge, narrowed(judge, ends), int(periods), report)
+    report(found.kind, int(periods), int(periods))
+    return found
 
 
-def _tracked(judge: Judge, pair: Array, periods: int) -> EdgeState:
+def _tracked(judge: Judge, pair: Array, periods: int, report: Reported) -> EdgeState:
     """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
     track, tried = [pair.mean(axis=0)], dict.fromkeys(range(1, LONGEST + 1), np.inf)
-    for _ in range(periods):
+    for done in range(periods):
+        if report("periods along the border", done, periods) is False:
+            break
         pair, ahead = _ahead(judge, pair)
         after = float(judge.at.distance(*ahead))
         if not after <= _JUMP:

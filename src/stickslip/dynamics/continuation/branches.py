@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.callbacks import Reported, reporting
 from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, state_attrs, strobe_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
@@ -218,6 +219,7 @@ def continuation(
     points: int = 400,
     rtol: float = RTOL,
     events: Mapping[str, Event] | None = None,
+    progress: Reported | bool | None = None,
     **fixed: Any,
 ) -> Branch:
     """A branch of periodic orbits, continued in a parameter through folds and flips, stable or unstable.
@@ -244,6 +246,9 @@ def continuation(
     events : dict, optional
         Functions of an orbit by name. Where one of them is zero along the branch is a special point whose kind is that name, and
         `special_curve` follows it in two parameters: ``events={"slow": lambda orbit: orbit.mean_velocity - 1e-3}``.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (the value reached, points so far, points at most); return False to
+        stop.
     **fixed
         The other arguments of `make`.
 
@@ -274,6 +279,7 @@ def continuation(
     """
     robots, own = family("continuation", make, (parameter,), fixed), checked_events("continuation", events)
     _check(start, stop, step, points)
+    report = reporting(progress, "continuation")
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), period)
     found = path.at_value(path.scaled(first, start), start, path.remembered(first))
@@ -287,7 +293,9 @@ def continuation(
         raise SolveError(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
         )
-    return _branch(robots, period, followed(path, begun, min(start, stop), max(start, stop), step, points, own), own)
+    whole = followed(path, begun, min(start, stop), max(start, stop), step, points, own, report)
+    report(whole.ended, len(whole.points), len(whole.points))
+    return _branch(robots, period, whole, own)
 
 
 def _multiplier(meaning: str) -> dict[str, str]:

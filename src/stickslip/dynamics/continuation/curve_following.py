@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip.callbacks import Reported
 from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
 from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
@@ -40,7 +41,9 @@ class FollowedCurve(NamedTuple):
     ended: str
 
 
-def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, step: float, most: int) -> FollowedCurve:
+def followed_curve(
+    problem: CurveProblem, guess: Array, kind: str, sign: float, step: float, most: int, report: Reported = lambda *state: None
+) -> FollowedCurve:
     """The curve from a guess until it leaves the range."""
     n = len(guess)
     first = _corrected(problem, guess, np.eye(n)[-1])
@@ -68,6 +71,8 @@ def followed_curve(problem: CurveProblem, guess: Array, kind: str, sign: float, 
                 return FollowedCurve([*found, point.found], special, _turned_real(met))
         here, seen = there, now
         found.append(there.found)
+        if report(kind, len(found), most) is False:
+            return FollowedCurve(found, special, "it was stopped by progress")
         if ended := _left(problem, here, sign):
             return FollowedCurve(found, special, ended)
         step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step

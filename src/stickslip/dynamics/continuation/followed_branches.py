@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.callbacks import Reported
 from stickslip.dynamics.continuation.branch_following import STOPPED, follow
 from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
@@ -33,7 +34,14 @@ class Followed(NamedTuple):
 
 
 def followed(
-    path: Path, first: Point, low: float, high: float, step: float, most: int, events: Mapping[str, Event] | None = None
+    path: Path,
+    first: Point,
+    low: float,
+    high: float,
+    step: float,
+    most: int,
+    events: Mapping[str, Event] | None = None,
+    report: Reported = lambda *state: None,
 ) -> Followed:
     """A branch from its first point until it leaves the range, with what lies between the points, and zeros of events of one's own."""
     slack = 1e-12 * (high - low)
@@ -60,6 +68,9 @@ def followed(
             there = _special(path, found, item, s)
             special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
+        if report(f"{path.family.parameters[0]} = {item.value:.6g}", len(found), most) is False:
+            ended = "it was stopped by progress"
+            break
     if ended.startswith(STOPPED):
         ended, border = _ended(path, found, ended)
         special += [] if border is None or _known(special, border) else [border]

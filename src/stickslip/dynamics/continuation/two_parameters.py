@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.callbacks import Reported, reporting
 from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_following import followed_curve, settled
@@ -101,7 +102,16 @@ class Curve(Drawn):
 
 
 @explains_arguments
-def special_curve(branch: Branch, special: Special, parameter: str, stop: float, *, step: float = 0.02, points: int = 200) -> Curve:
+def special_curve(
+    branch: Branch,
+    special: Special,
+    parameter: str,
+    stop: float,
+    *,
+    step: float = 0.02,
+    points: int = 200,
+    progress: Reported | bool | None = None,
+) -> Curve:
     """The curve of a special point of a branch in two parameters.
 
     Parameters
@@ -119,6 +129,9 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         First step, in the scaled plane.
     points : int
         Largest number of points.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (the kind of the point, points so far, points at most); return False
+        to stop.
 
     Returns
     -------
@@ -173,7 +186,9 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     else:
         _check_border(special)
         problem, u = touch_problem(both, branch, special, origin, span)
-    found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
+    report = reporting(progress, "special_curve")
+    found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points, report)
+    report(found.ended, len(found.points), len(found.points))
     orbits, missing = _orbits(problem, [f.at for f in found.points])
     placed = [settled(problem, f) for f in found.points[: len(orbits)]]
     values, accuracy = (np.array(column) for column in zip(*placed, strict=True))
