@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from urllib.parse import parse_qs
@@ -12,9 +13,10 @@ import stickslip as ss
 from stickslip.cli.explore import _opened
 from stickslip.explorer.exports import export
 from stickslip.explorer.from_robot import hash_of, state_of
-from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS
+from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, robot
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.requests import DEFAULT
+from stickslip.explorer.sliders import PARAMETERS
 from stickslip.fields import leaves
 
 LAWS = [law for law in FRICTION if law != "tabulated"]
@@ -22,6 +24,15 @@ LAWS = [law for law in FRICTION if law != "tabulated"]
 
 def numbers(robot):
     return {name: float(value) for name, value in leaves(robot)}
+
+
+def test_the_pages_folded_track_knows_its_tilt():
+    """It has the note of the preset where another law takes the place of the one that contains the incline."""
+    values = {name: p.default for name, p in PARAMETERS.items()}
+    made, same = robot("harmonic", "folded", "isotropic", "lugre", values), ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    assert made.track.folded == same.track.folded == pytest.approx(1.7 * math.pi / 180, rel=1e-15)
+    assert any("the tilt of 1.7 degrees was folded" in note for note in made.replace(friction=ss.Coulomb(0.1, 0.2)).notes)
+    assert robot("harmonic", "level", "isotropic", "lugre", values).track.folded == 0.0
 
 
 @pytest.mark.parametrize("drive", DRIVES)

@@ -12,6 +12,7 @@ import pytest
 import every
 import stickslip as ss
 from stickslip.faces import Face, Text, rounded
+from stickslip.report.of_optimum import optimum_page
 
 ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
 
@@ -72,6 +73,19 @@ def test_a_face_says_what_the_result_holds(results):
     assert rounded(fit.values["mu0"], error) in fit._repr_html_()
     assert f"{results['orbit'].mean_velocity:.9g} m/s" in results["orbit"]._repr_html_()
     assert results["verdict"].kind in results["verdict"]._repr_html_()
+
+
+def test_numbers_of_optima_and_designs_have_units(results):
+    best = html.unescape(re.sub(r"<[^>]+>", "|", results["optimum"]._repr_html_()))
+    assert re.search(r"drive\.amplitude\|+[\d.e-]+\|+m\|", best) and re.search(r"relative_acceleration\|+[\d.]+\|+[\d.]+\|+m/s²\|", best)
+    assert re.search(r"mean_velocity = 0\.0\d+ m/s\|", best) and re.search(r"= 0\.0\d+ m/s, ", repr(results["optimum"]))
+    page = optimum_page(results["optimum"], "A faster rig")
+    assert "0.0005 to 0.0006 m<" in page and "m/s per rad/s" in page and "m/s per m<" in page
+    asked = dict(experiments={"amplitude": [4e-4, 8e-4], "law": ["lugre"]}, noise=1e-3, samples=200, tilt_deg=1.7)
+    plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, **asked)
+    assert {e.words for e in plan.experiments} == {f"amplitude = {A} m, law = lugre" for A in (4e-4, 8e-4)}
+    assert "error of sigma0 = 4e+05 N/m" in plan._repr_html_()
+    assert plan.best.units == {"sigma0": "N/m", "amplitude": "m"} and re.match(r"amplitude = 0\.000\d m, ", str(plan))
 
 
 def test_results_with_a_figure_draw_it(results):
