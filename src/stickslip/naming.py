@@ -7,11 +7,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stickslip.arguments import described_arguments
+from stickslip.errors import Problems
 from stickslip.fields import field_description, is_record, leaves
 from stickslip.number_names import numbers_meant
 from stickslip.quantities import axis_in, pretty_unit, quantity
+from stickslip.typed_numbers import in_unit
 
-__all__ = ["axis_of", "described", "example_for", "unit_in"]
+__all__ = ["axis_of", "described", "example_for", "in_its_unit", "unit_in"]
 
 _START = {
     "start.x": quantity("position at the start", "m", "x"),
@@ -73,6 +75,44 @@ def unit_in(name: str, make: Any = None) -> str:
     """
     unit = (axis_of(name, make) or ("", ""))[1]
     return "" if unit == "1" else pretty_unit(unit)
+
+
+def in_its_unit(name: str, value: Any, make: Any, problems: Problems, label: str = "") -> Any:
+    """A number, or several, in the unit in which the maker takes that name; words and parts in per cent stay what they are.
+
+    Parameters
+    ----------
+    name : str
+        The number, as of `axis_of`.
+    value : number, text or quantity of pint, or several of them
+        As it was typed.
+    make : callable or record
+    problems : Problems
+        Takes a sentence where the unit measures something else.
+    label : str
+        What the value is called in that sentence; the name if not given.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> problems = Problems("continuation")
+    >>> in_its_unit("amplitude", ("uniform", "0.5 mm", 6e-4), ss.presets.piezo_rig, problems)
+    ('uniform', 0.0005, 0.0006)
+    >>> in_its_unit("amplitude", (5e-4, "1%"), ss.presets.piezo_rig, problems)
+    (0.0005, '1%')
+    >>> in_its_unit("amplitude", "5 kg", ss.presets.piezo_rig, problems, "start"), problems.found
+    ('5 kg', ['start: kg is a unit of mass and no number in it can be one in m; allowed are numbers [m]'])
+    """
+    axis = axis_of(name, make)
+    if axis is None:
+        return value
+    try:
+        if isinstance(value, tuple):
+            return tuple(each if isinstance(each, str) and each.strip().endswith("%") else in_unit(each, axis[1]) for each in value)
+        return in_unit(value, axis[1])
+    except ValueError as error:
+        problems.add(f"{label or name}: {error}; allowed are numbers [{axis[1]}]")
+        return value
 
 
 def example_for(name: str) -> float:

@@ -145,3 +145,47 @@ def test_one_robot_is_read_from_the_shell_without_loading_data_frames():
     code += "print({'xarray', 'pandas'} & set(sys.modules))"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout == "set()\n"  # they take longer to load than such a robot to run
+
+
+RIG = dict(tilt_deg=1.7, law="coulomb")
+SHORT = dict(parameter="amplitude", mu0=0.18, step=0.2, **RIG)
+
+
+def test_ranges_of_studies_may_have_units():
+    """A branch, a curve, a diagram, an atlas, a fit and a distribution, from the same numbers with and without units."""
+    make = ss.presets.piezo_rig
+    plain, typed = (ss.continuation(make, start=a, stop=b, **SHORT) for a, b in ((3.6e-4, 3.8e-4), ("0.36 mm", "380 µm")))
+    assert np.array_equal(plain.values, typed.values) and plain.special[0].value == typed.special[0].value
+    steep = dict(amplitude=6e-4, law="coulomb")
+    branch = ss.continuation(make, parameter="tilt_deg", start="1 deg", stop="0.035 rad", step=0.2, **steep)
+    assert branch.values[-1] == pytest.approx(np.degrees(0.035), rel=1e-12)
+    values = ([4e-4, 4.5e-4], ["0.4 mm", "0.45 mm"])
+    assert all(ss.bifurcation(make, parameter="amplitude", values=v, **RIG).amplitude.values.tolist() == values[0] for v in values)
+    over = [{"amplitude": ends, "mu0": (0.1, 0.3)} for ends in ((2e-4, 9e-4), ("0.2 mm", "0.9 mm"))]
+    assert ss.atlas_time(make, over=over[1], **RIG).most == ss.atlas_time(make, over=over[0], **RIG).most
+    record = ss.virtual_rig(make(amplitude=5.5e-4, **RIG), noise=1e-4, seed=1)
+    fits = [ss.identify(record, make, free={"amplitude": ends}, **RIG) for ends in ((3e-4, 8e-4), ("0.3 mm", "0.8 mm"))]
+    assert fits[0].values == fits[1].values
+    robot = make(amplitude=5.5e-4, **RIG)
+    spread = [ss.propagate(robot, uncertain={"drive.amplitude": each}, samples=8) for each in ((5.5e-4, "1%"), ("0.55 mm", "1%"))]
+    assert np.array_equal(spread[0].values, spread[1].values)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: ss.continuation(ss.presets.piezo_rig, start="1 kg", stop=4e-4, **SHORT), "start: kg is a unit of mass"),
+        (lambda: ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=["1 s", "2 s"], **RIG), "values: s is a unit of time"),
+        (
+            lambda: ss.atlas_time(ss.presets.piezo_rig, over={"amplitude": ("1 Hz", 1.0), "mu0": (0.1, 0.3)}, **RIG),
+            r"over\['amplitude'\]: Hz",
+        ),
+        (
+            lambda: ss.design(ss.presets.piezo_rig, free={"mu0": 0.1}, experiments={"amplitude": ["1 kg"]}, noise=1e-3, **RIG),
+            "kg is a unit",
+        ),
+    ],
+)
+def test_a_range_in_another_unit_is_an_error(call, sentence):
+    with pytest.raises(ss.InputError, match=sentence):
+        call()

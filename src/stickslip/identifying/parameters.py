@@ -16,6 +16,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.effects import plainer
 from stickslip.identifying.limits import Limits, limits_of
+from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
 __all__ = ["Free", "OverParameters", "Parameters"]
@@ -184,7 +185,7 @@ def parameters(
     """Check what the user gave; everything wrong with it is reported at once."""
     problems = Problems(what)
     known = _known(make)
-    spread = _free(free, count, problems)
+    spread = _free(make, free, count, problems)
     for name in [*dict.fromkeys(f.argument for f in spread), *arguments, *(tied or {})]:
         if known is not None and name not in known:
             problems.add(f"{name!r} is not known; {did_you_mean(name, known)}")
@@ -220,9 +221,10 @@ def _needed(make: Any) -> list[str]:
     return [p.name for p in found if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
 
 
-def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
+def _free(make: Any, free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
     found = []
-    for name, bounds in free.items():
+    for name, typed in free.items():
+        bounds = in_its_unit(name.partition("[")[0], typed, make, problems, f"free: {name}")
         parts = tuple(bounds) if isinstance(bounds, (tuple, list)) else ()
         known = distribution_of(bounds)
         parts = known.bounds if known else parts

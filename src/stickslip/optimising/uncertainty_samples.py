@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
+from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
 
 __all__ = ["Independent", "Spread", "Uncertain", "allowed_with", "check_sample", "checked_spread", "sample_of", "sampled", "sobol"]
@@ -104,7 +105,7 @@ def checked_spread(model: Any, argument: str, given: Any, problems: Problems) ->
         meant = numbers_meant(str(name), known)
         if not meant:
             problems.add(f"{argument}: {name!r} is not a number of {type(model).__name__}; {did_you_mean(str(name), known)}")
-        elif (each := distribution_of(said)) is None:
+        elif (each := distribution_of(in_its_unit(meant[0], said, model, problems, f"{argument}[{name!r}]"))) is None:
             problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
         else:
             found.append(Uncertain(str(name), meant, each))

@@ -14,9 +14,8 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, masked_in
 from stickslip.flow import is_flow
-from stickslip.naming import axis_of
+from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
-from stickslip.typed_numbers import in_unit
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
@@ -139,12 +138,7 @@ def _add_design(space: Space, design: Design) -> None:
 
 def _plain(make: Any, name: str, value: Any, problems: Problems) -> Any:
     """The value, or values, in the unit in which the maker takes them; words stay what they are."""
-    axis = axis_of(name, make)
-    try:
-        return value if axis is None else in_unit(value, axis[1])
-    except ValueError as error:
-        problems.add(f"{name}: {error}; allowed are numbers" + (f" [{axis[1]}]" if axis else ""))
-        return value
+    return in_its_unit(name, value, make, problems)
 
 
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:

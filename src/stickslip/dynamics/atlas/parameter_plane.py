@@ -15,6 +15,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
+from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
 __all__ = ["Cell", "Plane", "plane_over"]
@@ -128,7 +129,7 @@ class Plane:
 def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None]) -> Plane:
     """The plane over two numbers, checked with everything else that was given; `InputError` with all that is wrong."""
     problems = Problems(what)
-    axes = _axes(over, problems)
+    axes = _axes(make, over, problems)
     if isinstance(starts, bool) or not isinstance(starts, (int, np.integer, dict)) or (not isinstance(starts, dict) and starts < 1):
         problems.add(f"starts = {starts!r}; allowed is a whole number from 1, or a grid as ss.basins takes it; type starts=5")
     check(problems)
@@ -145,11 +146,12 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
 _TYPE = 'type over={"amplitude": (2e-4, 8e-4), "tilt_deg": (0.5, 4.0)}'
 
 
-def _axes(over: Any, problems: Problems) -> dict[str, Array]:
+def _axes(make: Any, over: Any, problems: Problems) -> dict[str, Array]:
     if not isinstance(over, dict) or len(over) != 2 or not all(isinstance(name, str) for name in over):
         problems.add(f"over = {over!r}; allowed are two numbers of the machine by name, each with its range; {_TYPE}")
         return {}
-    return {name: _axis(name, value, count, problems) for (name, value), count in zip(over.items(), _COUNTS, strict=True)}
+    typed = {name: in_its_unit(name, value, make, problems, f"over[{name!r}]") for name, value in over.items()}
+    return {name: _axis(name, value, count, problems) for (name, value), count in zip(typed.items(), _COUNTS, strict=True)}
 
 
 def _axis(name: str, value: Any, count: int, problems: Problems) -> Array:

@@ -108,7 +108,7 @@ def attractors(
     vanishes between 0.13625 and 0.1375; its last state leads to attractor 1
     """
     robots = family("attractors", make, (parameter,), fixed)
-    values = checked_values("attractors", values)
+    values = checked_values("attractors", values, robots)
     first = robots.robot(values[0])
     needs_model("attractors", first, flows=True)
     at = coordinates(robots.robots(values))

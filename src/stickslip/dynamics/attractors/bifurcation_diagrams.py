@@ -16,6 +16,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map,
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
 from stickslip.flow import is_flow
+from stickslip.naming import in_its_unit
 from stickslip.sweeps.progress import Watch
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def bifurcation(
     [[2, 1]]
     """
     robots = family("bifurcation", make, (parameter,), fixed)
-    values = _check(values, settle, points, workers)
+    values = _check(robots, values, settle, points, workers)
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
     at = coordinates(robots.robots(values))
     first = states_of(start, robots.robots(values))
@@ -99,15 +100,16 @@ def bifurcation(
     return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
 
 
-def checked_values(what: str, values: Any) -> Array:
+def checked_values(what: str, values: Any, robots: Family) -> Array:
     """The values of a parameter, rising; `InputError` if they are not."""
     problems = Problems(what)
-    array = _rising(values, problems)
+    array = _rising(values, robots, problems)
     problems.check()
     return array
 
 
-def _rising(values: Any, problems: Problems) -> Array:
+def _rising(values: Any, robots: Family, problems: Problems) -> Array:
+    values = in_its_unit(robots.parameters[0], values, robots.make, problems, "values")
     try:
         array = np.asarray(values, float)
     except (TypeError, ValueError):
@@ -117,9 +119,9 @@ def _rising(values: Any, problems: Problems) -> Array:
     return array
 
 
-def _check(values: Any, settle: Any, points: Any, workers: Any) -> Array:
+def _check(robots: Family, values: Any, settle: Any, points: Any, workers: Any) -> Array:
     problems = Problems("bifurcation")
-    array = _rising(values, problems)
+    array = _rising(values, robots, problems)
     problems.whole("settle", settle, 1, example=200)
     problems.whole("points", points, 2, example=64)
     problems.whole("workers", workers, 1, example=2)

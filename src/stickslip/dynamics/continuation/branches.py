@@ -26,6 +26,7 @@ from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
+from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -232,7 +233,7 @@ def continuation(
     parameter : str
         The keyword that varies.
     start, stop : float
-        First and last value of the parameter.
+        First and last value of the parameter; text with a unit, such as "0.4 mm", is allowed.
     period : int
         Drive periods after which the motions repeat.
     guess : optional
@@ -278,7 +279,7 @@ def continuation(
     [('1 mm/s', 0.411006)]
     """
     robots, own = family("continuation", make, (parameter,), fixed), checked_events("continuation", events)
-    _check(start, stop, step, points)
+    start, stop = _check(robots, start, stop, step, points)
     report = reporting(progress, "continuation")
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), period)
@@ -312,8 +313,12 @@ def _branch(family: Family, period: int, found: Followed, events: Mapping[str, E
     return Branch(family, period, orbits, values, found.special, found.ended, events)
 
 
-def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
+def _check(robots: Family, start: Any, stop: Any, step: Any, points: Any) -> tuple[float, float]:
+    """First and last value as numbers; what is wrong with them is an error."""
     problems = Problems("continuation")
+    ends = {"start": start, "stop": stop}
+    start, stop = (in_its_unit(robots.parameters[0], value, robots.make, problems, name) for name, value in ends.items())
+    problems.check()
     for name, value in (("start", start), ("stop", stop), ("step", step)):
         if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not abs(float(value)) < 1e100:
             problems.add(f"{name} = {value!r}; allowed is a finite number, below 1e100 in size")
@@ -324,3 +329,4 @@ def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
         problems.add(f"step = {step!r}; allowed is a positive number; type step=0.02")
     problems.whole("points", points, 2, example=400)
     problems.check()
+    return start, stop

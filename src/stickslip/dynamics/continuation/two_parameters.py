@@ -21,10 +21,11 @@ from stickslip.dynamics.continuation.type_border_curves import type_border_probl
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
+from stickslip.naming import in_its_unit
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
@@ -171,6 +172,9 @@ def special_curve(
     if parameter not in fixed:
         fixed |= _default(branch.family.make, parameter)
     begin = float(fixed.pop(parameter))
+    problems = Problems("special_curve")
+    stop = in_its_unit(parameter, stop, branch.family.make, problems, "stop")
+    problems.check()
     if stop == begin:
         raise InputError("special_curve", [f"stop = {stop!r} is where the curve begins; give another last value of {parameter}"])
     both = Family(branch.family.make, (branch.parameter, parameter), fixed, "special_curve")
