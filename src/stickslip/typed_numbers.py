@@ -6,9 +6,10 @@ import math
 import re
 from typing import Any, Protocol, runtime_checkable
 
+from stickslip.errors import Problems
 from stickslip.units import Unit, unit_of
 
-__all__ = ["has_unit", "in_unit", "others"]
+__all__ = ["has_unit", "in_seconds", "in_unit", "others"]
 
 _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*?|\s+\S.*?)\s*", re.IGNORECASE)
 #: A cycle is 2 pi rad; 1/s may be either, and is neither.
@@ -68,6 +69,21 @@ def in_unit(value: Any, unit: str) -> Any:
     if isinstance(value, _Quantity):
         return _of_pint(value, unit)
     return value
+
+
+def in_seconds(duration: Any, problems: Problems) -> Any:
+    """A duration that may have been typed with a unit; that of something else is noted.
+
+    Examples
+    --------
+    >>> in_seconds("2 min", Problems("solve")), in_seconds(40.0, Problems("solve"))
+    (120.0, 40.0)
+    """
+    try:
+        return in_unit(duration, "s")
+    except ValueError as error:
+        problems.add(f"duration: {error}; type for example duration=10.0")
+        return 1.0
 
 
 def _of_pint(value: _Quantity, unit: str) -> Any:

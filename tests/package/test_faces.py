@@ -85,6 +85,9 @@ def test_numbers_of_optima_and_designs_have_units(results):
     plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, **asked)
     assert {e.words for e in plan.experiments} == {f"amplitude = {A} m, law = lugre" for A in (4e-4, 8e-4)}
     assert "error of sigma0 = 4e+05 N/m" in plan._repr_html_()
+    spread = results["propagated"]
+    assert spread.unit == "m/s" and f"{spread.nominal:.6g} m/s;" in repr(spread) and f"{spread.std:.3g} m/s</td>" in spread._repr_html_()
+    assert spread.plot().get_xlabel() == "mean velocity (mm/s)"
     assert plan.best.units == {"sigma0": "N/m", "amplitude": "m"} and re.match(r"amplitude = 0\.000\d m, ", str(plan))
 
 

@@ -189,3 +189,10 @@ def test_ranges_of_studies_may_have_units():
 def test_a_range_in_another_unit_is_an_error(call, sentence):
     with pytest.raises(ss.InputError, match=sentence):
         call()
+
+
+def test_a_run_may_last_for_minutes():
+    bench = ss.PulledMass(mass=1.0, stiffness=2.0, speed="10 cm/s", friction=ss.Coulomb(0.15, 0.15))
+    assert ss.solve(bench, duration="0.5 min").t[-1] == ss.solve(bench, duration=30.0).t[-1] == 30.0
+    with pytest.raises(ss.InputError, match="duration: kg is a unit of mass"):
+        ss.solve(bench, duration="30 kg")

@@ -14,7 +14,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import Problems
 from stickslip.faces import Drawn, rounded, sure
 from stickslip.fields import leaves
-from stickslip.optimising.results import check_quantity, results_of
+from stickslip.optimising.results import check_quantity, results_of, unit_of_result
 from stickslip.optimising.uncertainty_samples import Spread, check_sample, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
 
@@ -79,6 +79,8 @@ class Propagated(Drawn):
         Sobol indices, if they were asked for.
     notes : tuple of str
         Remarks.
+    unit : str
+        Unit of the values; empty for a bare number.
 
     Examples
     --------
@@ -94,6 +96,7 @@ class Propagated(Drawn):
     swings: dict[str, tuple[float, float]] | None = None
     indices: Indices | None = None
     notes: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def mean(self) -> float:
@@ -124,16 +127,19 @@ class Propagated(Drawn):
             "nominal": f"{self.nominal:.6g}",
             "mean": f"{rounded(self.mean, error)} {sure(error)}",
             "standard deviation": f"{self.std:.3g}",
+            "nine in ten": f"{low:.4g} to {high:.4g}",
         }
-        return {"of": self.of, **told, "nine in ten": f"{low:.4g} to {high:.4g}", "cases": cases}
+        return {"of": self.of, **{name: f"{text} {self.unit}".rstrip() for name, text in told.items()}, "cases": cases}
 
     def __repr__(self) -> str:
         low, middle, high = (self.quantile(q) for q in (0.05, 0.5, 0.95))
         lost = f"; {self.failed} cases have none" if self.failed else ""
         more = "".join(f"; {note}" for note in self.notes)
         return (
-            f"<Propagated: {self.of} = {self.nominal:.6g}; over {len(self.values)} cases mean {self.mean:.6g}, std {self.std:.3g}, "
-            f"median {middle:.6g}, nine in ten from {low:.6g} to {high:.6g}{lost}{more}>"
+            f"<Propagated: {self.of} = {self.nominal:.6g} {self.unit}".rstrip()
+            + f"; over {len(self.values)} cases mean {self.mean:.6g}, std {self.std:.3g}, median {middle:.6g}, "
+            f"nine in ten from {low:.6g} to {high:.6g} {self.unit}".rstrip()
+            + f"{lost}{more}>"
         )
 
 
@@ -220,7 +226,7 @@ def propagate(
     kept = values[:2] if indices else values  # the other rows of a design for indices are mixtures of the first two
     inputs = spread.inputs(u[:, : len(kept)].reshape(len(u), -1))
     nominal = float(results_of(spread_over(model, 1), 1)[of][0])
-    return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes))
+    return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes), unit_of_result(of, model))
 
 
 def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:

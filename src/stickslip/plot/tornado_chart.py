@@ -7,7 +7,6 @@ from typing import Annotated, Any
 from stickslip.arguments import Ax, Kind, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, INK, axes, legend_above, name_rows, named, publication, scaled
-from stickslip.variables import VARIABLES
 
 __all__ = ["tornado"]
 
@@ -44,9 +43,8 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
     if not found.swings:
         raise InputError("plot", ["what was propagated has no swings; give what ss.propagate returns"])
     order = sorted(found.swings, key=lambda name: abs(found.swings[name][1] - found.swings[name][0]))
-    known = VARIABLES.get(found.of)
     band = [found.quantile(q) for q in (0.05, 0.95)]
-    factor, letter = scaled([*band, found.nominal, *(v for pair in found.swings.values() for v in pair)], known.unit if known else "")
+    factor, letter = scaled([*band, found.nominal, *(v for pair in found.swings.values() for v in pair)], found.unit)
     with publication():
         ax = axes(ax, 0.95 + 0.26 * len(order))
         for i, name in enumerate(order):
@@ -56,7 +54,7 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
         ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
         ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
         name_rows(ax, order)
-        ax.set_xlabel(named(found.of.replace("_", " "), known.unit if known else "", letter))
+        ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
         _indices(ax, found, order)
         handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
         order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))

@@ -19,6 +19,7 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
+from stickslip.typed_numbers import in_seconds
 from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["LARGEST_START", "Request", "check_keep", "provenance", "request"]
@@ -74,7 +75,7 @@ def request(
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
     problems.check()
-    labels = labels_of(model)
+    labels, duration = labels_of(model), in_seconds(duration, problems)
     periods = _periods(model, labels, periods, settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)
     problems.whole("workers", workers, 1, example=2)
