@@ -233,7 +233,7 @@ TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
         (dict(over={"drive": ss.waveform(pieces=4)}), '"relative_acceleration"'),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"strok": (None, 0.01)}), "did you mean 'stroke'"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (0.02, 0.01)}), "cannot be satisfied"),
-        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, 0.001)}), "nearest: 0.01"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, 0.001)}), "nearest 0.01"),
         (dict(over={"drive.u1": (0.1, 0.2)}, minimise="drive_power"), "exactly one"),
         (dict(over={"drive.u1": (0.1, 0.2)}, starts="open"), "starts=None"),
         (dict(over={}), "over = "),

@@ -137,6 +137,9 @@ def _as_toml(model: Any) -> str | None:
 
 def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
     """The record as a person reads it."""
+    from stickslip.naming import unit_in
+    from stickslip.optimising.results import unit_of_result
+
     found, given = record["best"], record["given"]
     quantities = [row for row in _TOLD if row[1] in found] + ([] if best.of in [row[1] for row in _TOLD] else [(best.of, best.of, "")])
     rows = [
@@ -144,10 +147,10 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
             (name, f"{show.quantity(found[key], unit)}  (was {show.quantity(given.get(key, float('nan')), unit)})")
             for name, key, unit in quantities
         ),
-        *((name, f"{number:.9g}") for name, number in best.varied.items()),
+        *((name, f"{number:.9g} {unit_in(name, best.model)}".rstrip()) for name, number in best.varied.items()),
         ("limits reached", ", ".join(best.active) or "none"),
         ("small friction", best.limit if best.of_limit is None else f"{100 * best.of_limit:.4g} % of the limit ({best.limit})"),
-        *([] if best.robust is None else [("over the sample", show.quantity(best.robust))]),
+        *([] if best.robust is None else [("over the sample", show.quantity(best.robust, unit_of_result(best.of, best.model)))]),
         *(("note", note) for note in record["notes"]),
         ("candidates", str(best.tried)),
         *(("written", path) for path in written),

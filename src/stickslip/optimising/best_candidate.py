@@ -67,7 +67,7 @@ def _remarks(values: dict[str, Any]) -> list[str]:
 def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
     """Sentences on limits beyond which the search began."""
     beyond = [limit for limit in limits if limit.name in given and np.min(limit.margins(given[limit.name])) < -KEPT]
-    return [f"the given machine violates {limit.in_words()}" for limit in beyond]
+    return [f"the given machine violates the limit of {limit.in_words()}" for limit in beyond]
 
 
 def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:

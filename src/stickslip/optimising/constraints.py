@@ -14,6 +14,7 @@ from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import quantities
 from stickslip.optimising.typed_ends import typed_ends
 from stickslip.optimising.waveforms import Scales
+from stickslip.quantities import pretty_unit
 from stickslip.variables import unit_of
 
 __all__ = ["KEPT", "Limit", "checked_limits", "scales_within"]
@@ -31,6 +32,7 @@ class Limit:
     name: str
     low: float
     high: float
+    unit: str = ""
 
     @property
     def of_drive(self) -> bool:
@@ -55,9 +57,16 @@ class Limit:
         return low, high
 
     def in_words(self) -> str:
-        """In words."""
-        low, high = ("None" if end is None else f"{end:g}" for end in self.ends)
-        return f"{self.name} within ({low}, {high})"
+        """The limit as messages call it.
+
+        Examples
+        --------
+        >>> Limit("stroke", -np.inf, 0.01, "m").in_words(), Limit("period", 1.0, 2.0).in_words()
+        ('stroke (at most 0.01 m)', 'period (from 1 to 2)')
+        """
+        low, high = self.ends
+        ends = f"at most {high:g}" if low is None else f"at least {low:g}" if high is None else f"from {low:g} to {high:g}"
+        return f"{self.name} ({f'{ends} {pretty_unit(self.unit)}'.rstrip()})"
 
 
 def checked_limits(model: Any, subject_to: Any, problems: Problems) -> list[Limit]:
@@ -80,7 +89,8 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
         problems.add(f"subject_to: {name!r} is of a drive, and {type(model).__name__} has none; leave it out")
         return None
     try:
-        least, largest = typed_ends(ends, LIMITS.get(name) or unit_of(name, model))
+        unit = LIMITS.get(name) or unit_of(name, model)
+        least, largest = typed_ends(ends, unit)
     except ValueError as error:
         problems.add(f"subject_to[{name!r}] = {ends!r}: {error}; allowed is (least, largest) with None for no limit; {_TYPED}")
         return None
@@ -89,7 +99,7 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
         typed = f'type subject_to={{"{name}": ({high:g}, {low:g})}}' if np.isfinite(low) and 0.0 < high < low else _TYPED
         problems.add(f"subject_to[{name!r}] = {ends!r} cannot be satisfied; allowed is (least, largest), the lesser first; {typed}")
         return None
-    return Limit(name, low, high)
+    return Limit(name, low, high, "" if unit == "1" else unit)
 
 
 def scales_within(limits: list[Limit], problems: Problems) -> Scales:
