@@ -11,5 +11,15 @@ def __getattr__(name: str) -> object:
     if name not in __all__:
         from stickslip.errors import did_you_mean
 
-        raise AttributeError(f"stickslip has no {name!r}; {did_you_mean(name, __all__)}")
+        hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
+        raise AttributeError(f"stickslip has no {name!r}; {hint}")
     return _load(name)
+
+
+#: What other packages call some of our functions.
+_ELSEWHERE = {
+    **dict.fromkeys(("simulate", "simulation", "integrate", "run", "odeint", "solve_ivp"), "solve"),
+    **dict.fromkeys(("fit", "curve_fit", "estimate"), "identify"),
+    **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
+    **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),
+}

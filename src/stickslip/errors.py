@@ -203,6 +203,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
 
 
+_INCLINE = 'ss.Incline(tilt="{:g} deg")'
+
+
 def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:
     """What to type for a number under a name or in a unit that is another one here; None for a name of which nothing is known.
 
@@ -212,6 +215,10 @@ def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") 
     'angles are in radians here; type track.tilt=0.0296706 for 1.7 degrees'
     >>> other_words("drive.frequency", 30, ["drive.omega"])
     'the frequency is omega, in rad/s; type drive.omega="30 Hz"'
+    >>> other_words("freq", 30, ["amplitude", "omega", "frequency"])
+    'a frequency is in Hz here; type frequency=30'
+    >>> other_words("tilt_deg", 3, ["body_mass", "track"])
+    'an incline is a track; type track=ss.Incline(tilt="3 deg")'
     >>> other_words("mu0", 0.18, ["mu_plus", "mu_minus"], " = ")
     'friction has a value for each direction here; type mu_plus = 0.18 and mu_minus = 0.18'
     """
@@ -225,8 +232,13 @@ def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") 
     def given(usual: float) -> float:
         return value if isinstance(value, (int, float)) and abs(value) < 1e300 else usual
 
-    if last in ("frequency", "freq", "f", "hz") and (line := typed("omega", f'"{given(40.0):g} Hz"')):
-        return f"the frequency is omega, in rad/s; type {line}"
+    if last in ("frequency", "freq", "f", "hz"):
+        if last != "frequency" and (line := typed("frequency", given(40.0))):
+            return f"a frequency is in Hz here; type {line}"
+        if line := typed("omega", f'"{given(40.0):g} Hz"'):
+            return f"the frequency is omega, in rad/s; type {line}"
+    if last in ("tilt", "tilt_deg", "slope", "incline") and "tilt" not in known and (line := typed("track", _INCLINE.format(given(1.7)))):
+        return f"an incline is a track; type {line}"
     if last in ("tilt_deg", "angle_deg") and (line := typed("tilt", math.radians(given(1.7)))):
         return f"angles are in radians here; type {line} for {given(1.7):g} degrees"
     for words, symbol, usual in ((("mu", "mu0", "mu_k"), "mu", 0.18), (("f0", "mu_s", "fs"), "f", 0.21)):

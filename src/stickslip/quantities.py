@@ -18,7 +18,7 @@ from stickslip.errors import Problems
 __all__ = [
     "AMPLITUDE", "BODY_MASS", "DAMPING", "FREQUENCY", "GRAVITY", "INNER_MASS", "LENGTH", "LINES", "LOAD", "MASS", "OMEGA", "PERIOD",
     "PHASE", "STIFFNESS", "STROKE", "SUBSCRIPTS", "TILT", "TILT_DEG", "VOLTAGE", "Rule", "allowed_in", "at_least", "axis_in", "between",
-    "example_of", "positive", "pretty_unit", "quantity", "shown_factor", "symbol_text",
+    "example_of", "positive", "pretty_unit", "quantity", "shown_factor", "symbol_text", "with_unit",
 ]  # fmt: skip
 
 
@@ -212,6 +212,23 @@ def pretty_unit(unit: str) -> str:
     return re.sub(r"\^(\d)", lambda found: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(found[1])], unit)
 
 
+#: Units that people think of in another one: a factor, and its name.
+_ALSO = {"rad/s": (0.5 / math.pi, " Hz"), "rad": (180 / math.pi, "°")}
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A number with its unit, and angles and angular frequencies in degrees and hertz too.
+
+    Examples
+    --------
+    >>> with_unit(0.06, "kg"), with_unit(251.327412, "rad/s"), with_unit(0.05236, "rad"), with_unit(0.15, "1")
+    ('0.06 kg', '251.327 rad/s (40 Hz)', '0.05236 rad (3.00001°)', '0.15')
+    """
+    factor, other = _ALSO.get(unit, (0.0, ""))
+    shown = f"{value:.6g}" if unit in ("", "1") else f"{value:.6g} {pretty_unit(unit)}"
+    return f"{shown} ({value * factor:.6g}{other})" if other and value else shown
+
+
 _INDICES, SUBSCRIPTS = "0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"
 #: Subscripts as letters and digits on the line.
 LINES = str.maketrans(SUBSCRIPTS, _INDICES)
@@ -264,8 +281,8 @@ LENGTH = quantity("length at rest", "m", r"\ell", example=0.05)
 LOAD = quantity("normal force", "N", "N", example=1.0, rule=positive)
 STROKE = quantity("stroke of the inner mass", "m", "L", example=0.01, rule=positive, range=(1e-3, 0.03), shown="mm")
 TILT = quantity(
-    "tilt of the track", "rad", r"\theta", example=0.03, allowed="an angle between -pi/2 and pi/2 [rad]", shown="°",
-    rule=Rule(lambda x: abs(x) < math.pi / 2, ""), range=(-0.15, 0.15),
+    "tilt of the track", "rad", r"\theta", example=0.03, allowed='an angle between -pi/2 and pi/2 [rad], or text such as "3 deg"',
+    shown="°", rule=Rule(lambda x: abs(x) < math.pi / 2, ""), range=(-0.15, 0.15),
 )  # fmt: skip
 TILT_DEG = quantity(
     "tilt of the track", "degrees", r"\theta", example=1.7, allowed="any angle below the friction angle [degrees]", range=(-8.0, 8.0)

@@ -8,13 +8,14 @@ from typing import Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking, needs_of
+from stickslip.drives.drive_adapter import MISTAKEN, NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
 from stickslip.drives.together import Together, common_cycles
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Frozen, leaves
+from stickslip.fields import Frozen, describe, leaves
 from stickslip.forces import check_law
 from stickslip.friction.law_adapter import law_of
+from stickslip.maths import is_symbol
 from stickslip.quantities import BODY_MASS, GRAVITY, INNER_MASS
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of
@@ -204,7 +205,7 @@ class Robot(Frozen):
     def notes(self) -> list[str]:
         """Remarks on these numbers that are not errors, such as a LuGre law that is not passive or a beam bent too far."""
         found = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
-        return found + _unfolded(self) + _slides(self) + _lifted(self)
+        return found + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""
@@ -217,13 +218,15 @@ class Robot(Frozen):
         return from_toml(cls, text)
 
     def _repr_html_(self) -> str:
-        return record_html(self)
+        return record_html(self, self.notes)
 
 
+_COEFFICIENTS = ("mu_plus", "mu_minus", "f_plus", "f_minus")
+_STICKIEST = 5.0  # friction coefficients: rubber has up to about 4
 _NO_DATACLASS = "write @dataclass(frozen=True) above the class, so that its numbers are known"
 _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
-    "track": "track=ss.Level()",
+    "track": 'track=ss.Level() or track=ss.Incline(tilt="3 deg")',
 }
 
 
@@ -248,6 +251,16 @@ def _refuse_two_inclines(robot: Robot, track: Any) -> None:
     typed = 'make the robot with incline="gravity" and then type replace(track=...), or type replace(friction=..., track=...)'
     folded = f"the tilt of {_steepest(tilt)} degrees is folded into the friction law (Eq. 4.1), and another track would add to it"
     raise InputError("Robot", [f"{folded}; {allowed}; {typed}"])
+
+
+def _beyond_friction(law: Any) -> list[str]:
+    """A remark on friction coefficients that no two materials have, such as those typed as per cent."""
+    coefficients = [(name, value) for name, value in leaves(law) if name.rpartition(".")[2] in _COEFFICIENTS and not is_symbol(value)]
+    return [
+        f"{MISTAKEN} friction.{name} = {describe(value)} is a coefficient: 15 % is 0.15"
+        for name, value in coefficients
+        if _any(value > _STICKIEST)
+    ][:1]
 
 
 def _unfolded(robot: Robot) -> list[str]:

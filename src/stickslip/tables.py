@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import html
 import tomllib
+from collections.abc import Sequence
 from typing import Any
 
 from stickslip.drives import DRIVES
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, other_words
 from stickslip.fields import arguments_of, describe, is_array, is_number_field, is_record, is_tuple_field
 from stickslip.friction import LAWS
-from stickslip.quantities import example_of
+from stickslip.quantities import example_of, pretty_unit, with_unit
 from stickslip.tracks import TRACKS
 
 __all__ = ["document_of", "from_table", "from_toml", "kinds_of", "part_to_table", "record_html", "to_table", "to_toml"]
@@ -251,12 +252,19 @@ def _html_rows(record: Any, prefix: str = "") -> list[str]:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             rows.append(f"<tr><th style='text-align:left'>{html.escape(name)}</th><td>{html.escape(type(value).__name__)}</td></tr>")
             rows += _html_rows(value, name + ".")
-        elif is_number_field(field):
-            shown = describe(value) if is_array(value) else f"{value:.6g}" if isinstance(value, float) else str(value)
-            rows.append(f"<tr><td>{html.escape(name)}</td><td>{html.escape(shown)}</td></tr>")
+        elif is_number_field(field) and value is not None:
+            rows.append(f"<tr><td>{html.escape(name)}</td><td>{html.escape(_with_unit(value, field))}</td></tr>")
     return rows
 
 
-def record_html(record: Any) -> str:
-    """A record as a small HTML table."""
-    return f"<table><caption>{html.escape(type(record).__name__)}</caption>{''.join(_html_rows(record))}</table>"
+def _with_unit(value: Any, field: dataclasses.Field[Any]) -> str:
+    """A number, or many, as a table shows it."""
+    unit = str(field.metadata.get("unit", "1"))
+    shown = describe(value) if is_array(value) else str(value)
+    return with_unit(value, unit) if isinstance(value, float) else shown if unit == "1" else f"{shown} {pretty_unit(unit)}"
+
+
+def record_html(record: Any, notes: Sequence[str] = ()) -> str:
+    """A record as a small HTML table, with remarks below it."""
+    below = "".join(f"<p><small>{html.escape(note)}</small></p>" for note in notes)
+    return f"<table><caption>{html.escape(type(record).__name__)}</caption>{''.join(_html_rows(record))}</table>{below}"

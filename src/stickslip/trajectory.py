@@ -12,7 +12,8 @@ from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contact_forces import held_by_controllers
 from stickslip.dense_output import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
-from stickslip.errors import InputError
+from stickslip.drives.drive_adapter import MISTAKEN
+from stickslip.errors import InputError, did_you_mean
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.faces import Drawn
 from stickslip.friction.law_adapter import law_of
@@ -32,6 +33,17 @@ if TYPE_CHECKING:
 
 #: Samples of a run that has no period: this many times `samples` in all.
 APERIODIC = 10
+#: What to type for names that a run does not have.
+_INSTEAD = {
+    "velocity": "run.v",
+    **dict.fromkeys(("position", "displacement"), "run.x"),
+    **dict.fromkeys(("time", "times"), "run.t"),
+    "force": "run.friction_force",
+    "mean_velocity": "ss.mean_velocity(run)",
+    **dict.fromkeys(("motion", "motion_type", "pattern"), "ss.motion(run)"),
+    "energy": "ss.energy(run)",
+    "spectrum": "ss.spectrum(run)",
+}
 
 __all__ = ["Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
 
@@ -505,10 +517,17 @@ class Trajectory(Drawn, RunFiles):
             return f"whether a motion of {layout.description} has settled is not judged"
         return self.steadiness.note
 
+    def __getattr__(self, name: str) -> Any:
+        if name in dir(type(self)):
+            return object.__getattribute__(self, name)  # raises its own error again
+        hint = f"type {_INSTEAD[name]}" if name in _INSTEAD else did_you_mean(name, [n for n in dir(type(self)) if not n.startswith("_")])
+        raise AttributeError(f"a run has no {name!r}" + ("" if name.startswith("_") else f"; {hint}"))
+
     def __repr__(self) -> str:
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
-        return f"<Trajectory: {length} by {self.method}, {self.status}>"
+        doubts = "".join(f"; {note}" for note in machine_of(self.model).notes if note.startswith(MISTAKEN))
+        return f"<Trajectory: {length} by {self.method}, {self.status}{doubts}>"
 
     _drawn_by = "velocity"
 

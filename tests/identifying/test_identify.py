@@ -641,3 +641,27 @@ def test_compare_takes_every_law_of_its_preset_and_says_what_it_wrote(tmp_path, 
     assert main(["compare", "piezo_rig", *words]) == 0
     out = capsys.readouterr().out
     assert "\ncoulomb-static " in out and f"written to {page}" in out and page.is_file()
+
+
+# what cannot be of one machine ------------------------------------------------------------------------------------
+
+
+def bench_robot(amplitude=6e-4, frequency=40.0):
+    law = ss.Coulomb(mu_plus=0.13, mu_minus=0.21)
+    return ss.Robot(body_mass=0.06, inner_mass=0.01, drive=ss.Harmonic(amplitude=amplitude, frequency=frequency), friction=law)
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        (bench_robot(), None),
+        (bench_robot(frequency=50.0), "repeats at 40 Hz and the drive of the model at 50 Hz"),
+        (bench_robot(amplitude=0.6), "This drive has a stroke of 1.2 m"),
+        (bench_robot(amplitude=0.6), "times|of the one of the model"),
+    ],
+)
+def test_a_record_of_another_drive_or_in_another_unit_is_doubted(told, said):
+    rec = ss.virtual_rig(bench_robot(), noise=2e-4, seed=1)
+    fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, starts=4)
+    assert (not fit.doubts) if said is None else any(re.search(said, sentence) for sentence in fit.warnings[: len(fit.doubts)])
+    assert f"drive.omega = {told.drive.omega:.6g} rad/s" in fit.report() and "friction.mu_minus = 0.21" in fit.report()

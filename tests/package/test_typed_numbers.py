@@ -196,3 +196,39 @@ def test_a_run_may_last_for_minutes():
     assert ss.solve(bench, duration="0.5 min").t[-1] == ss.solve(bench, duration=30.0).t[-1] == 30.0
     with pytest.raises(ss.InputError, match="duration: kg is a unit of mass"):
         ss.solve(bench, duration="30 kg")
+
+
+def test_coefficients_in_per_cent_are_remarked_on_and_a_run_repeats_the_remark():
+    robot = ss.presets.coulomb_robot(alpha_plus=0.5, alpha_minus=0.9).replace({"friction.mu_plus": 13.0, "friction.mu_minus": 21.0})
+    assert any(note.startswith("is a unit mistaken? friction.mu_plus = 13.0") for note in robot.notes)
+    long = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=0.55, law="coulomb")
+    assert "is a unit mistaken? This drive has a stroke of 1.1 m" in repr(ss.solve(long, periods=2, settle=0))
+    usual = ss.presets.piezo_rig(tilt_deg=1.7, amplitude="0.55 mm", law="coulomb")
+    assert "mistaken" not in repr(ss.solve(usual, periods=2, settle=0))
+
+
+def test_the_table_of_a_robot_has_units_and_its_remarks():
+    shown = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=0.5, law="coulomb", incline="gravity")._repr_html_()
+    assert "0.06259 kg" in shown and "(32.7 Hz)" in shown and "(1.7°)" in shown and "is a unit mistaken?" in shown and "None" not in shown
+
+
+@pytest.mark.parametrize(
+    ("wrong", "hint"),
+    [
+        (lambda: ss.Harmonic(amplitude=1e-3, freq=40), "type frequency=40"),
+        (lambda: ss.Robot(body_mass=0.06, tilt_deg=3), r'type track=ss.Incline\(tilt="3 deg"\)'),
+        (lambda: ss.Incline(tilt=3), 'or text such as "3 deg"'),
+        (
+            lambda: ss.sweep(ss.Robot.from_toml(ss.presets.piezo_rig(**PLAIN).to_toml()), **{"drive.frequency": [40.0, 50.0]}),
+            'drive.omega="40 Hz"',
+        ),
+        (lambda: ss.presets.piezo_rigg, "did you mean 'piezo_rig'?"),
+        (lambda: ss.simulate, "did you mean 'solve'?"),
+        (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).velocity, "type run.v"),
+        (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).mean_velocity, r"type ss.mean_velocity\(run\)"),
+        (lambda: ss.solve(ss.presets.coulomb_robot(0.5, 0.9), periods=2, settle=0).contact_force, "this run has no|a run has no"),
+    ],
+)
+def test_names_that_others_use_are_told_what_is_called_so_here(wrong, hint):
+    with pytest.raises((ss.InputError, AttributeError), match=hint):
+        wrong()

@@ -8,6 +8,7 @@ from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, needs_data, path
 from stickslip.errors import InputError
 from stickslip.records.measures import loop_friction, mean_velocity
 from stickslip.records.overview import clipped, noise
+from stickslip.records.tones import drive_frequency
 
 
 def rig(noise=0.0, law="coulomb", amplitude=5e-4, tilt_deg=1.7, **more):
@@ -238,3 +239,30 @@ def test_a_figure_that_cannot_be_drawn_costs_no_summary(tmp_path, capsys):
     assert main(["read", str(bare), "--figure", str(tmp_path / "g.png")]) == 0
     out = capsys.readouterr().out
     assert "50 values" in out and "figure: left out: the unit of " in out and not (tmp_path / "g.png").exists()
+
+
+def test_a_transient_does_not_shift_the_frequency():
+    """A body that starts from rest, 1 % of noise: 40 Hz within four standard errors, of which the whole record is eight away."""
+    robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=ss.Harmonic(6e-4, frequency=40.0), friction=ss.Coulomb(0.13, 0.21))
+    rec = ss.virtual_rig(robot, noise=2e-4, seed=2, settle=0, periods=60, samples=500)
+    found = rec.drive_frequency()
+    assert abs(found.value - 40.0) < 4 * found.error < 1e-3
+    whole = drive_frequency(rec)
+    assert abs(whole.value - 40.0) > 4 * whole.error
+    assert str(found).endswith(" ± 4e-05 Hz (in 'velocity')")
+
+
+def test_a_settled_record_says_what_was_left_out():
+    robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=ss.Harmonic(6e-4, frequency=40.0), friction=ss.Coulomb(0.13, 0.21))
+    rec = ss.virtual_rig(robot, noise=2e-4, seed=2, settle=0, periods=60, samples=100)
+    kept = rec.settled()
+    steady = ss.periodic_mean_velocity(robot)
+    assert "differ from the later ones" in kept.notes[-1] and abs(kept.mean_velocity() - steady) < 1e-5 < abs(rec.mean_velocity() - steady)
+    assert rec.settled(settle=0) is rec
+
+
+def test_volts_ask_for_a_sensitivity():
+    t = np.arange(400) / 4000
+    rec = ss.Record.of(t, {"LDV [V]": np.sin(80 * np.pi * t)})
+    with pytest.raises(ss.InputError, match=r'scale=\{"LDV": "100 mm/s/V"\}'):
+        rec.mean_velocity()

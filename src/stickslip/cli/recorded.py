@@ -17,13 +17,16 @@ _TYPED = (
     (r'units=\{"([^"]*)": "([^"]*)"\}', r'--unit "\1=\2"'),
     (r'roles=\{"([^"]*)": "([^"]*)"\}(?: \(--role [^)]*\))?', r'--role "\1=\2"'),
     (r"roles=\{\"\.\.\.\": \"(\w+)\"\} when reading", r"--role NAME=\1"),
-    (r'columns=\["([^]]*)"(?:, \.\.\.)?\]', r'--columns "\1,..."'),
+    (r'columns=\["([^"]*)", \.\.\.\]', r'--columns "\1,..."'),
     (r"\brate=(\S+) \[Hz\]", r"--rate HZ"),
     (r"\bsettle=(\d+)", r"--settle \1"),
     (r"\btransient=True\b", "--transient"),
     (r"\bsensor=\{\}", "--sensor ideal"),
     (r'\bsensor=\{"(\w+)": 0\.0[^}]*\}', r"--sensor \1=0, and --sensor NAME=fit for what else it adds"),
     (r"\bnoise=\.\.\.", "--noise ..."),
+    (r'\bfree=\{"([\w.]+)": \(([^,)]+), ([^,)]+)\)\}', r"--free \1=\2..\3"),
+    (r'\bscale=\{"([^"]*)": "([^"]*)"\}', r'--scale "\1=\2"'),
+    (r'columns=\["([^"]*)", "([^"]*)"\]', r'--columns "\1,\2"'),
     (r'separator="([^"]*)"', r'--separator "\1"'),
     (r'decimal="([^"]*)"', r'--decimal "\1"'),
     (r'ss\.read\(path, ((?:--\w+ "[^"]*"(?:, | or )?)+)\)', r"\1"),
@@ -38,6 +41,8 @@ def typed(text: str) -> str:
     --------
     >>> typed('type units={"LDV": "m/s"} with the right one'), typed("settle=0 takes them as steady")
     ('type --unit LDV=m/s with the right one', '--settle 0 takes them as steady')
+    >>> typed('type columns=["t [s]", "v [mm/s]"]'), typed('type for example free={"mu0": (0.05, 0.5)}')
+    ('type --columns "t [s],v [mm/s]"', 'type for example --free mu0=0.05..0.5')
     """
     for pattern, words in _TYPED:
         text = re.sub(pattern, words, text)

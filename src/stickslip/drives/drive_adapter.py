@@ -10,7 +10,7 @@ from stickslip.contracts import Drive
 from stickslip.errors import StickslipError
 from stickslip.maths import is_symbol, maximum
 
-__all__ = ["NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of", "unlikely"]
+__all__ = ["MISTAKEN", "NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of", "unlikely"]
 
 #: What a drive has to say; the rest has its default in `DriveAdapter`.
 NEEDS = ("position", "velocity", "acceleration", "period")
@@ -85,6 +85,8 @@ class DriveAdapter:
 #: Beyond this relative velocity [m/s] we ask whether a unit was mistaken: piezo actuators, voice coils, cranks and shakers stay below.
 _FASTEST = 10.0
 _EARTH = 9.81  # [m/s^2]
+#: How remarks on numbers begin that are likely to be in another unit.
+MISTAKEN = "is a unit mistaken?"
 
 
 def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
@@ -112,7 +114,7 @@ def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
     ways, accelerations = (np.array([one(s) + 0.0 * drive.period for s in t]) for one in (drive.position, drive.acceleration))
     stroke, speed = np.max(np.ptp(ways, axis=0)), np.max(np.asarray(speeds))
     told = f"has a stroke of {_digits(stroke)} m, reaches {_digits(speed)} m/s and {_digits(np.max(abs(accelerations)) / _EARTH)} g"
-    return (f'is a unit mistaken? This drive {told}; lengths are in m, and amplitude="0.55 mm" is allowed',)
+    return (f'{MISTAKEN} This drive {told}; lengths are in m, and amplitude="0.55 mm" is allowed',)
 
 
 def _digits(value: Any) -> str:

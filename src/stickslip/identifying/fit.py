@@ -112,6 +112,8 @@ class Fit(Face):
         Sum of squares of the priors.
     stopped : bool
         Whether the search was interrupted.
+    doubts : tuple of str
+        What cannot be of one machine: other frequencies of record and drive, motions of other sizes, numbers in a mistaken unit.
 
     Examples
     --------
@@ -139,6 +141,7 @@ class Fit(Face):
     records: tuple[Any, ...] = ()
     penalty: float = 0.0
     stopped: bool = False
+    doubts: tuple[str, ...] = ()
 
     # ---- how sure ----
     @property
@@ -451,7 +454,7 @@ class Fit(Face):
         """Warnings about the fitted values."""
         from stickslip.identifying.uncertainty import remarks
 
-        return [*remarks(self), *self.correlated, *self.notes]
+        return [*self.doubts, *remarks(self), *self.correlated, *self.notes]
 
     def distribution(self, machine: Any, problems: Problems) -> Any:
         """The distribution of a machine's numbers under the fit, for `propagate` and `optimise`."""
@@ -484,6 +487,12 @@ class Fit(Face):
 
     def _title(self) -> str:
         return f"Fit of {self.law}"
+
+    def _facts(self) -> dict[str, str]:
+        from stickslip.identifying.fit_text import known_line, sensor_lines
+
+        told = [line.partition(": ") for line in (known_line(self), *sensor_lines(self)) if line]
+        return {name: line for name, _, line in told}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         from stickslip.identifying.fit_text import error_text, parameter_rows, unit_of_parameter

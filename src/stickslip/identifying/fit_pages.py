@@ -69,6 +69,7 @@ def _told(fit: Any) -> dict[str, Any]:
     from stickslip.identifying.fit_text import (
         cost_lines,
         error_text,
+        known_line,
         parameter_rows,
         sensor_lines,
         unit_of_parameter,
@@ -97,7 +98,7 @@ def _told(fit: Any) -> dict[str, Any]:
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,
-        "sensor": [*sensor_lines(fit), *cost_lines(fit)],
+        "given": known_line(fit), "sensor": [*sensor_lines(fit), *cost_lines(fit)],
         "correlations": table, "count": fit.count, "starts": fit.starts, "agree": fit.agree, "provenance": fit.provenance,
     }  # fmt: skip
 

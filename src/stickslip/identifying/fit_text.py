@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 
 from stickslip.faces import NOT_DETERMINED, rounded, sure
+from stickslip.fields import leaves
 from stickslip.naming import described
+from stickslip.quantities import with_unit
 
 __all__ = [
     "NOT_DETERMINED",
     "OVER_MOTION",
     "counted",
     "error_text",
+    "known_line",
     "listed",
     "parameter_rows",
     "report_text",
@@ -122,6 +125,29 @@ def _changes(fit: Any, members: list[int], direction: Any) -> str:
     return ", ".join(steps)
 
 
+def known_line(fit: Any) -> str:
+    """What was given and not fitted, with units: a wrong number among these shifts the fitted ones."""
+    of = fit.problem.parameters
+    numbers = {} if callable(of.make) else {name: [value] for name, value in leaves(of.make)}
+    numbers |= {name: [each[name] for each in of.fixed] for name in of.fixed[0]}
+    free = {f.argument for f in of.free} | set(of.tied)
+    told = [f"{name} = {_as_given(values, unit_of_parameter(fit, name))}" for name, values in numbers.items() if name not in free]
+    return f"as given: {', '.join(told)}" if told else ""
+
+
+def _as_given(values: list[Any], unit: str) -> str:
+    """A value, or those of all records where they differ."""
+    shown = [
+        with_unit(float(v), unit)
+        if isinstance(v, (int, float)) and not isinstance(v, bool)
+        else v
+        if isinstance(v, str)
+        else type(v).__name__
+        for v in values
+    ]
+    return " and ".join(dict.fromkeys(shown))
+
+
 def sensor_lines(fit: Any) -> list[str]:
     """What the sensors add, one sentence for all."""
     units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
@@ -169,7 +195,7 @@ def report_text(fit: Any) -> str:
             continue
         how_sure = f"{error_text(fit, name)} {unit}".rstrip()
         rows.append(f"  {name:<{width}} = {rounded(value, error)} {how_sure}   95 % {rounded(low, error)} to {rounded(high, error)}")
-    rows += [f"  {line}" for line in (*sensor_lines(fit), *cost_lines(fit))]
+    rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit)) if line]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""

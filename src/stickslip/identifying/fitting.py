@@ -24,6 +24,7 @@ from stickslip.identifying.means import MeansProblem
 from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
+from stickslip.identifying.plausible import doubts
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, searched, starting_places
 from stickslip.identifying.sensed import Sensed
@@ -306,6 +307,7 @@ def _fit(
         records,
         penalty=float(best.residuals[count:] @ best.residuals[count:]),
         stopped=best.stopped,
+        doubts=tuple(doubts(problem, values, best.place)),
     )
 
 

@@ -200,7 +200,8 @@ def parameters(
             problems.add(f"{name} is tied to {rule!r}, which is not known; {did_you_mean(str(rule), known)}")
     if not spread:
         example = "0.18" if what == "design" else "(0.05, 0.5)"
-        problems.add(f'free names no parameter; type for example free={{"mu0": {example}}}')
+        coefficient = next((name for name in known or () if name.rpartition(".")[2] == "mu_plus"), "mu0")
+        problems.add(f'free names no parameter; type for example free={{"{coefficient}": {example}}}')
     problems.check()
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
 

@@ -92,7 +92,8 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
         unit = LIMITS.get(name) or unit_of(name, model)
         least, largest = typed_ends(ends, unit)
     except ValueError as error:
-        problems.add(f"subject_to[{name!r}] = {ends!r}: {error}; allowed is (least, largest) with None for no limit; {_TYPED}")
+        typed = f'type subject_to={{"{name}": (None, {ends!r})}}' if isinstance(ends, (str, int, float)) else _TYPED
+        problems.add(f"subject_to[{name!r}] = {ends!r}: {error}; allowed is (least, largest) with None for no limit; {typed}")
         return None
     low, high = -np.inf if least is None else least, np.inf if largest is None else largest
     if not low < high or (np.isinf(low) and np.isinf(high)) or (name in LIMITS and high <= 0.0):
@@ -102,12 +103,13 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
     return Limit(name, low, high, "" if unit == "1" else unit)
 
 
-def scales_within(limits: list[Limit], problems: Problems) -> Scales:
+def scales_within(limits: list[Limit], subject_to: Any, problems: Problems) -> Scales:
     """The limits that give a waveform its size; noted where one is missing without which it would grow for ever."""
     known = {limit.name: limit.high for limit in limits if limit.of_drive}
     scales = Scales(*(known.get(name, np.inf) for name in ("relative_acceleration", "stroke", "relative_velocity")))
-    if not np.isfinite(scales.acceleration):
+    wrong = {*subject_to} - {limit.name for limit in limits} if isinstance(subject_to, dict) else set()  # noted already
+    if not np.isfinite(scales.acceleration) and "relative_acceleration" not in wrong:
         problems.add(f'a waveform needs a limit of "relative_acceleration", which gives it its size; {_TYPED}')
-    if not np.isfinite(min(scales.stroke, scales.velocity)):
+    if not np.isfinite(min(scales.stroke, scales.velocity)) and wrong.isdisjoint(("stroke", "relative_velocity")):
         problems.add(f'a waveform needs a limit of "stroke" or of "relative_velocity", which gives it its period; {_TYPED}')
     return scales

@@ -57,7 +57,7 @@ def optimise(
         "drive.amplitude", "track.tilt", or for several parts "modules[1].drive.amplitude", "phases[1]"; without an index the numbers of all
         parts vary together. For a drive ("drive", "modules[0].drive") a `waveform`.
     maximise, minimise : str
-        Exactly one of them: "mean_velocity", "cost_of_transport", "drive_power", or another column of a sweep.
+        One of them: "mean_velocity" (maximised if neither is given), "cost_of_transport", "drive_power", or another column of a sweep.
     subject_to : dict, optional
         Limits as (least, largest), None for no limit: of "stroke" [m], "relative_velocity" [m/s] and "relative_acceleration" [m/s^2] of the
         drives, and of columns of a sweep, such as "drive_power" [W]. A waveform needs a limit of acceleration and one of stroke or
@@ -101,11 +101,12 @@ def optimise(
     (0.8, 0.8, ('drive.u1', 'drive.u2'))
     """
     problems = Problems("optimise")
+    maximise = "mean_velocity" if maximise is None and minimise is None else maximise
     if shape_of(model):
         raise InputError("optimise", ["the machine is a batch (some of its numbers are arrays); allowed is one; type single values"])
     quantity = _quantity(model, maximise, minimise, problems)
     varied, limits = checked_over(model, over, problems), checked_limits(model, subject_to, problems)
-    scales = scales_within(limits, problems) if any(each.form is not None for each in varied) else None
+    scales = scales_within(limits, subject_to, problems) if any(each.form is not None for each in varied) else None
     sample = _sample(model, robust, quantile, varied, int(seed) if is_whole(seed) else 0, problems)
     if starts not in ("closed", None):
         problems.add(f'starts = {starts!r}; allowed is "closed" or None; type starts=None')
@@ -142,7 +143,7 @@ def optimise(
 def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> str:
     given = [name for name in (maximise, minimise) if name is not None]
     if len(given) != 1:
-        problems.add(f'{len(given)} of maximise and minimise are given; allowed is exactly one; type maximise="mean_velocity"')
+        problems.add('both maximise and minimise are given; allowed is one of them; type maximise="mean_velocity"')
         return "mean_velocity"
     try:
         check_quantity("optimise", "maximise" if maximise is not None else "minimise", given[0], model)

@@ -24,5 +24,13 @@ __all__ = [
 _ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo, stick_slip_stage, conveyor)
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}
+
+
+def __getattr__(name: str) -> object:
+    from stickslip.errors import did_you_mean
+
+    raise AttributeError(f"stickslip.presets has no {name!r}; {did_you_mean(name, PRESETS)}")
+
+
 #: Presets whose units are all 1: what they give is not a number of meters or seconds.
 DIMENSIONLESS = ("coulomb_robot", "capsule")

@@ -144,7 +144,7 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
 @explains_arguments
 def piezo_beam_rig(
     voltage: Annotated[Any, VOLTAGE],
-    frequency: Annotated[Any, FREQUENCY | {"label": "frequency of the voltage"}],
+    frequency: Annotated[Any, FREQUENCY | {"label": "drive frequency"}],
     tilt_deg: Annotated[Any, TILT_DEG],
     beam: PiezoBeam | None = None,
     length: Annotated[Any, described_by(PiezoBeam, "length")] = None,

@@ -65,7 +65,10 @@ def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
         if _FREQUENCY.fullmatch(c.name) and quantity_of(c.unit) in (None, "frequency") and _rises(c.values):
             return c
     if len(group) > 1 and re.fullmatch(r"column 1", group[0].name) and _rises(group[0].values):
-        notes.append(f'{group[0].name} rises throughout and is taken as the time axis; type columns=["t [s]", ...] with its name and unit')
+        rest = '"v [mm/s]"' if len(group) == 2 else "..."
+        notes.append(
+            f'{group[0].name} rises throughout and is taken as the time axis; type columns=["t [s]", {rest}] with the right names and units'
+        )
         return group[0]
     return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -69,6 +70,9 @@ class MeasuredMotion:
 
     def __str__(self) -> str:
         return self.verdict
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(self.verdict)}</p>"
 
     @property
     def decided(self) -> bool:

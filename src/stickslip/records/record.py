@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 __all__ = ["Record"]
 
 
+#: Sensitivities of sensors, as their data sheets give them, by what they measure.
+_SENSITIVITIES = {"velocity": "100 mm/s/V", "absolute velocity": "100 mm/s/V", "position": "1 mm/V", "force": "50 N/V", "load": "50 N/V",
+                  "acceleration": "100 mV/g"}  # fmt: skip
+
+
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:
@@ -107,6 +112,10 @@ class Record:
             bare = [c for c in self.channels.values() if quantity_of(c.unit) is None]
             if fitting:
                 return f'{said}; type ss.read(path, roles={{"{fitting[0].name}": "{key}"}}) with the right one'
+            volts = [c.name for c in self.channels.values() if quantity_of(c.unit) == "voltage"]
+            if volts and not bare:
+                typed = f'ss.read(path, scale={{"{volts[0]}": "{_SENSITIVITIES.get(key, "100 mm/s/V")}"}})'
+                return f"{said}; {volts[0]!r} is in volts: type {typed} with the sensitivity from the sensor's data sheet"
             if not bare:
                 return f"{said}, and none of them is in a unit of {' or '.join(wanted)}; take a record that has one"
             unit = {"position": "mm", "force": "N", "load": "N", "acceleration": "m/s^2", "pressure": "bar", "voltage": "V"}.get(key, "m/s")
@@ -242,10 +251,24 @@ class Record:
 
     @explains_arguments
     def drive_frequency(self, about: float | None = None) -> Frequency:
-        """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line."""
-        from stickslip.records.tones import drive_frequency
+        """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
 
-        return drive_frequency(self, about)
+        Drive periods at the start of a velocity or a position that differ from the later ones are left out.
+        """
+        from stickslip.records.settling import steady_frequency
+
+        return steady_frequency(self, about)
+
+    @explains_arguments
+    def settled(self, settle: int | str = "auto", frequency: float | None = None) -> Record:
+        """The steady part of the record: without the first `settle` drive periods, "auto" those that differ from the later ones.
+
+        A note says how many were left out.
+        """
+        from stickslip.records.settling import settled
+
+        kept, _, said = settled(self, settle, frequency)
+        return kept if said is None else kept.replace(notes=(*kept.notes, said.partition(" and are not compared")[0]))
 
     @explains_arguments
     def mean_velocity(self, frequency: float | None = None) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.faces import rounded, sure
 from stickslip.records.given import given_frequency
 
 __all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "measured_samples", "spectrum"]
@@ -32,6 +33,9 @@ class Frequency:
     value: float
     error: float
     channel: str
+
+    def __str__(self) -> str:
+        return f"{rounded(self.value, self.error)} {sure(self.error)} Hz (in {self.channel!r})"
 
     @property
     def omega(self) -> float:

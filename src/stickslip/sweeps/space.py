@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.arguments import parameters_of
 from stickslip.designs import Design
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.fields import leaves, masked_in
 from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
@@ -208,7 +208,8 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
     for name in given:
         starts = () if is_flow(make) else START
         if name not in known and name not in starts and (callable(make) or not numbers_meant(name, known)):
-            problems.add(f"{name!r} is not known; {did_you_mean(name, [*known, *options, *starts])}")
+            hint = other_words(name, None, known) or did_you_mean(name, [*known, *options, *starts])
+            problems.add(f"{name!r} is not known; {hint}")
 
 
 def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | None:
