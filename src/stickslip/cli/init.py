@@ -10,6 +10,7 @@ from stickslip.cli.arguments import Parser, all_of, parser, subject, without_def
 from stickslip.cli.docstrings import about, meanings
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.naming import axis_of, example_for
+from stickslip.quantities import with_unit
 
 __all__ = ["act", "commented"]
 
@@ -83,14 +84,18 @@ def commented(robot: Any) -> str:
     --------
     >>> import stickslip as ss
     >>> text = commented(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4))
-    >>> print(text.splitlines()[3].rstrip())
+    >>> print(text.splitlines()[4].rstrip())
     body_mass = 0.06259              # [kg] Mass M of the body.
     >>> ss.Robot.from_toml(text).drive.amplitude
     0.0005
     """
     from stickslip.fields import leaves
 
-    head = ["# A study file: stickslip run FILE, or check, sweep, map, bifurcation, report. Units are SI, angles radians.", ""]
+    head = [
+        "# A study file: stickslip run FILE, or check, sweep, map, identify, optimise, report. Units are SI, angles radians.",
+        "# The numbers are those of an example: replace them by yours, the tilt of the track too.",
+        "",
+    ]
     body = _table(robot, "robot")
     name, value = next(iter(leaves(robot.drive)), ("amplitude", 1.0))
     return "\n".join([*head, *body]) + "\n" + _SOLVE + _ARGUMENTS.format(name=name, low=0.8 * value, high=1.2 * value)
@@ -123,7 +128,8 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
         elif value is not None:
             words = told.get(field.name, {"unit": "", "meaning": ""})
             unit = f"[{words['unit']}] " if words["unit"] else ""
-            lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + words["meaning"]))
+            also = with_unit(value, words["unit"]).partition(" (")[2].rstrip(")") if isinstance(value, float) else ""
+            lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + (f"{also}. " if also else "") + words["meaning"]))
     return lines + inner
 
 

@@ -1,5 +1,7 @@
 """Machines with published or plainly labelled numbers, one function each, with their source."""
 
+from typing import TYPE_CHECKING
+
 from stickslip.presets.capsules import capsubot, capsule
 from stickslip.presets.chains import two_modules, worm
 from stickslip.presets.joints import servo
@@ -26,10 +28,12 @@ _ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, c
 PRESETS = {preset.__name__: preset for preset in _ALL}
 
 
-def __getattr__(name: str) -> object:
-    from stickslip.errors import did_you_mean
+if not TYPE_CHECKING:  # a type checker would take every name for one of ours
 
-    raise AttributeError(f"stickslip.presets has no {name!r}; {did_you_mean(name, PRESETS)}")
+    def __getattr__(name: str) -> object:
+        from stickslip.errors import did_you_mean
+
+        raise AttributeError(f"stickslip.presets has no {name!r}; {did_you_mean(name, PRESETS)}")
 
 
 #: Presets whose units are all 1: what they give is not a number of meters or seconds.
