@@ -517,11 +517,15 @@ class Trajectory(Drawn, RunFiles):
             return f"whether a motion of {layout.description} has settled is not judged"
         return self.steadiness.note
 
-    def __getattr__(self, name: str) -> Any:
-        if name in dir(type(self)):
-            return object.__getattribute__(self, name)  # raises its own error again
-        hint = f"type {_INSTEAD[name]}" if name in _INSTEAD else did_you_mean(name, [n for n in dir(type(self)) if not n.startswith("_")])
-        raise AttributeError(f"a run has no {name!r}" + ("" if name.startswith("_") else f"; {hint}"))
+    if not TYPE_CHECKING:  # a type checker would take every name for one of ours
+
+        def __getattr__(self, name: str) -> Any:
+            if name in dir(type(self)):
+                return object.__getattribute__(self, name)  # raises its own error again
+            hint = (
+                f"type {_INSTEAD[name]}" if name in _INSTEAD else did_you_mean(name, [n for n in dir(type(self)) if not n.startswith("_")])
+            )
+            raise AttributeError(f"a run has no {name!r}" + ("" if name.startswith("_") else f"; {hint}"))
 
     def __repr__(self) -> str:
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"

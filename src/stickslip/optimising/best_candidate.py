@@ -11,6 +11,8 @@ from stickslip.drives.within import drives_within
 from stickslip.dynamics.derivatives.sensitivity import directions_of
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import StickslipError
+from stickslip.fields import leaves
+from stickslip.optimising.beside import moves_of, sizes_of
 from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued, from_other_starts
 from stickslip.optimising.constraints import KEPT, Limit
@@ -18,7 +20,7 @@ from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.optimum_cuts import cuts_of
 from stickslip.optimising.peaks import LIMITS, peaks_of
-from stickslip.optimising.results import results_of
+from stickslip.optimising.results import moved_by, results_of
 from stickslip.optimising.small_friction import small_friction_limit
 from stickslip.optimising.unknowns import Unknowns
 
@@ -26,6 +28,7 @@ __all__ = ["optimum_of", "values_of"]
 
 Array = Any
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
+_OFF, _LOST = 1e-4, 0.01  # how far a number may be off, and which part of the optimum that may cost
 _SAME = 1e-5  # of the mean velocity: attractors nearer to each other are one; dynamic laws are run to 1e-6
 
 
@@ -39,6 +42,7 @@ def optimum_of(worth: Candidates, notes: list[str], search: Search) -> Optimum:
     way = continued(space.model, model, numbers)
     notes = [*notes, *from_other_starts(model, V), *_another_way(V, way), *_remarks(values), *_not_kept(worth.limits, given)]
     slopes = _sensitivities(model, worth, notes)
+    notes += _on_an_edge(model, worth, float(values.get(worth.quantity, np.nan)))
     return Optimum(
         model,
         of=worth.quantity,
@@ -62,6 +66,23 @@ def optimum_of(worth: Candidates, notes: list[str], search: Search) -> Optimum:
 def _remarks(values: dict[str, Any]) -> list[str]:
     rests = ["the best machine does not move: its mean velocity is 0"] if values.get("mean_velocity") == 0.0 else []
     return [*rests, *(["the motion had not settled: V is that of its last periods"] if values.get("steadiness", 0) != 0 else [])]
+
+
+def _on_an_edge(model: Any, worth: Candidates, own: float) -> list[str]:
+    """A sentence on an optimum that is lost if a number of the machine is a little off: from rest it then reaches another motion."""
+    moved = {name: (name,) for name in _not_of_waveforms(model, worth)}
+    try:
+        near = moved_by(model, moves_of(moved, sizes_of(model, moved), [-_OFF, _OFF]))
+        beside = np.asarray(results_of(near, 2 * len(moved), rtol=1e-9)[worth.quantity], float).reshape(-1, 2)
+    except (StickslipError, KeyError, ValueError):  # a number at the end of its range, or a quantity of the drive alone
+        return []
+    losses = worth.sign * (beside - own)
+    worst = np.unravel_index(np.nanargmax(losses), losses.shape) if np.isfinite(losses).any() else (0, 0)
+    if not losses[worst] > _LOST * abs(own):
+        return []
+    name = list(moved)[worst[0]]
+    told = f"with {name} off by {_OFF:.2%} {worth.quantity} is {beside[worst]:.6g} instead of {own:.6g}"
+    return [f'the optimum is at an edge: {told}; type robust={{"{name}": ({dict(leaves(model))[name]:.6g}, "1%")}} for one that is not']
 
 
 def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
@@ -94,12 +115,16 @@ def _active_bounds(space: Unknowns, u: Array) -> list[str]:
     return [each.name for each, value in numbers if min(value, 1.0 - value) <= _ACTIVE]
 
 
+def _not_of_waveforms(model: Any, worth: Candidates) -> list[str]:
+    """All numbers but those of waveforms, which do not change one by one."""
+    forms = tuple(each.leaves[0] + "." for each in worth.space.varied if each.form is not None)
+    return [name for name in directions_of("optimise", model, None) if not name.startswith(forms)]
+
+
 def _sensitivities(model: Any, worth: Candidates, notes: list[str]) -> Gradient:
     """Derivatives by all numbers but those of waveforms."""
-    forms = [each.leaves[0] + "." for each in worth.space.varied if each.form is not None]
     try:
-        names = [name for name in directions_of("optimise", model, None) if not name.startswith(tuple(forms))] if forms else None
-        return gradient(model, worth.quantity, names)
+        return gradient(model, worth.quantity, _not_of_waveforms(model, worth))
     except StickslipError as error:
         notes.append(f"no derivatives: {error}")
         return Gradient({}, worth.quantity, float("nan"), (str(error),))

@@ -28,6 +28,7 @@ Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
 AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
+_JUMP = 1e-3  # of the free velocity, one such step beside a number: what changes by more does so at once
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
 _RTOL_BESIDE = 1e-11  # of runs under dynamic laws whose differences are taken: with 1e-10 slopes near rest missed 1e-5
 RTOL_OF_SLOPES = 1e-9  # of runs under dynamic laws: derivatives are known to some thousand times that
@@ -270,7 +271,8 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
         words, V = _around(motion, orbit, moved, at, stepped, np.zeros(k))
     except InputError:  # a number at the end of its range
         words, V = _around(motion, orbit, moved, at, stepped, sides_of(model, moved, _BESIDE))
-    noise, told = _NOISE * float(machine_of(model).free_velocity), []
+    free = float(machine_of(model).free_velocity)
+    noise, told = _NOISE * free, []
     for name, (below, here, above), (less, own, more), size in zip(moved, words, V, sizes, strict=True):
         left, right = own - less, more - own
         kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
@@ -279,9 +281,14 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
         all_three = f" (below {below}, here {here}, above {above})" if not below == here == above else ""
         told.append(
             f"{name}: one-sided, as the sequence of modes changes within {_BESIDE:g} of it{all_three}; "
-            f"V changes by {left / (_BESIDE * size):.6g} per unit below and by {right / (_BESIDE * size):.6g} above"
+            f"{_beside_it(-left, -_BESIDE * size, free)} below, {_beside_it(right, _BESIDE * size, free)} above"
         )
     return told
+
+
+def _beside_it(change: float, step: float, free: float) -> str:
+    """By how much the mean velocity differs one step beside a number: at once, or in proportion to the step."""
+    return f"V jumps by {change:+.3g}" if abs(change) > _JUMP * free else f"V changes by {change / step:.6g} per unit"
 
 
 def _around(
