@@ -70,7 +70,7 @@ def _remarks(values: dict[str, Any]) -> list[str]:
 
 def _on_an_edge(model: Any, worth: Candidates, own: float) -> list[str]:
     """A sentence on an optimum that is lost if a number of the machine is a little off: from rest it then reaches another motion."""
-    moved = {name: (name,) for name in _not_of_waveforms(model, worth)}
+    moved: dict[str, tuple[str, ...]] = {name: (name,) for name in _not_of_waveforms(model, worth)}
     try:
         near = moved_by(model, moves_of(moved, sizes_of(model, moved), [-_OFF, _OFF]))
         beside = np.asarray(results_of(near, 2 * len(moved), rtol=1e-9)[worth.quantity], float).reshape(-1, 2)
