@@ -665,3 +665,9 @@ def test_a_record_of_another_drive_or_in_another_unit_is_doubted(told, said):
     fit = ss.identify(rec, told, free={"friction.mu_plus": (0.05, 0.5)}, starts=4)
     assert (not fit.doubts) if said is None else any(re.search(said, sentence) for sentence in fit.warnings[: len(fit.doubts)])
     assert f"drive.omega = {told.drive.omega:.6g} rad/s" in fit.report() and "friction.mu_minus = 0.21" in fit.report()
+
+
+def test_a_velocity_alone_asks_for_the_robot_and_not_for_a_force():
+    rec = ss.virtual_rig(bench_robot(), noise=2e-4, seed=1)
+    with pytest.raises(ss.InputError, match=r"record 0 has no force, .* give the robot"):
+        ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.05, 0.5), "mu_minus": (0.05, 0.5)}, load=0.7)

@@ -175,6 +175,7 @@ def problem_of(
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, noise, first)
     elif using == "force" or (using == "auto" and not machines):
+        _check_forces(records)
         model = _driven(records, of, load, noise, first, transient)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
@@ -186,6 +187,15 @@ def problem_of(
     numbers, held = sensors_of(sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
     return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
+
+
+def _check_forces(records: list[Any]) -> None:
+    """`InputError` for records of a motion without a force, of which a law alone says nothing."""
+    for i, rec in enumerate(records):
+        moves = isinstance(rec, Record) and "force" not in rec and ("velocity" in rec or "position" in rec)
+        if moves and all(c.unit is not None for c in rec.channels.values()):
+            why = "and a law alone is fitted to a force over a motion; for a motion alone give the robot (or a preset, or a study file) instead"
+            raise InputError("identify", [f'record {i} has no force, {why}, and type free={{"friction.mu_plus": (0.05, 0.5)}}'])
 
 
 def _refuse_chance(model: Any, machine: bool) -> None:
