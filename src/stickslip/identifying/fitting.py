@@ -194,7 +194,7 @@ def _check_forces(records: list[Any]) -> None:
     for i, rec in enumerate(records):
         moves = isinstance(rec, Record) and "force" not in rec and ("velocity" in rec or "position" in rec)
         if moves and all(c.unit is not None for c in rec.channels.values()):
-            why = "and a law alone is fitted to a force over a motion; for a motion alone give the robot (or a preset, or a study file) instead"
+            why = "and a law alone is fitted to a force over a motion; for a motion alone give the robot (a preset, a study file) instead"
             raise InputError("identify", [f'record {i} has no force, {why}, and type free={{"friction.mu_plus": (0.05, 0.5)}}'])
 
 
