@@ -8,6 +8,9 @@ import pytest
 import stickslip as ss
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.dynamics.atlas import making_an_atlas
+from stickslip.dynamics.atlas.levels import Level
+from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, with_more
+from stickslip.dynamics.atlas.parameter_plane import plane_over
 from stickslip.report import atlas_page
 
 RIG = {"tilt_deg": 1.7, "law": "coulomb"}
@@ -77,11 +80,11 @@ def test_a_folder_of_another_atlas_is_refused(folder, found, tmp_path):
         ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, resume=True, starts=7, **RIG)
     with pytest.raises(ss.InputError, match="folder of an atlas"):
         ss.open_study(folder)
-    (tmp_path / "points-000000.json").write_text("{")
+    (tmp_path / "points-0-000000.json").write_text("{")
     (tmp_path / "manifest.json").write_text((folder / "manifest.json").read_text())
     with pytest.raises(ss.InputError, match="cannot be read"):
         ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, resume=True, **RIG)
-    (tmp_path / "points-000000.json").write_text(json.dumps([{"cell": 3}]))
+    (tmp_path / "points-0-000000.json").write_text(json.dumps([{"cell": 3}]))
     with pytest.raises(ss.InputError, match="cannot be read"):
         ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, resume=True, **RIG)
 
@@ -146,9 +149,16 @@ def test_two_motions_at_one_point_are_those_of_basins():
 def test_all_that_is_wrong_is_said_at_once():
     with pytest.raises(ss.InputError) as raised:
         ss.atlas(
-            ss.presets.piezo_rig, over={"amplitude": [3e-4], "mu0": (0.2, 0.1)}, starts=0, settle=0, branches=-1, rtol=2.0, resume=True
+            ss.presets.piezo_rig,
+            over={"amplitude": [3e-4], "mu0": (0.2, 0.1)},
+            starts=0,
+            settle=0,
+            branches=-1,
+            refine=-1,
+            rtol=2.0,
+            resume=True,
         )
-    assert len(raised.value.problems) == 7
+    assert len(raised.value.problems) == 8
     with pytest.raises(ss.InputError, match="two numbers of the machine by name"):
         ss.atlas(ss.presets.piezo_rig, over={"amplitude": (3e-4, 4e-4)}, **RIG)
     with pytest.raises(ss.InputError, match="has no period"):
@@ -212,3 +222,55 @@ def test_scattered_starts_are_others_at_each_point(found):
     here, there = found.plane.states(model, (0, 0)), found.plane.states(model, (1, 2))
     assert np.array_equal(here[0], there[0]) and not np.any(np.all(np.isclose(here[1:], there[1:]), axis=1))
     assert np.max(abs(np.vstack([here, there]))) <= 4 * np.max(found.plane.at.scales)
+
+
+def by_closed_form(places):
+    return [(str(name),) for name in coulomb_type(*strengths(*np.array(places).T))]
+
+
+def test_cells_in_doubt_are_halved_and_places_that_are_sure_then_are_right():
+    random = np.random.default_rng(20261124)
+    places = np.column_stack([random.uniform(3.3e-4, 3.9e-4, 400), random.uniform(0.165, 0.185, 400)])
+    doubtful = []
+    for refine in (0, 1, 2):
+        found = ss.atlas(ss.presets.piezo_rig, over=OVER, branches=0, refine=refine, **RIG)
+        here = [{"amplitude": a, "mu0": m} for a, m in places]
+        sure = np.array([not found.doubt(**place) for place in here])
+        told = [found.at(**place) for place in here]
+        assert [word for word, is_sure in zip(told, sure, strict=True) if is_sure] == by_closed_form(places[sure])
+        assert len(found.closer) == refine and found.points.keys() == {(i, j) for i in range(4) for j in range(3)}
+        doubtful.append(np.mean(~sure))
+    # the border is a line, so the cells that it passes are as many as they are small
+    assert doubtful[0] > 0.3 and doubtful[1] < 0.7 * doubtful[0] and doubtful[2] < 0.7 * doubtful[1]
+    assert len(found.closer[1].points) < 0.7 * 13 * 9  # of the points of the whole grid at a quarter of a cell
+
+
+def test_no_cell_is_halved_that_a_border_explains(found):
+    assert found.closer == () and "halved" not in "".join(found.notes)
+
+
+def test_finer_levels_are_kept_and_go_on(tmp_path, monkeypatch):
+    options = {"over": OVER, "branches": 0, "out": tmp_path, **RIG}
+    ss.atlas(ss.presets.piezo_rig, refine=1, **options)
+    whole = ss.atlas(ss.presets.piezo_rig, refine=2, resume=True, **options)
+
+    def never(*arguments):
+        raise AssertionError("it computes again")
+
+    monkeypatch.setattr(making_an_atlas, "look_at", never)
+    again = ss.atlas(ss.presets.piezo_rig, refine=2, resume=True, **options)
+    assert [level.points for level in again.closer] == [level.points for level in whole.closer] and len(again.closer) == 2
+    assert again.points == whole.points and again.notes == whole.notes
+
+
+def test_a_point_whose_starts_missed_a_motion_has_more_starts():
+    here = PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 5), MotionThere("II", 1, 0.2, (0.5,), 0)))
+    again = PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 12), MotionThere("II", 1, 0.2, (0.5,), 7), MotionThere("II", 1, 0.4, (0.6,), 1)))
+    plane = plane_over("atlas", ss.presets.piezo_rig, OVER, 5, RIG, lambda problems: None)
+    level = Level(plane, {(1, 1): here, (1, 2): PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 5),))})
+    ((cell, states),) = making_an_atlas._to_start_again(level).items()
+    assert cell == (1, 1) and len(states) == 20
+    both = with_more(plane, here, again, len(states))
+    assert [(m.word, m.mean_velocity, m.hits) for m in both.motions] == [("I", 0.1, 17), ("II", 0.2, 7), ("II", 0.4, 1)] and both.more == 20
+    assert not making_an_atlas._to_start_again(Level(plane, {(1, 1): both}))
+    assert not np.any(np.all(np.isclose(states[:, None], plane.states(plane.sample, (1, 1))[None, 1:]), axis=2))

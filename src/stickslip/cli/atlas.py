@@ -30,6 +30,7 @@ def act(command: str, words: list[str]) -> int:
     )
     made.add_argument("--starts", type=int, default=5, metavar="N", help="starts at each point (default 5)")
     made.add_argument("--branches", type=int, default=40, metavar="N", help="largest number of motions to follow (default 40; 0: none)")
+    made.add_argument("--refine", type=int, default=1, metavar="N", help="how often cells in doubt are halved (default 1; 0: never)")
     made.add_argument("--estimate", action="store_true", help="report the expected computing time, and stop")
     made.add_argument("--figure", metavar="FILE", help="draw the atlas (.png, .svg or .pdf)")
     made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
@@ -44,7 +45,7 @@ def act(command: str, words: list[str]) -> int:
     if asked.resume and (file is not None or not asked.out):
         raise InputError("--resume", ["this is for a folder; type for example --out atlas"])
     study = subject(asked.robot, asked.settings, many=True, solver=("settle", "rtol", "workers"), strict=False)
-    job = {**_over(command, study.arguments), **study.options, "starts": asked.starts, "branches": asked.branches}
+    job = {**_over(command, study.arguments), **study.options, "starts": asked.starts, "branches": asked.branches, "refine": asked.refine}
 
     from stickslip.dynamics.atlas.making_an_atlas import atlas, atlas_time
 

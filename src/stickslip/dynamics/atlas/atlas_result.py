@@ -11,8 +11,8 @@ import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
-from stickslip.dynamics.atlas.changes_between_neighbours import crosses
-from stickslip.dynamics.atlas.doubts import doubt_at, doubts_of, unseen_share
+from stickslip.dynamics.atlas.doubts import Doubts, unseen_share
+from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import wilson
@@ -49,6 +49,8 @@ class Atlas(Drawn):
         Branches of periodic motions that were followed across the plane.
     notes : tuple of str
         What was not reached, and why.
+    closer : tuple of Level
+        The finer levels of the grid, in cells where places were in doubt.
 
     Examples
     --------
@@ -64,6 +66,7 @@ class Atlas(Drawn):
     found: tuple[PointOfBorder, ...]
     branches: tuple[FollowedBranch, ...]
     notes: tuple[str, ...]
+    closer: tuple[Level, ...] = ()
 
     _drawn_by, _inches = "atlas", (4.4, 3.4)
 
@@ -101,17 +104,18 @@ class Atlas(Drawn):
     def _by_point(self) -> dict[str, tuple[Any, dict[str, str]]]:
         count, lost = np.full(self.plane.shape, UNDONE), np.full(self.plane.shape, UNDONE)
         region, doubt = np.full(self.plane.shape, "", object), np.full(self.plane.shape, "", object)
-        for cell, why in self._doubts.items():
-            doubt[cell] = why
+        unseen = np.full(self.plane.shape, np.nan)
         for cell, point in self.points.items():
             count[cell], lost[cell], region[cell] = len(point.motions), point.lost, point.label
+            doubt[cell] = self._doubts.of_points.get(self.plane.point(cell), "")
+            unseen[cell] = unseen_share(self.plane.count + point.more)
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
             "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
             "doubt": (doubt.astype(str), {"long_name": "reason why the motions are not sure"}),
             "unseen": (
-                np.where(count < 0, np.nan, unseen_share(self.plane.count)),
+                unseen,
                 {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"},
             ),
         }
@@ -119,9 +123,10 @@ class Atlas(Drawn):
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
         shape = (*self.plane.shape, max((len(point.motions) for point in self.points.values()), default=0))
         motion, period = np.full(shape, "", object), np.full(shape, UNDONE)
-        names, starts = self.plane.at.names, self.plane.count
+        names = self.plane.at.names
         numbers = np.full((*shape, 4 + len(names)), np.nan)
         for cell, point in self.points.items():
+            starts = self.plane.count + point.more
             for k, each in enumerate(point.motions):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
                 numbers[(*cell, k)] = [each.mean_velocity, each.hits / starts, *wilson(each.hits, starts), *each.state]
@@ -150,7 +155,7 @@ class Atlas(Drawn):
 
     @explains_arguments
     def at(self, **values: float) -> tuple[str, ...]:
-        """The attracting motions at a point of the plane: those of the nearest grid point that no border separates from it.
+        """The attracting motions at a point of the plane: those of the nearest corner of its cell that no border separates from it.
 
         Parameters
         ----------
@@ -167,17 +172,21 @@ class Atlas(Drawn):
             For a point outside the grid, or one where nothing was computed.
         """
         here = self._place(values)
-        spans = [float(np.ptp(axis)) for axis in self.plane.axes]
+        level, free = self._doubts.free(here)
+        return level.points[free[0]].words if free else self._farther(here).words
+
+    def _farther(self, here: tuple[float, float]) -> PointOfGrid:
+        """The nearest point of the grid that no border separates from a place; where all around are, the nearest of all."""
         known = [cell for cell, point in self.points.items() if point.motions]
         if not known:
             raise InputError("Atlas.at", ["nothing was computed; make the atlas again"])
-        near = sorted(known, key=lambda cell: sum(((a - b) / s) ** 2 for a, b, s in zip(self.plane.point(cell), here, spans, strict=True)))
-        free = (cell for cell in near[:_AROUND] if not any(crosses(b.values, self.plane.point(cell), here) for b in self.borders))
-        return self.points[next(free, near[0])].words
+        near = sorted(known, key=lambda cell: self._doubts.distance(self.plane.point(cell), here))
+        free = (cell for cell in near[:_AROUND] if not self._doubts.separated(self.plane.point(cell), here))
+        return self.points[next(free, near[0])]
 
     @cached_property
-    def _doubts(self) -> dict[Cell, str]:
-        return doubts_of(self.plane, self.points, self.borders, self.found)
+    def _doubts(self) -> Doubts:
+        return Doubts((Level(self.plane, self.points), *self.closer), self.borders, self.found)
 
     @explains_arguments
     def doubt(self, **values: float) -> str:
@@ -200,7 +209,7 @@ class Atlas(Drawn):
         InputError
             For a point outside the grid.
         """
-        return doubt_at(self.plane, self.points, self._doubts, self.borders, self._place(values))
+        return self._doubts.at(self._place(values))
 
     def _place(self, values: dict[str, float]) -> tuple[float, float]:
         if set(values) != set(self.parameters):

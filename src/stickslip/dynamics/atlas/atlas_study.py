@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,7 +20,7 @@ from stickslip.sweeps.planning import SOLVER, planned
 __all__ = ["AtlasStudy"]
 
 T = TypeVar("T")
-_FORMAT = 1
+_FORMAT = 2
 _ANEW = "delete it, and it is computed again"
 _DRAWN = "others at each point, at four scales"  # how starts are drawn: those of earlier versions were others
 
@@ -65,22 +65,22 @@ class AtlasStudy:
         put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
 
     # ---- the grid ----
-    def keep_points(self, first: int, points: dict[Cell, PointOfGrid]) -> None:
-        """Keep a part of the grid."""
-        rows = [{"cell": cell, **asdict(point)} for cell, point in points.items()]
-        self._keep(f"points-{first:06d}.json", rows)
+    def keep_points(self, first: int, points: dict[Cell, PointOfGrid], level: int = 0) -> None:
+        """Keep a part of the grid, or of one of its finer levels."""
+        self._keep(f"points-{level}-{first:06d}.json", _rows_of(points))
 
-    def points(self) -> dict[Cell, PointOfGrid]:
-        """The points of the grid that are there."""
-        return {cell: point for points in self._all("points-*.json", _points_of) for cell, point in points.items()}
+    def points(self, level: int = 0) -> dict[Cell, PointOfGrid]:
+        """The points of the grid, or of one of its finer levels, that are there."""
+        return {cell: point for points in self._all(f"points-{level}-*.json", _points_of) for cell, point in points.items()}
 
-    def keep_grid(self, grid: dict[Cell, PointOfGrid], missed: int) -> None:
-        """Keep the whole grid after motions were taken over from neighbours."""
-        self._keep("grid.json", {"missed": missed, "points": [{"cell": cell, **asdict(point)} for cell, point in grid.items()]})
+    def keep_grid(self, grid: dict[Cell, PointOfGrid], missed: int, level: int = 0, asked: Iterable[Cell] = ()) -> None:
+        """Keep a whole level after motions were taken over from neighbours, with the points that were asked for."""
+        self._keep(f"grid-{level}.json", {"missed": missed, "asked": sorted(asked), "points": _rows_of(grid)})
 
-    def grid(self) -> tuple[dict[Cell, PointOfGrid], int] | None:
-        """The whole grid, if it is there."""
-        return next(self._all("grid.json", lambda found: (_points_of(found["points"]), int(found["missed"]))), None)
+    def grid(self, level: int = 0, asked: Iterable[Cell] = ()) -> tuple[dict[Cell, PointOfGrid], int] | None:
+        """The whole level, if it is there and the same points were asked for."""
+        kept = next(self._all(f"grid-{level}.json", _level_of), None)
+        return kept[:2] if kept and kept[2] == sorted(asked) else None
 
     # ---- what was followed ----
     def keep_outcome(self, name: str, outcome: Outcome) -> None:
@@ -117,13 +117,21 @@ def _identity(plane: Plane, look: Look) -> dict[str, str]:
     return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)])}
 
 
+def _level_of(found: dict[str, Any]) -> tuple[dict[Cell, PointOfGrid], int, list[Cell]]:
+    return _points_of(found["points"]), int(found["missed"]), [(int(i), int(j)) for i, j in found["asked"]]
+
+
+def _rows_of(points: dict[Cell, PointOfGrid]) -> list[dict[str, Any]]:
+    return [{"cell": cell, **asdict(point)} for cell, point in points.items()]
+
+
 def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
     return {(int(row["cell"][0]), int(row["cell"][1])): _point_of(row) for row in rows}
 
 
 def _point_of(row: dict[str, Any]) -> PointOfGrid:
     motions = tuple(MotionThere(**{**m, "state": tuple(m["state"])}) for m in row["motions"])
-    return PointOfGrid(motions, int(row["lost"]), str(row["refused"]))
+    return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]))
 
 
 def _special_of(row: dict[str, Any]) -> PointOfBorder:

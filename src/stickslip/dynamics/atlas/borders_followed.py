@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -79,9 +80,14 @@ class Border:
     special: tuple[PointOfBorder, ...]
     ended: tuple[str, ...]
 
+    @cached_property
+    def line(self) -> Array:
+        """A smooth line through its points: array (points, 2)."""
+        return smooth(np.array(self.values))
+
     def distance(self, values: Any, spans: Any) -> float:
         """Distance of a place from a smooth line through its points, each number counted in its span."""
-        return float(np.min(np.linalg.norm((smooth(np.array(self.values)) - values) / spans, axis=1)))
+        return float(np.min(np.linalg.norm((self.line - values) / spans, axis=1)))
 
     def __repr__(self) -> str:
         return f"<Border: {self.kind}, {len(self.values)} points{f', {self.change}' if self.change else ''}>"

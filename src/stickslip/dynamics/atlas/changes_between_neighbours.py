@@ -108,22 +108,22 @@ def _crossing(along: Array, beyond: Array, turns: Array) -> Array:
     return along[turns] + part * (along[turns + 1] - along[turns])
 
 
-def crosses(values: Any, a: tuple[float, float], b: tuple[float, float]) -> bool:
-    """Whether a curve passes between two points of the plane an odd number of times, on the straight line from one to the other.
+def crosses(line: Any, a: tuple[float, float], b: tuple[float, float]) -> bool:
+    """Whether a line passes between two points of the plane an odd number of times, on the straight line from one to the other.
 
     Examples
     --------
     >>> crosses([(0.0, 0.0), (1.0, 1.0)], (0.2, 0.8), (0.8, 0.2)), crosses([(0.0, 0.0), (1.0, 1.0)], (0.2, 0.8), (0.3, 0.8))
     (True, False)
     """
-    line = smooth(np.asarray(values, float)) - np.asarray(a)
+    ahead = np.asarray(line, float) - np.asarray(a)
     along = np.asarray(b) - np.asarray(a)
-    side = line[:, 1] * along[0] - line[:, 0] * along[1]
+    side = ahead[:, 1] * along[0] - ahead[:, 0] * along[1]
     turns = np.flatnonzero((side[:-1] < 0) != (side[1:] < 0))
     if not along.any() or not len(turns):
         return False
     k = int(np.argmax(abs(along)))
-    places = _crossing(line[:, k], side, turns) / along[k]
+    places = _crossing(ahead[:, k], side, turns) / along[k]
     return bool(np.count_nonzero((places >= 0) & (places <= 1)) % 2)
 
 

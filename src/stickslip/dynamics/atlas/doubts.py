@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, crosses, passed_by
+from stickslip.dynamics.atlas.changes_between_neighbours import Change, crosses, passed_by
+from stickslip.dynamics.atlas.levels import Level, Place, corners_around, corners_of, open_changes
 from stickslip.dynamics.atlas.motions_on_the_grid import PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
 if TYPE_CHECKING:
     from stickslip.dynamics.atlas.borders_followed import Border, PointOfBorder
 
-__all__ = ["doubt_at", "doubts_of", "explained_by", "unseen_share"]
+__all__ = ["Doubts", "explained_by", "unseen_share"]
 
 _CONFIDENCE = 0.95
+_BESIDE = "a neighbour has other motions, and no border between was located"
+_PROBED = (1 / 6, 1 / 2, 5 / 6)  # of a cell: where it is asked whether places in it are in doubt
 
 
 def explained_by(plane: Plane, borders: Iterable[Border], points: Iterable[PointOfBorder], left: list[Change]) -> set[Change]:
@@ -33,47 +38,93 @@ def _between(plane: Plane, change: Change, point: PointOfBorder) -> bool:
     return point.values[1 - change.axis] == plane.point(change.near)[1 - change.axis] and low <= point.values[change.axis] <= high
 
 
-def doubts_of(
-    plane: Plane, grid: Mapping[Cell, PointOfGrid], borders: Iterable[Border], points: Iterable[PointOfBorder]
-) -> dict[Cell, str]:
-    """The points of a grid at which motions may be missing or may be no motions of their own, with the reason."""
-    left = changes(plane, grid)
-    unexplained = set(left) - explained_by(plane, borders, points, left)
-    beside = {cell for change in unexplained for cell in (change.near, change.far)}
-    told = {cell: "; ".join(_reasons(point, cell in beside)) for cell, point in grid.items() if point.motions}
-    return {cell: why for cell, why in told.items() if why}
+@dataclass(frozen=True, eq=False)
+class Doubts:
+    """What speaks against the motions of an atlas, at the points of its grid and between them.
+
+    Parameters
+    ----------
+    levels : tuple of Level
+        The grid and its finer levels.
+    borders : tuple of Border
+    points : tuple of PointOfBorder
+        Special points.
+    """
+
+    levels: tuple[Level, ...]
+    borders: tuple[Border, ...]
+    points: tuple[PointOfBorder, ...]
+
+    @cached_property
+    def of_points(self) -> dict[Place, str]:
+        """The points at which motions may be missing or may be no motions of their own, with the reason."""
+        beside = self._beside_open_changes()
+        level = self.levels[-1]
+        known = {level.plane.point(cell): _reasons(point) for cell, point in level.points.items() if point.motions}
+        told = {place: why + [_BESIDE] * (place in beside) for place, why in known.items()}
+        return {place: "; ".join(why) for place, why in told.items() if why}
+
+    def _beside_open_changes(self) -> set[Place]:
+        beside = set()
+        for level, left in open_changes(self.levels):
+            unexplained = set(left) - explained_by(level.plane, self.borders, self.points, left)
+            beside |= {level.plane.point(cell) for change in unexplained for cell in (change.near, change.far)}
+        return beside
+
+    def free(self, here: Place) -> tuple[Level, list[Cell]]:
+        """The corners of the smallest known cell around a place from which no border separates it, the nearest first."""
+        level, corners = corners_around(self.levels, here)
+        known = [cell for cell in corners if level.points[cell].motions]
+        near = sorted(known, key=lambda cell: self.distance(level.plane.point(cell), here))
+        return level, [cell for cell in near if not self.separated(level.plane.point(cell), here)]
+
+    def separated(self, a: Place, b: Place) -> bool:
+        """Whether a border passes between two places."""
+        return any(crosses(border.line, a, b) for border in self.borders if _meets(border.line, a, b))
+
+    def distance(self, a: Place, b: Place) -> float:
+        """The distance of two places, each number counted in its span."""
+        axes = self.levels[0].plane.axes
+        return float(np.hypot(*((x - y) / np.ptp(axis) for x, y, axis in zip(a, b, axes, strict=True))))
+
+    def at(self, here: Place) -> str:
+        """Why the motions at a place are not sure: it is judged by the corners of its cell that no border separates from it.
+
+        That a corner has a neighbour outside the cell with other motions is not held against it: the border lies between these two.
+        """
+        level, free = self.free(here)
+        if not free:
+            return "a border separates it from every corner of its cell"
+        if len({level.points[cell].words for cell in free}) > 1:
+            return "corners of its cell have different motions, and no border between was located"
+        return next(("; ".join(why) for cell in free if (why := _reasons(level.points[cell]))), "")
+
+    def cells(self) -> list[Cell]:
+        """The cells of the finest level in which some places are in doubt, each by its lowest corner."""
+        level = self.levels[-1]
+        return [cell for cell in level.cells() if any(self.at(place) for place in _probes(level.plane, cell))]
 
 
-def _reasons(point: PointOfGrid, unexplained: bool) -> list[str]:
+def _probes(plane: Plane, cell: Cell) -> list[Place]:
+    (p, q), (r, s) = (plane.point(corner) for corner in (corners_of(cell)[0], corners_of(cell)[-1]))
+    return [(p + a * (r - p), q + b * (s - q)) for a in _PROBED for b in _PROBED]
+
+
+def _meets(line: Any, a: Place, b: Place) -> bool:
+    """Whether a line comes into the rectangle of two places, or jumps across it from one of its points to the next."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    step = np.abs(np.diff(line, axis=0)).max(axis=0, initial=0.0)
+    return bool(np.any(np.all((line >= low - step) & (line <= high + step), axis=1)))
+
+
+def _reasons(point: PointOfGrid) -> list[str]:
+    """Why the motions that were found at a point may not be all, or no motions of their own."""
     told = {
         "a motion without a period is irregular or has not settled": any(not motion.period for motion in point.motions),
         "a motion came from a neighbour and from no start, so others may be missing": any(not motion.hits for motion in point.motions),
         "a start led nowhere": point.lost > 0,
-        "a neighbour has other motions, and no border between was located": unexplained,
     }
     return [why for why, holds in told.items() if holds]
-
-
-def doubt_at(
-    plane: Plane, grid: Mapping[Cell, PointOfGrid], doubts: Mapping[Cell, str], borders: Iterable[Border], here: tuple[float, float]
-) -> str:
-    """Why the motions at a place are not sure: it is judged by the corners of its cell that no border separates from it."""
-    lines = [border.values for border in borders]
-    corners = [cell for cell in _corners(plane, here) if cell in grid and grid[cell].motions]
-    free = [cell for cell in corners if not any(crosses(line, plane.point(cell), here) for line in lines)]
-    if not free:
-        return "a border separates it from every corner of its cell"
-    if len({grid[cell].words for cell in free}) > 1:
-        return "corners of its cell have different motions, and no border between was located"
-    return next((doubts[cell] for cell in free if cell in doubts), "")
-
-
-def _corners(plane: Plane, here: tuple[float, float]) -> list[Cell]:
-    first, second = (
-        {max(int(np.searchsorted(axis, value)) - 1, 0), min(int(np.searchsorted(axis, value)), len(axis) - 1)}
-        for axis, value in zip(plane.axes, here, strict=True)
-    )
-    return [(i, j) for i in sorted(first) for j in sorted(second)]
 
 
 def unseen_share(starts: int) -> float:

@@ -18,8 +18,9 @@ from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
 from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, seeds_of
-from stickslip.dynamics.atlas.doubts import doubts_of, explained_by
-from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over
+from stickslip.dynamics.atlas.doubts import Doubts, explained_by
+from stickslip.dynamics.atlas.levels import Level, points_within, shared_upwards
+from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
@@ -44,6 +45,7 @@ def atlas(
     settle: int = 200,
     rtol: float = 1e-7,
     branches: int = 40,
+    refine: int = 1,
     workers: int = 1,
     out: str | Path | None = None,
     resume: bool = False,
@@ -72,6 +74,9 @@ def atlas(
         Tolerance of these runs for dynamic laws.
     branches : int
         Largest number of motions to follow; with 0 only the grid is computed.
+    refine : int
+        How many times cells are halved in which the motions at some places are in doubt, most often as corners have different ones and no
+        border between was followed. Each time takes about as long as the grid, or twice as long.
     workers : int
         Threads for the grid. The results do not depend on it.
     out : path, optional
@@ -102,12 +107,12 @@ def atlas(
     >>> [border.kind for border in found.borders], found.at(amplitude=3.7e-4, mu0=0.18), found.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
-    plane, look = _planned("atlas", make, over, starts, settle, rtol, branches, workers, resume, out, fixed)
-    return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches)
+    plane, look = _planned("atlas", make, over, starts, settle, rtol, branches, refine, workers, resume, out, fixed)
+    return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches, refine)
 
 
 def _planned(
-    what: str, make: Any, over: Any, starts: Any, settle: Any, rtol: Any, branches: Any, workers: Any, resume: Any, out: Any,
+    what: str, make: Any, over: Any, starts: Any, settle: Any, rtol: Any, branches: Any, refine: Any, workers: Any, resume: Any, out: Any,
     fixed: dict[str, Any],
 ) -> tuple[Plane, Look]:  # fmt: skip
     """The plane and how it is looked at, all arguments checked."""
@@ -115,6 +120,7 @@ def _planned(
     def check(problems: Problems) -> None:
         problems.whole("settle", settle, 1, example=200)
         problems.whole("branches", branches, 0, example=40)
+        problems.whole("refine", refine, 0, example=1)
         problems.whole("workers", workers, 1, example=2)
         if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.number)) or not 0 < rtol < 1:
             problems.add(f"rtol = {rtol!r}; allowed is a number between 0 and 1; type rtol=1e-7")
@@ -135,61 +141,83 @@ class _Making:
     workers: int
     progress: Any
     stopped: bool = False
+    missed: int = 0  # motions that no start had led to
     reasons: Counter[str] = field(default_factory=Counter)
     without_curve: set[str] = field(default_factory=set)  # changes whose borders are located line by line
 
-    def made(self, most: int) -> Atlas:
+    def made(self, most: int, depth: int) -> Atlas:
         """All of it, or what there is when it is interrupted."""
-        grid: dict[Cell, PointOfGrid] = {}
+        levels = [Level(self.plane, {})]
         outcomes: list[Outcome] = []
-        missed = 0
         left: list[Change] = []
         try:
-            missed = self._grid(grid)
-            left = changes(self.plane, grid) if not self.stopped else []
-            self._follow(grid, left, outcomes, most)
+            self._filled(levels[0], 0, [self.plane.cell(k) for k in range(self.plane.cells)])
+            left = changes(self.plane, levels[0].points) if not self.stopped else []
+            self._follow(levels[0].points, left, outcomes, most)
+            self._look_closer(levels, outcomes, depth)
         except KeyboardInterrupt:
             self.stopped = True
+        branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
+        doubts = self._doubts(levels, outcomes)
+        notes = self._notes(levels, left, len(outcomes), most, doubts)
+        return Atlas(self.plane, levels[0].points, doubts.borders, doubts.points, branches, notes, tuple(levels[1:]))
+
+    def _doubts(self, levels: list[Level], outcomes: list[Outcome]) -> Doubts:
+        """What is in doubt beside the borders that were followed."""
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
-        branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
-        found = without_twins(self.plane, points)
-        unsure = len(doubts_of(self.plane, grid, borders, found))
-        notes = self._notes(grid, missed, left, len(outcomes), most, unsure)
-        return Atlas(self.plane, grid, borders, found, branches, notes)
+        return Doubts(tuple(levels), borders, without_twins(self.plane, points))
 
     # ---- the grid ----
-    def _grid(self, grid: dict[Cell, PointOfGrid]) -> int:
-        """Fill the grid; returns how many motions the starts had missed."""
-        kept = self.study.grid()
+    def _filled(self, level: Level, depth: int, asked: list[Cell]) -> None:
+        """Find the motions at points of a level, from starts, from those of neighbours, and from more starts where some were missed."""
+        kept = self.study.grid(depth, asked)
         if kept is not None:
-            grid |= kept[0]
-            return kept[1]
-        grid |= self.study.points()
-        todo = [cell for k in range(self.plane.cells) if (cell := self.plane.cell(k)) not in grid]
-        self._looked_at(todo, None, grid, keep=True)
-        if self.stopped:
-            return 0
-        missed = taken_over(self.plane, grid, lambda more: self._looked_at(list(more), more, {}))
+            level.points.update(kept[0])
+            self.missed += kept[1]
+            return
+        wanted = set(asked)
+        level.points.update({cell: point for cell, point in self.study.points(depth).items() if cell in wanted})
+        begun = partial(self._looked_at, level.plane)
+        begun([cell for cell in asked if cell not in level.points], None, level.points, partial(self.study.keep_points, level=depth))
+        missed = 0 if self.stopped else taken_over(level.plane, level.points, lambda more: begun(list(more), more, {}))
+        while not self.stopped and (more := _to_start_again(level)):
+            for cell, point in begun(list(more), more, {}).items():
+                level.points[cell] = with_more(level.plane, level.points[cell], point, len(more[cell]))
+            missed += taken_over(level.plane, level.points, lambda more: begun(list(more), more, {}))
+        self.missed += missed
         if not self.stopped:
-            self.study.keep_grid(grid, missed)
-        return missed
+            self.study.keep_grid(level.points, missed, depth, asked)
 
-    def _looked_at(self, cells: list[Cell], more: dict[Cell, Array] | None, found: dict[Cell, PointOfGrid], keep: bool = False) -> Any:
+    def _looked_at(
+        self, plane: Plane, cells: list[Cell], more: dict[Cell, Array] | None, found: dict[Cell, PointOfGrid],
+        keep: Callable[[int, dict[Cell, PointOfGrid]], None] | None = None,
+    ) -> dict[Cell, PointOfGrid]:  # fmt: skip
         """The motions at some points, in parts and threads."""
 
         def work(part: slice, tell: Callable[[float], None]) -> dict[Cell, PointOfGrid]:
-            return look_at(self.plane, cells[part], self.look, more)
+            return look_at(plane, cells[part], self.look, more)
 
         done = 0
         for _, points in shared(0 if self.stopped else len(cells), work, self.workers, self.progress, _TILE):
             found |= points
             done += len(points)
             if keep:
-                first = min(points)
-                self.study.keep_points(first[0] * self.plane.shape[1] + first[1], points)
+                keep(plane.number(min(points)), points)
         self.stopped = self.stopped or done < len(cells)
         return found
+
+    def _look_closer(self, levels: list[Level], outcomes: list[Outcome], depth: int) -> None:
+        """Halve the cells in which places are in doubt, as often as is allowed."""
+        for k in range(1, depth + 1):
+            doubtful = [] if self.stopped else self._doubts(levels, outcomes).cells()
+            finer = levels[-1].halved()
+            asked = {point for cell in doubtful for point in points_within(cell)} - set(finer.points)
+            if not asked:
+                return
+            levels.append(finer)
+            self._filled(finer, k, sorted(asked))
+            shared_upwards(levels)
 
     # ---- borders ----
     def _follow(self, grid: dict[Cell, PointOfGrid], left: list[Change], outcomes: list[Outcome], most: int) -> None:
@@ -231,10 +259,9 @@ class _Making:
         return False
 
     # ---- what was not reached ----
-    def _notes(
-        self, grid: dict[Cell, PointOfGrid], missed: int, left: list[Change], followed: int, most: int, unsure: int
-    ) -> tuple[str, ...]:
-        told = []
+    def _notes(self, levels: list[Level], left: list[Change], followed: int, most: int, doubts: Doubts) -> tuple[str, ...]:
+        told, grid, missed = [], levels[0].points, self.missed
+        unsure = sum(self.plane.point(cell) in doubts.of_points for cell in grid)
         if self.stopped:
             told.append(
                 f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
@@ -242,6 +269,7 @@ class _Making:
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
         told += _of_grid(grid, self.look.settle)
+        told += [f"cells in doubt were halved: {len(level.points)} points at 1/{2**k} of a cell" for k, level in enumerate(levels) if k]
         told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
@@ -253,6 +281,14 @@ class _Making:
             told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.words for change in left)
         return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
+
+
+def _to_start_again(level: Level) -> dict[Cell, Array]:
+    """Further starts at the points where the first had missed a motion, once each; none where the starts were given as a grid."""
+    if isinstance(level.plane.starts, dict):
+        return {}
+    missed = (c for c, point in level.points.items() if not point.more and any(not m.hits for m in point.motions))
+    return {cell: level.plane.more_states(level.plane.family.robot(*level.plane.point(cell)), cell) for cell in missed}
 
 
 def _counted(pairs: int) -> str:
@@ -325,16 +361,17 @@ class AtlasTime:
 @explains_arguments
 def atlas_time(
     make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, rtol: float = 1e-7, branches: int = 40,
-    workers: int = 1, **fixed: Any,
+    refine: int = 1, workers: int = 1, **fixed: Any,
 ) -> AtlasTime:  # fmt: skip
     """Estimate how long `atlas` takes with the same arguments, from sixteen points of its grid, one branch from its middle and one curve.
 
     The number of motions that are followed is known only after the grid: usually one for a region bordered by a curve, and one for each
-    grid line of a border that has to be located line by line. Compilation is not counted.
+    grid line of a border that has to be located line by line. Compilation is not counted, nor are cells that are halved: which are in doubt
+    is known when the borders are.
 
     Parameters
     ----------
-    make, over, starts, settle, rtol, branches, workers, **fixed
+    make, over, starts, settle, rtol, branches, refine, workers, **fixed
         As for `atlas`.
 
     Returns
@@ -349,7 +386,7 @@ def atlas_time(
     >>> 0 < told.grid < 60
     True
     """
-    plane, look = _planned("atlas_time", make, over, starts, settle, rtol, branches, workers, False, None, fixed)
+    plane, look = _planned("atlas_time", make, over, starts, settle, rtol, branches, refine, workers, False, None, fixed)
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
     found = look_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()

@@ -18,7 +18,7 @@ from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched"]
+__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched", "with_more"]
 
 Array = Any
 #: What a motion is called that does not repeat: its type would change from one look to the next.
@@ -56,11 +56,15 @@ class MotionThere:
 
 @dataclass(frozen=True)
 class PointOfGrid:
-    """What was found at a point: motions, the most attracting first; how many starts led nowhere; why there is no machine."""
+    """What was found at a point: motions, the most attracting first; how many starts led nowhere; why there is no machine.
+
+    `more`: how many starts it had beyond those that every point has.
+    """
 
     motions: tuple[MotionThere, ...] = ()
     lost: int = 0
     refused: str = ""
+    more: int = 0
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -205,7 +209,20 @@ def taken_over(plane: Plane, grid: dict[Cell, PointOfGrid], run: Callable[[dict[
 def _joined(plane: Plane, point: PointOfGrid, more: list[MotionThere]) -> PointOfGrid:
     """A point with motions that were reached from its neighbours."""
     added = [replace(m, hits=0) for m in more]
-    return PointOfGrid(_sorted(plane, [*point.motions, *added]), point.lost, point.refused)
+    return replace(point, motions=_sorted(plane, [*point.motions, *added]))
+
+
+def with_more(plane: Plane, point: PointOfGrid, again: PointOfGrid, starts: int) -> PointOfGrid:
+    """A point and what further starts found there, as one."""
+    new = unmatched(again, point)
+    left = [m for m in again.motions if m not in new]
+    known = []
+    for motion in point.motions:
+        alike = [m for m in left if m.word == motion.word]
+        same = min(alike, key=lambda m: abs(m.mean_velocity - motion.mean_velocity), default=None)
+        known.append(motion if same is None else replace(motion, hits=motion.hits + same.hits))
+        left = [m for m in left if m is not same]
+    return PointOfGrid(_sorted(plane, [*known, *new]), point.lost + again.lost, point.refused, point.more + starts)
 
 
 def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, Cell, str]]) -> dict[Cell, Array]:

@@ -23,6 +23,7 @@ __all__ = ["Cell", "Plane", "plane_over"]
 Array = Any
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
+_MORE = 4  # times the starts: further ones, where a motion was missed by the first
 _WIDTHS = (2.0, 4.0)  # of the scatter of the starts, in scales, in turn
 
 
@@ -98,6 +99,12 @@ class Plane:
         made = (robot for cell in self._probes if (robot := self._made(cell)) is not None)
         return next(made, None) or self.family.robot(*self.point((0, 0)))
 
+    @cached_property
+    def halved(self) -> Plane:
+        """The same plane with a value between any two neighbouring ones; its point (2 i, 2 j) is the point (i, j) of this one."""
+        first, second = (np.insert(axis, np.arange(1, len(axis)), 0.5 * (axis[:-1] + axis[1:])) for axis in self.axes)
+        return Plane(self.family, (first, second), self.starts)
+
     def states(self, model: Any, cell: Cell) -> Array:
         """The starts of the machine at a point: array (starts, coordinates).
 
@@ -106,14 +113,26 @@ class Plane:
         """
         if isinstance(self.starts, dict):
             return on_grid(grid_of(self._start_axes), model)
+        scattered = self.starts - 1
+        return np.vstack([at_rest(model)[:1], self._scattered(model, 1 + scattered * self.number(cell), scattered)])
+
+    def more_states(self, model: Any, cell: Cell) -> Array:
+        """Further scattered starts at a point, four times as many: array (starts, coordinates)."""
+        more = _MORE * self.count
+        return self._scattered(model, 1 + self.count * self.cells + more * self.number(cell), more)
+
+    def number(self, cell: Cell) -> int:
+        """The number of a point of the grid, row by row."""
+        return cell[0] * self.shape[1] + cell[1]
+
+    def _scattered(self, model: Any, first: int, count: int) -> Array:
+        """Some states of an even scatter (Halton's sequence) about rest."""
         from scipy.stats import qmc
 
-        rest, d = at_rest(model)[0], self.at.smooth
-        scattered = self.starts - 1
-        spread = qmc.Halton(d, scramble=False).fast_forward(1 + scattered * (cell[0] * self.shape[1] + cell[1])).random(scattered)
-        found = np.tile(rest, (self.starts, 1))
-        widths = np.resize(_WIDTHS, scattered)[:, None]
-        found[1:, :d] += widths * (2 * spread - 1) * self.at.scales[:d]
+        d = self.at.smooth
+        spread = qmc.Halton(d, scramble=False).fast_forward(first).random(count)
+        found = np.tile(at_rest(model)[0], (count, 1))
+        found[:, :d] += np.resize(_WIDTHS, count)[:, None] * (2 * spread - 1) * self.at.scales[:d]
         return found
 
     @cached_property
