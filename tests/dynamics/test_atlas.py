@@ -218,8 +218,7 @@ def test_a_place_between_different_motions_without_a_border_is_in_doubt_and_othe
 
 
 def test_scattered_starts_are_others_at_each_point(found):
-    model = found.plane.sample
-    here, there = found.plane.states(model, (0, 0)), found.plane.states(model, (1, 2))
+    here, there = (found.plane.states(np.zeros(1), cell) for cell in ((0, 0), (1, 2)))
     assert np.array_equal(here[0], there[0]) and not np.any(np.all(np.isclose(here[1:], there[1:]), axis=1))
     assert np.max(abs(np.vstack([here, there]))) <= 4 * np.max(found.plane.at.scales)
 
@@ -273,4 +272,4 @@ def test_a_point_whose_starts_missed_a_motion_has_more_starts():
     both = with_more(plane, here, again, len(states))
     assert [(m.word, m.mean_velocity, m.hits) for m in both.motions] == [("I", 0.1, 17), ("II", 0.2, 7), ("II", 0.4, 1)] and both.more == 20
     assert not making_an_atlas._to_start_again(Level(plane, {(1, 1): both}))
-    assert not np.any(np.all(np.isclose(states[:, None], plane.states(plane.sample, (1, 1))[None, 1:]), axis=2))
+    assert not np.any(np.all(np.isclose(states[:, None], plane.states(np.zeros(1), (1, 1))[None, 1:]), axis=2))

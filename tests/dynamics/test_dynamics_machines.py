@@ -15,8 +15,17 @@ import pytest
 
 import stickslip as ss
 from problems import CAPSULE_1, CAPSULE_3, CAPSULE_7, Worm, chain, module
+from stickslip.dynamics.attractors import basins as basins_of_attraction
 from stickslip.dynamics.derivatives.tangents import jacobian_of, orders_differ
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, difference_jacobian, flight, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import (
+    at_rest,
+    coordinates,
+    difference_jacobian,
+    flight,
+    strobe_map,
+    strobe_orbit,
+    strobe_states,
+)
 from stickslip.maths import pi, sin
 
 #: Central differences with steps of 1e-6 of the scales: their error is some 1e-12 of curvature and 1e-16/1e-6 of rounding.
@@ -442,3 +451,17 @@ def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
     ]:
         with pytest.raises(ss.InputError, match=said):
             ss.spectrum(run, **asked)
+
+
+@pytest.mark.parametrize(("settle", "run_on"), [(6, True), (40, False)])
+def test_a_state_that_the_strobe_map_does_not_change_by_a_bit_is_not_run_on_and_has_the_same_points(settle, run_on, monkeypatch):
+    """The map is a function of the state, so what it leaves as it is it always leaves; others are run on for as long as they were."""
+    alone = Alone(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    states = np.linspace(-0.05, 0.05, 6)[:, None]
+    end = strobe_map(alone, states, settle, 1e-9)
+    points, ways = strobe_orbit(alone, end.state, 64, 1e-9)
+    asked = []
+    monkeypatch.setattr(basins_of_attraction, "strobe_orbit", lambda *rest: asked.append(rest) or strobe_orbit(*rest))
+    kept, made, good = basins_of_attraction.settled_points(alone, states, settle, 1e-9, 1, None)
+    assert np.array_equal(kept, np.moveaxis(points, 0, 1)) and np.array_equal(made, ways.T) and good.all()
+    assert bool(asked) == run_on

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,12 @@ class CaseTable:
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
         self.inner = sum(machine.mechanics.inner)
         self.start = self.placed(start)
+
+    def restarted(self, start: Array) -> CaseTable:
+        """The table of the same cases from other starts."""
+        other = copy(self)
+        other.start = self.placed(start)
+        return other
 
     def placed(self, start: Array, which: Any = slice(None)) -> Array:
         """Other starts of the same cases, or of some of them, as lanes take them: the way, the states, the memories."""

@@ -20,7 +20,7 @@ from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBo
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, seeds_of
 from stickslip.dynamics.atlas.doubts import Doubts, explained_by
 from stickslip.dynamics.atlas.levels import Level, points_within, shared_upwards
-from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, taken_over, with_more
+from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
@@ -287,8 +287,8 @@ def _to_start_again(level: Level) -> dict[Cell, Array]:
     """Further starts at the points where the first had missed a motion, once each; none where the starts were given as a grid."""
     if isinstance(level.plane.starts, dict):
         return {}
-    missed = (c for c, point in level.points.items() if not point.more and any(not m.hits for m in point.motions))
-    return {cell: level.plane.more_states(level.plane.family.robot(*level.plane.point(cell)), cell) for cell in missed}
+    missed = [cell for cell, point in level.points.items() if not point.more and any(not m.hits for m in point.motions)]
+    return {cell: level.plane.more_states(rest, cell) for cell, rest in rests_of(level.plane, missed)[0].items()} if missed else {}
 
 
 def _counted(pairs: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,12 +13,12 @@ from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
 from stickslip.dynamics.attractors.motion_features import numbered_motions
-from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "taken_over", "unmatched", "with_more"]
+__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "rests_of", "taken_over", "unmatched", "with_more"]
 
 Array = Any
 #: What a motion is called that does not repeat: its type would change from one look to the next.
@@ -95,18 +95,30 @@ def look_at(plane: Plane, cells: list[Cell], look: Look, more: dict[Cell, Array]
     more : dict, optional
         Strobe states to begin with besides the starts, by point. A point that has some is begun with these alone.
     """
-    kept, refused = _machines(plane, cells)
-    begun = {cell: plane.states(model, cell) if more is None else more[cell] for cell, model in kept.items()}
+    rests, refused = rests_of(plane, cells)
+    begun = {cell: plane.states(rest, cell) if more is None else more[cell] for cell, rest in rests.items()}
     return refused | (_run(plane, begun, look) if begun else {})
 
 
-def _machines(plane: Plane, cells: Iterable[Cell]) -> tuple[dict[Cell, Any], dict[Cell, PointOfGrid]]:
-    """The machine at each point, and the points at which there is none, with the reason."""
-    kept: dict[Cell, Any] = {}
+def rests_of(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dict[Cell, PointOfGrid]]:
+    """The state of rest at each point, array (coordinates,), and the points at which there is no machine, with the reason."""
+    try:
+        return dict(zip(cells, _at_rest(plane, cells), strict=True)), {}
+    except InputError:
+        return _one_by_one(plane, cells)
+
+
+def _at_rest(plane: Plane, cells: list[Cell]) -> Array:
+    found = at_rest(plane.family.robots(*np.array([plane.point(cell) for cell in cells]).T), plane.at)
+    return np.broadcast_to(found, (len(cells), found.shape[1]))
+
+
+def _one_by_one(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dict[Cell, PointOfGrid]]:
+    kept: dict[Cell, Array] = {}
     refused: dict[Cell, PointOfGrid] = {}
     for cell in cells:
         try:
-            kept[cell] = plane.family.robot(*plane.point(cell))
+            kept[cell] = at_rest(plane.family.robot(*plane.point(cell)), plane.at)[0]
         except InputError as error:
             refused[cell] = PointOfGrid(refused=error.problems[0])
     return kept, refused

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.attractors.basins import grid_of, on_grid, start_axes
+from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
 from stickslip.naming import in_its_unit
@@ -105,33 +105,33 @@ class Plane:
         first, second = (np.insert(axis, np.arange(1, len(axis)), 0.5 * (axis[:-1] + axis[1:])) for axis in self.axes)
         return Plane(self.family, (first, second), self.starts)
 
-    def states(self, model: Any, cell: Cell) -> Array:
-        """The starts of the machine at a point: array (starts, coordinates).
+    def states(self, rest: Array, cell: Cell) -> Array:
+        """The starts of the machine at a point, whose state of rest is given: array (starts, coordinates).
 
         Scattered starts are others at each point, so that the grid as a whole begins from many; a motion that one of them reaches is
         tried at the neighbours.
         """
         if isinstance(self.starts, dict):
-            return on_grid(grid_of(self._start_axes), model)
+            return from_rest(grid_of(self._start_axes), self.at.names, rest)
         scattered = self.starts - 1
-        return np.vstack([at_rest(model)[:1], self._scattered(model, 1 + scattered * self.number(cell), scattered)])
+        return np.vstack([rest, self._scattered(rest, 1 + scattered * self.number(cell), scattered)])
 
-    def more_states(self, model: Any, cell: Cell) -> Array:
+    def more_states(self, rest: Array, cell: Cell) -> Array:
         """Further scattered starts at a point, four times as many: array (starts, coordinates)."""
         more = _MORE * self.count
-        return self._scattered(model, 1 + self.count * self.cells + more * self.number(cell), more)
+        return self._scattered(rest, 1 + self.count * self.cells + more * self.number(cell), more)
 
     def number(self, cell: Cell) -> int:
         """The number of a point of the grid, row by row."""
         return cell[0] * self.shape[1] + cell[1]
 
-    def _scattered(self, model: Any, first: int, count: int) -> Array:
+    def _scattered(self, rest: Array, first: int, count: int) -> Array:
         """Some states of an even scatter (Halton's sequence) about rest."""
         from scipy.stats import qmc
 
         d = self.at.smooth
         spread = qmc.Halton(d, scramble=False).fast_forward(first).random(count)
-        found = np.tile(at_rest(model)[0], (count, 1))
+        found = np.tile(rest, (count, 1))
         found[:, :d] += np.resize(_WIDTHS, count)[:, None] * (2 * spread - 1) * self.at.scales[:d]
         return found
 

@@ -25,10 +25,11 @@ from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
 
-__all__ = ["Attractor", "Basins", "basins", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
+__all__ = ["Attractor", "Basins", "basins", "from_rest", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
 
 Array = Any
 _POINTS = 64
+_EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 
 
 @sealed
@@ -174,8 +175,14 @@ def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
 
 def on_grid(table: dict[str, Array], model: Any) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
-    rest, count = at_rest(model)[0], len(next(iter(table.values())))
-    return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(coordinates(model).names, rest, strict=True)])
+    at = coordinates(model)
+    return from_rest(table, at.names, at_rest(model, at)[0])
+
+
+def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> Array:
+    """The same from the coordinates' names and their values at rest."""
+    count = len(next(iter(table.values())))
+    return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(names, rest, strict=True)])
 
 
 def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any, model: Any = None) -> dict[str, Array]:
@@ -221,14 +228,41 @@ def settled_points(
 
     def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
         model = some_of(batch, part)
-        end = strobe_map(model, states[part], settle, rtol)
-        tell(0.5)
-        kept, made = strobe_orbit(model, end.state, _POINTS, rtol)
-        return np.moveaxis(kept, 0, 1), made.T, end.status <= Status.REPEATS
+        early = min(settle, _EARLY)
+        begun = strobe_map(model, states[part], early, rtol)
+        kept, made = _still(model, begun.state, rtol)
+        good = begun.status <= Status.REPEATS
+        tell(0.2)
+        late = np.flatnonzero(np.isnan(made[:, 0]))
+        if len(late):
+            kept[late], made[late], solved = _later(some_of(model, late), begun.state[late], settle - early, rtol)
+            good[late] &= solved
+        return kept, made, good
 
     for part, found in shared(cases, ended, workers, progress):
         points[part], ways[part], good[part] = found
     return points, ways, good
+
+
+def _still(model: Any, states: Array, rtol: float) -> tuple[Array, Array]:
+    """Strobe points and ways of those states that the strobe map does not change by a single bit: all later points are the same.
+
+    NaN of all others.
+    """
+    end = strobe_map(model, states, 1, rtol)
+    still = np.all(end.state == states, axis=1)
+    points, ways = np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan)
+    return np.repeat(points[:, None], _POINTS, axis=1), np.repeat(ways[:, None], _POINTS, axis=1)
+
+
+def _later(model: Any, states: Array, periods: int, rtol: float) -> tuple[Array, Array, Array]:
+    """Strobe points and ways after some more drive periods, and what could be solved."""
+    good = np.full(len(states), True)
+    if periods:
+        end = strobe_map(model, states, periods, rtol)
+        states, good = end.state, end.status <= Status.REPEATS
+    kept, made = strobe_orbit(model, states, _POINTS, rtol)
+    return np.moveaxis(kept, 0, 1), made.T, good
 
 
 def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:

@@ -7,7 +7,9 @@ their positions are coordinates, and the way made is that of their centre of mas
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -264,15 +266,30 @@ def strobe_map(
     states = np.atleast_2d(np.asarray(states, float))
     if stepped:
         return _in_lanes(model, states, periods, rtol, at=at, known=True)
+    return _map_of(model, rtol, at)(states, periods)
+
+
+def _map_of(model: Any, rtol: float, at: Coordinates | None) -> Callable[[Array, int], Ends]:
+    """The strobe map of a model as a function of as many states each time, and of periods; what it depends on is asked once."""
     if is_flow(model):
-        return _of_flow(model, states, periods)
+        return partial(_of_flow, model)
     machine = machine_of(model)
     refuse_chance(machine)
     if not all(law.compiles for law in machine.laws):
-        return _one_by_one(model, states, periods, rtol)
-    if has_arcs(model):
-        return _by_arcs(model, states, periods)
-    return _in_lanes(model, states, periods, rtol, at=at)
+        return lambda states, periods: _one_by_one(model, states, periods, rtol)
+    return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
+
+
+def _map_by_lanes(model: Any, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
+    """The same by the engine's lanes, whose table of cases is made once."""
+    table = None
+
+    def mapped(states: Array, periods: int) -> Ends:
+        nonlocal table
+        found, table, end = run_lanes(model, states, periods, rtol, at=at, known=table is not None, table=table)
+        return _ended(model, found, table, end, periods)
+
+    return mapped
 
 
 def refuse_chance(machine: MachineAdapter) -> None:
@@ -299,10 +316,14 @@ def _in_lanes(
     model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None, known: bool = False
 ) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    found, table, end = run_lanes(model, states, periods, rtol, span, at=at, known=known)
+    return _ended(model, *run_lanes(model, states, periods, rtol, span, at=at, known=known), periods)
+
+
+def _ended(model: Any, found: Any, table: Any, end: Array, periods: int) -> Ends:
+    """What lanes found, as the strobe map gives it."""
     segments = _segments(found, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
-        none = np.full(len(states), np.nan)
+        none = np.full(len(end), np.nan)
         return Ends(end, found.displacement, found.status, none, none, segments)
     offset = table.offsets[:, 0]
     carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
@@ -311,11 +332,11 @@ def _in_lanes(
 
 def run_lanes(
     model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
-    known: bool = False,
+    known: bool = False, table: Any = None,
 ) -> tuple[Any, Any, Array]:  # fmt: skip
     """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs.
 
-    Where it is not `known`, they are asked whether their equations come back after the period.
+    Where it is not `known`, they are asked whether their equations come back after the period. `table`: of earlier runs of the same cases.
     """
     from stickslip.engine import lanes
     from stickslip.solvers.lane_tables import CaseTable
@@ -329,7 +350,8 @@ def run_lanes(
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
     span = (0.0 if model.period is None else spread(model.period, labels_of(model))) if span is None else span
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), span)
+    start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
+    table = CaseTable(model, kernel, start, span) if table is None else table.restarted(start)
     job = lanes.Job(periods, periods // 2 if auto else 0, auto, tolerance, 0.75, budget_of(model, periods) if auto else BUDGET * periods)
     found = lanes.run(kernel, table.rows, table.start, job)
     places, v, inner = table.ends(found)
@@ -491,8 +513,9 @@ def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
 def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
     """The states and the displacement of `count` periods in a row: arrays (count, cases, coordinates) and (count, cases)."""
     state, kept, ways = np.atleast_2d(np.asarray(states, float)), [], []
+    mapped = _map_of(model, rtol, None)
     for _ in range(count):
-        end = strobe_map(model, state, 1, rtol)
+        end = mapped(state, 1)
         state = end.state
         kept.append(state)
         ways.append(end.displacement)
