@@ -8,6 +8,8 @@ import pytest
 import stickslip as ss
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.dynamics.atlas import making_an_atlas
+from stickslip.dynamics.atlas.borders_followed import Border
+from stickslip.dynamics.atlas.doubts import Doubts
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, with_more
 from stickslip.dynamics.atlas.parameter_plane import plane_over
@@ -273,3 +275,34 @@ def test_a_point_whose_starts_missed_a_motion_has_more_starts():
     assert [(m.word, m.mean_velocity, m.hits) for m in both.motions] == [("I", 0.1, 17), ("II", 0.2, 7), ("II", 0.4, 1)] and both.more == 20
     assert not making_an_atlas._to_start_again(Level(plane, {(1, 1): both}))
     assert not np.any(np.all(np.isclose(states[:, None], plane.states(np.zeros(1), (1, 1))[None, 1:]), axis=2))
+
+
+def two_columns(first, second):
+    """Doubts of a unit cell whose left corners have some motions and its right ones others, with borders as vertical lines."""
+    plane = plane_over("atlas", ss.presets.piezo_rig, {"amplitude": [0.0, 1.0], "mu0": [0.0, 1.0]}, 5, RIG, lambda problems: None)
+    points = {(i, j): PointOfGrid(tuple((first, second)[i])) for i in (0, 1) for j in (0, 1)}
+
+    def doubts(**lines):
+        borders = [Border(k.replace("_", "-"), ((p, -0.1), (p, 1.1)), ((0.0, 0.0),) * 2, "", (), ()) for k, p in lines.items()]
+        return Doubts((Level(plane, points),), tuple(borders), ())
+
+    return doubts
+
+
+def test_a_border_makes_a_place_sure_only_where_it_explains_all_that_changes_in_its_cell():
+    one, two = MotionThere("I", 1, 0.1, (0.0,), 5), MotionThere("II", 1, 0.2, (0.5,), 5)
+    doubled, wild = MotionThere("I, period 2", 2, 0.1, (0.0,), 5), MotionThere("no period", 0, 0.1, (0.0,), 5)
+    here = (0.3, 0.4)
+    assert two_columns([one], [one])().at(here) == ""
+    renamed, gone = two_columns([one], [two]), two_columns([one, two], [two])
+    assert "no border between was located" in renamed().at(here)
+    assert renamed(type_border=0.6).at(here) == renamed(type_border=0.6).at((0.7, 0.4)) == gone(fold=0.6).at(here) == ""
+    for doubts in (
+        renamed(fold=0.6),  # a fold ends a motion, and makes no other
+        renamed(type_border=0.6, grazing=0.5),  # and what is between them?
+        gone(type_border=0.6),
+        two_columns([one], [doubled])(flip=0.6),  # beyond a flip there may be a cascade
+        two_columns([one, two], [wild, two])(flip=0.6),
+        two_columns([one, doubled], [two])(fold=0.6),
+    ):
+        assert "do not explain all that changes" in doubts.at(here)

@@ -150,3 +150,16 @@ def test_a_flow_without_a_period_is_told_that_any_time_between_looks_will_do():
     for ask in (lambda: ss.basins(flow), lambda: ss.continuation(flow, parameter="k", start=1.0, stop=2.0)):
         with pytest.raises(ss.InputError, match=r"has no period.*SwitchingFlow\(\.\.\., period=0\.5\)"):
             ask()
+
+
+@pytest.mark.parametrize("turns", [2, 3, 4])
+def test_a_cycle_that_repeats_earlier_than_was_asked_is_given_once_and_says_so(turns):
+    once, asked = ss.periodic_orbit(belt()), ss.periodic_orbit(belt(), period=turns)
+    assert once.period == asked.period == 1 and asked.duration == pytest.approx(closed_period(0.1), abs=1e-10)
+    assert asked.notes == (f"it repeats after 1 of the {turns} turns that were asked for",) and once.notes == ()
+    assert len(asked.events) == 2 and asked.residual < 1e-11
+
+
+def test_a_branch_of_cycles_that_repeat_earlier_has_their_period():
+    branch = ss.continuation(belt(), parameter="speed", start=0.1, stop=0.12, period=2)
+    assert branch.period == 1 and branch.orbits[-1].duration == pytest.approx(closed_period(0.12), abs=1e-9)

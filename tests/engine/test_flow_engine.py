@@ -341,3 +341,21 @@ def test_equal_flows_of_the_tests_and_of_the_table(ball):
     other = ss.flow_orbit(den_hartog(0.3), [1.0, 0.5], 1, settle=10)
     own = ss.periodic_orbit(DEN_HARTOG, guess={"x": 1.0, "v": 0.5})
     np.testing.assert_allclose(np.sort_complex(own.multipliers), np.sort_complex(other.multipliers), atol=1e-9)
+
+
+def test_branches_of_a_flow_are_drawn_over_its_diagram():
+    """The cloud has the points of the diagram, in its first state; of two periods both lie on the branch that doubles."""
+    values = [2.40, 2.42, 2.44, 2.46]
+    near = {"x": 0.6, "v": 0.0}
+    diagram = ss.bifurcation(impacts(), parameter="omega", values=values, settle=400, points=8, start=near, follow=False)
+    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48)
+    doubled = branch.doubled(stop=2.48)
+    ax = ss.plot.continuation([branch, doubled], diagram=diagram)
+    (cloud,) = [line for line in ax.lines if line.get_marker() == "." and len(line.get_xdata())]
+    assert ax.get_ylabel().startswith("position on the strobe $x$") and "brute force" in ax.get_legend_handles_labels()[1]
+    np.testing.assert_allclose(np.sort(cloud.get_xdata()), np.repeat(values, 8), rtol=1e-14)
+    np.testing.assert_allclose(np.sort(cloud.get_ydata()), np.sort(diagram.x.values.ravel()), rtol=1e-14)
+    orbit = doubled.at(2.46)
+    points = np.sort([orbit.state[0], orbit.run.at(0.5 * orbit.duration)["x"]])
+    ends = np.sort(diagram.x.sel(omega=2.46).values.ravel())[[0, -1]]
+    assert np.ptp(points) > 0.01 and np.allclose(ends, points, atol=1e-6)

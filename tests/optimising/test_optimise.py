@@ -378,6 +378,8 @@ def test_bounds_and_limits_may_have_units():
     assert stroke.high == pytest.approx(1.4e-3) and speed.low == pytest.approx(1e-3) and noted.found == []
     checked_over(robot, {"drive.amplitude": ("1 s", "2 s"), "drive.frequency": (1.0, 2.0)}, noted)
     assert "allowed is (low, high)" in noted.found[0] and 'the frequency is omega, in rad/s; type drive.omega="40 Hz"' in noted.found[1]
+
+
 def test_the_mean_velocity_is_maximised_if_nothing_is_said():
     found = ss.optimise(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), over={"drive.amplitude": ("0.2 mm", "0.8 mm")})
     assert found.of == "mean_velocity" and found.search.maximised and "drive.amplitude = 0.0008" in repr(found)

@@ -103,7 +103,7 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
     """What is shown if nothing is named: the velocity on the strobe, of a flow its first state; with a diagram, what both have."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
-    known = ["duration"] if cycles else ["v", *(first.names if is_flow(first.model) else parts), "mean_velocity"]
+    known = ["duration"] if cycles else [*(first.names if is_flow(first.model) else ("v", *parts)), "mean_velocity"]
     shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
     return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, crosses, passed_by
 from stickslip.dynamics.atlas.levels import Level, Place, corners_around, corners_of, open_changes
-from stickslip.dynamics.atlas.motions_on_the_grid import PointOfGrid
+from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, unmatched
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ __all__ = ["Doubts", "explained_by", "unseen_share"]
 
 _CONFIDENCE = 0.95
 _BESIDE = "a neighbour has other motions, and no border between was located"
+_CORNERS, _SEVERAL = 4, 2
+_RENAMES = ("type-border", "grazing")
 _PROBED = (1 / 6, 1 / 2, 5 / 6)  # of a cell: where it is asked whether places in it are in doubt
 
 
@@ -80,7 +83,7 @@ class Doubts:
 
     def separated(self, a: Place, b: Place) -> bool:
         """Whether a border passes between two places."""
-        return any(crosses(border.line, a, b) for border in self.borders if _meets(border.line, a, b))
+        return bool(self._between(a, b))
 
     def distance(self, a: Place, b: Place) -> float:
         """The distance of two places, each number counted in its span."""
@@ -88,16 +91,39 @@ class Doubts:
         return float(np.hypot(*((x - y) / np.ptp(axis) for x, y, axis in zip(a, b, axes, strict=True))))
 
     def at(self, here: Place) -> str:
-        """Why the motions at a place are not sure: it is judged by the corners of its cell that no border separates from it.
+        """Why the motions at a place are not sure: it is judged by the corners of its cell.
 
-        That a corner has a neighbour outside the cell with other motions is not held against it: the border lies between these two.
+        They must have the same motions, or the borders that were followed must explain each difference between two of them.
         """
         level, free = self.free(here)
         if not free:
             return "a border separates it from every corner of its cell"
         if len({level.points[cell].words for cell in free}) > 1:
             return "corners of its cell have different motions, and no border between was located"
+        if not self._understood(here):
+            return "corners of its cell have different motions, and the borders between do not explain all that changes"
         return next(("; ".join(why) for cell in free if (why := _reasons(level.points[cell]))), "")
+
+    def _understood(self, here: Place) -> bool:
+        """Whether all corners of a cell have the same motions, or differ by what is between them, seen from a place in the cell too."""
+        level, corners = corners_around(self.levels, here)
+        if len(corners) == _CORNERS and len({level.points[cell].words for cell in corners}) == 1:
+            return True
+        ahead = {cell: self._between(here, level.plane.point(cell)) for cell in corners}
+        return all(self._explained(level, a, b, ahead[a] ^ ahead[b]) for a, b in combinations(corners, 2))
+
+    def _explained(self, level: Level, a: Cell, b: Cell, expected: set[int]) -> bool:
+        """Whether at most one border lies between two corners, as it must by the way over the place, and accounts for what changes."""
+        passed = self._between(level.plane.point(a), level.plane.point(b))
+        one, other = level.points[a], level.points[b]
+        change = unmatched(one, other), unmatched(other, one)
+        if passed != expected or len(passed) > 1:
+            return False
+        return all(_accounts(self.borders[k].kind, *change) for k in passed) if passed else not any(change)
+
+    def _between(self, a: Place, b: Place) -> set[int]:
+        """The borders that pass between two places, by their numbers."""
+        return {k for k, border in enumerate(self.borders) if _meets(border.line, a, b) and crosses(border.line, a, b)}
 
     def cells(self) -> list[Cell]:
         """The cells of the finest level in which some places are in doubt, each by its lowest corner."""
@@ -108,6 +134,16 @@ class Doubts:
 def _probes(plane: Plane, cell: Cell) -> list[Place]:
     (p, q), (r, s) = (plane.point(corner) for corner in (corners_of(cell)[0], corners_of(cell)[-1]))
     return [(p + a * (r - p), q + b * (s - q)) for a in _PROBED for b in _PROBED]
+
+
+def _accounts(kind: str, before: list[MotionThere], after: list[MotionThere]) -> bool:
+    """Whether a border of a kind makes such a difference: a fold one motion more or less, a border of types another name.
+
+    Beyond a flip there may be a cascade, and irregular motion, to the next corner.
+    """
+    if kind == "fold":
+        return len(before) + len(after) == 1
+    return kind in _RENAMES and len(before) < _SEVERAL and [m.period for m in before] == [m.period for m in after]
 
 
 def _meets(line: Any, a: Place, b: Place) -> bool:

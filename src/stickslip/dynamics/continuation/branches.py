@@ -282,7 +282,7 @@ def continuation(
     start, stop = _check(robots, start, stop, step, points)
     report = reporting(progress, "continuation")
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
-    path = path_of(robots, first, float(start), abs(float(stop) - float(start)), period)
+    path = path_of(robots, first, float(start), abs(float(stop) - float(start)), first.period)
     found = path.at_value(path.scaled(first, start), start, path.remembered(first))
     if not found.good:
         raise SolveError(
@@ -296,7 +296,7 @@ def continuation(
         )
     whole = followed(path, begun, min(start, stop), max(start, stop), step, points, own, report)
     report(whole.ended, len(whole.points), len(whole.points))
-    return _branch(robots, period, whole, own)
+    return _branch(robots, first.period, whole, own)
 
 
 def _multiplier(meaning: str) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,7 @@ _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for
 _LONGER, _REPEATS = (1, 4, 16), 1e-3  # times that, of machines with slow states; a distance in scales
 _STEADY = 1e-6  # of the velocity scale: what changes its velocity by less slides steadily
+_EARLIER = 1e-7  # in scales: a state that comes so near to itself before its turns are over is on a shorter cycle
 _SAMPLES = 1200  # looks at a run of that length, times ten
 
 
@@ -150,7 +151,8 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     model : mechanism or machine
         One without a period, such as `BlockOnBelt`, `PulledMass`, or a `Joint` with a controller that hunts about a constant target.
     period : int
-        Turns of the spring, or returns to the section, after which the motion repeats.
+        Turns of the spring, or returns to the section, after which the motion repeats. A cycle that repeats after fewer is given with its
+        own number, and a note.
     guess : dict, Trajectory or LimitCycle, optional
         A start that leads to it, a run that ends on it, or a cycle nearby; if not given, a run from rest.
     rtol, tolerance : float
@@ -192,6 +194,19 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
             "Newton's method went to steady sliding, which repeats after any time; give a guess nearer to the cycle, such as a start "
             "that rides along with the spring pulled far (guess=dict(x=..., v=...))"
         )
+    return _once(cycle, rtol, tolerance)
+
+
+def _once(cycle: LimitCycle, rtol: float, tolerance: float) -> LimitCycle:
+    """The cycle, traversed once: one that repeats earlier than was asked is the shorter one, which says so."""
+    model, at, unit, section, asked = cycle.model, coordinates(cycle.model), clock(cycle.model), cycle.section, cycle.period
+    memory = cycle.state[at.smooth :]
+    for turns in (k for k in range(1, asked) if asked % k == 0):
+        duration = cycle.duration * turns / asked
+        U = section.unknowns(at, cycle.state, duration, unit)[None, :]
+        if float(np.max(abs(section.misses(model, at, U, memory, rtol, unit)))) < _EARLIER:
+            shorter = limit_cycle(model, turns, replace(cycle, period=turns, duration=duration), rtol=rtol, tolerance=tolerance)
+            return replace(shorter, notes=(f"it repeats after {turns} of the {asked} turns that were asked for", *shorter.notes))
     return cycle
 
 

@@ -212,7 +212,8 @@ def periodic_orbit(
     model : Robot, mechanism, machine or SwitchingFlow
         One of them.
     period : int
-        Drive periods after which the motion repeats; without a drive, oscillations.
+        Drive periods after which the motion repeats; without a drive, oscillations (a cycle that repeats after fewer is given once, and
+        its `notes` say so).
     guess : dict, array, Trajectory or PeriodicOrbit, optional
         Initial guess: a start as for `solve`, a strobe state, a run (its last strobe state) or a neighbouring orbit. If not given, the
         robot is run from rest, and the strobe states that return most closely are tried, and their means (which lead to the unstable motion
