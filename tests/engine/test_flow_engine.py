@@ -346,9 +346,10 @@ def test_equal_flows_of_the_tests_and_of_the_table(ball):
 def test_branches_of_a_flow_are_drawn_over_its_diagram():
     """The cloud has the points of the diagram, in its first state; of two periods both lie on the branch that doubles."""
     values = [2.40, 2.42, 2.44, 2.46]
-    near = {"x": 0.6, "v": 0.0}
-    diagram = ss.bifurcation(impacts(), parameter="omega", values=values, settle=400, points=8, start=near, follow=False)
     branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48)
+    (flip,) = (s for s in branch.special if s.kind == "flip")
+    near = dict(zip(("x", "v"), map(float, flip.orbit.state), strict=True))  # from rest it is another motion, of six periods
+    diagram = ss.bifurcation(impacts(), parameter="omega", values=values, settle=400, points=8, start=near, follow=False)
     doubled = branch.doubled(stop=2.48)
     ax = ss.plot.continuation([branch, doubled], diagram=diagram)
     (cloud,) = [line for line in ax.lines if line.get_marker() == "." and len(line.get_xdata())]
