@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from every import DEN_HARTOG
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.dynamics.atlas import making_an_atlas
 from stickslip.dynamics.atlas.borders_followed import Border
@@ -306,3 +307,42 @@ def test_a_border_makes_a_place_sure_only_where_it_explains_all_that_changes_in_
         two_columns([one, doubled], [two])(fold=0.6),
     ):
         assert "do not explain all that changes" in doubts.at(here)
+
+
+def test_the_atlas_of_a_flow_has_den_hartogs_border_of_rest():
+    """Den Hartog 1931: it stops in every half period where the friction F exceeds V / sqrt(1/r^4 + U^2)."""
+
+    def border_at(r):
+        V, U = 1 / (1 - r**2), np.tan(np.pi / (2 * r)) / r
+        return V / np.sqrt(1 / r**4 + U**2)
+
+    found = ss.atlas(DEN_HARTOG, over={"F": [0.5, 0.58, 0.66], "r": [0.6, 0.66, 0.72]})
+    (border,) = found.borders
+    F, r = np.array(border.values).T
+    assert np.ptp(r) > 0.1 and np.max(abs(F - border_at(r))) < 1e-10
+    random = np.random.default_rng(3)
+    for F, r in zip(random.uniform(0.5, 0.66, 40), random.uniform(0.6, 0.72, 40), strict=True):
+        stops = found.at(F=F, r=r) == ("modes -1 0 1 0",)
+        assert stops == (border_at(r) < F) and (stops or found.at(F=F, r=r) == ("modes -1 1",))
+    assert np.isnan(found.map.mean_velocity.values).all() and not found.notes and found.doubt(F=0.64, r=0.62) == ""
+    assert "grazing" in atlas_page(found, "Where it stops")
+
+
+def test_the_atlas_of_a_map_has_the_flip_of_henons_fixed_point():
+    """x' = 1 - a x^2 + y, y' = b x: the fixed point doubles its period at a = 3 (1 - b)^2 / 4."""
+    henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.5, "b": 0.2}, ("x", "y"))
+    found = ss.atlas(henon, over={"a": [0.3, 0.45, 0.55, 0.75], "b": [0.1, 0.2, 0.3]}, starts={"x": [0.0, 0.3], "y": [0.0]})
+    flips = [border for border in found.borders if border.kind == "flip"]
+    a, b = np.array(flips[0].values).T
+    assert len(flips) == 1 and np.ptp(b) > 0.15 and np.max(abs(a - 0.75 * (1 - b) ** 2)) < 1e-9
+    assert {motion.period for point in found.points.values() for motion in point.motions} >= {1, 2}
+    for cell, point in found.points.items():
+        a, b = found.plane.point(cell)
+        assert (point.motions[0].period == 1) == (a < 0.75 * (1 - b) ** 2)
+
+
+def test_motions_of_a_flow_without_a_period_are_not_taken_for_periodic_ones():
+    """At one point of Henon's map there is irregular motion alone: a flow makes no way by which it would look like another."""
+    henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.5, "b": 0.2}, ("x", "y"))
+    found = ss.atlas(henon, over={"a": [1.0, 1.4], "b": [0.2, 0.3]}, starts={"x": [0.0, 0.3], "y": [0.0]}, branches=0, refine=0)
+    assert found.at(a=1.4, b=0.3) == ("no period",)

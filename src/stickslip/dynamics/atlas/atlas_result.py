@@ -129,7 +129,8 @@ class Atlas(Drawn):
             starts = self.plane.count + point.more
             for k, each in enumerate(point.motions):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
-                numbers[(*cell, k)] = [each.mean_velocity, each.hits / starts, *wilson(each.hits, starts), *each.state]
+                V = np.nan if self.plane.of_flows else each.mean_velocity
+                numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
         told = [{"units": "m/s", "long_name": "mean velocity"}]
         told += [{"units": "1", "long_name": f"share of the starts{part}"} for part in ("", ", 95 % lower bound", ", 95 % upper bound")]
         told += [strobe_attrs(name) for name in names]

@@ -15,6 +15,7 @@ from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
 from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
 from stickslip.errors import InputError, SolveError
+from stickslip.flow import is_flow
 
 __all__ = ["Border", "FollowedBranch", "Outcome", "PointOfBorder", "followed", "same_place"]
 
@@ -106,7 +107,7 @@ class FollowedBranch:
     period : int
         Drive periods after which its motions repeat.
     values, mean_velocity, largest_multiplier : tuple of float
-        The number, V [m/s], and the size of the largest multiplier along it.
+        The number, V [m/s] (NaN of flows), and the size of the largest multiplier along it.
     ended : str
         The reason why it ends.
     """
@@ -158,7 +159,7 @@ def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOf
 
 def _kept(branch: Branch, other: float) -> FollowedBranch:
     largest = [float(abs(np.asarray(orbit.multipliers)).max(initial=0.0)) for orbit in branch.orbits]
-    V = [float(orbit.mean_velocity) for orbit in branch.orbits]
+    V = [np.nan if is_flow(orbit.model) else float(orbit.mean_velocity) for orbit in branch.orbits]
     values = tuple(map(float, branch.values))
     return FollowedBranch(branch.parameter, other, branch.period, values, tuple(V), tuple(largest), branch.ended)
 

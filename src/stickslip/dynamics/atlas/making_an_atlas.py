@@ -52,7 +52,7 @@ def atlas(
     progress: Report | None = None,
     **fixed: Any,
 ) -> Atlas:
-    """All motions that are found over two parameters of a machine, the regions in which each attracts, and the borders between them.
+    """All motions found over two parameters of a machine or flow, the regions in which each attracts, and the borders between them.
 
     Runs from several starts find the motions at each point of a grid, and every motion is tried at the neighbours too. Where neighbours
     differ, a motion of one of them is followed across the plane by `continuation`; its special points there are followed in both numbers
@@ -60,9 +60,10 @@ def atlas(
 
     Parameters
     ----------
-    make : callable or Robot
-        A function that makes a robot from keyword arguments, or a robot or machine whose numbers have dotted names. The drive must be
-        periodic.
+    make : callable, Robot or SwitchingFlow
+        A function that makes a robot from keyword arguments, or a robot or machine whose numbers have dotted names, or a flow with numbers.
+        The drive must be periodic; a map by ``SwitchingFlow.of_map``. Motions of a flow are named by their modes in turn, or by the number
+        of their switches where it has one mode.
     over : dict
         Two parameters by name, each with a range (least, largest), which is divided evenly (24 and 16 values), or with a list of ascending
         values.

@@ -13,6 +13,7 @@ from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
 from stickslip.dynamics.attractors.motion_features import numbered_motions
+from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
@@ -141,7 +142,8 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
         found.append([(len(first) + i, int(period[m[0]]), float(V[m].mean()), len(m)) for i, m in enumerate(own)])
         first += [int(rows[m[0]]) for m in own]
     states = points[first, -1]
-    words = _words(plane, values[first], states, look) if first else []
+    periods = [p for of in found for _, p, _, _ in of]
+    words = _words(plane, values[first], states, periods, look) if first else []
     return {
         cell: PointOfGrid(
             _sorted(plane, [MotionThere(_named(words[i], p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]), lost[k]
@@ -161,9 +163,12 @@ def _settled(plane: Plane, model: Any, states: Array, look: Look) -> tuple[Array
 
 
 def _sorted(plane: Plane, motions: list[MotionThere]) -> tuple[MotionThere, ...]:
-    """The most attracting first. What has no period and the mean velocity of one that has is that one, not yet settled."""
-    kept = {motion: motion.hits for motion in motions if motion.period}
-    for motion in (m for m in motions if not m.period):
+    """The most attracting first. What has no period and the mean velocity of one that has is that one, not yet settled.
+
+    A flow makes no way, by which this could be seen.
+    """
+    kept = {motion: motion.hits for motion in motions if motion.period or plane.of_flows}
+    for motion in (m for m in motions if m not in kept):
         like = next((m for m in kept if abs(m.mean_velocity - motion.mean_velocity) < _SAME * plane.at.speed), motion)
         kept[like] = kept.get(like, 0) + motion.hits
     return tuple(sorted((replace(m, hits=hits) for m, hits in kept.items()), key=lambda m: (-m.hits, m.word, m.mean_velocity)))
@@ -173,14 +178,28 @@ def _named(word: str, period: int) -> str:
     return word if period == 1 else f"{word}, period {period}" if period else IRREGULAR
 
 
-def _words(plane: Plane, values: Array, states: Array, look: Look) -> list[str]:
-    """The type of each motion; of several contacts the pattern of each."""
+def _words(plane: Plane, values: Array, states: Array, periods: list[int], look: Look) -> list[str]:
+    """The type of each motion; of several contacts the pattern of each; of a flow its modes in turn."""
+    if plane.of_flows:
+        flows = (plane.family.robot(*point) for point in values)
+        return [_modes(flow, state, p) if p else "" for flow, state, p in zip(flows, states, periods, strict=True)]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
     found = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
     words = np.asarray(found.motion_type)
     words = words if words.ndim == 1 else np.asarray(found.pattern)
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
+
+
+def _modes(flow: Any, state: Array, period: int) -> str:
+    """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
+    modes = list(flow.fields)
+    mode = modes[round(float(state[-1]))]
+    turns = [str(after) for _, _, after in passage(flow, state[:-1], mode, period * float(flow.period)).events]
+    once = next(turns[: len(turns) // k] for k in range(period, 0, -1) if len(turns) % k == 0 and turns == turns[: len(turns) // k] * k)
+    if len(modes) == 1:
+        return f"{len(once)} switch{'es' * (len(once) != 1)}"
+    return f"modes {' '.join(min((once[i:] + once[:i] for i in range(len(once))), default=[str(mode)]))}"
 
 
 def unmatched(here: PointOfGrid, there: PointOfGrid) -> list[MotionThere]:

@@ -15,6 +15,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
+from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
@@ -93,6 +94,11 @@ class Plane:
         except InputError:
             return None
 
+    @cached_property
+    def of_flows(self) -> bool:
+        """Whether they are flows, which make no way."""
+        return is_flow(self.sample)
+
     @property
     def sample(self) -> Any:
         """A machine of the plane; `InputError` where none of its corners and its middle is one."""
@@ -154,7 +160,7 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
     check(problems)
     problems.check()
     plane = Plane(family(what, make, tuple(axes), fixed), tuple(axes.values()), starts)
-    needs_model(what, plane.sample)
+    needs_model(what, plane.sample, flows=True)
     if isinstance(starts, dict):
         if "phase" in starts:
             raise InputError(what, ["phase is not part of the strobe state, by which motions are distinguished; leave it out"])

@@ -47,7 +47,10 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False,
 def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
     """The same of a flow that switches."""
     if not flows:
-        taken = "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.bifurcation, ss.lyapunov or ss.verdict, which take a flow"
+        taken = (
+            "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.atlas, ss.bifurcation, ss.lyapunov or ss.verdict, "
+            "which take a flow"
+        )
         raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
     if not batch and any(np.ndim(value) for _, value in leaves(flow)):
         raise InputError(
