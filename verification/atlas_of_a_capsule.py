@@ -1,6 +1,6 @@
 """The atlas of a capsule over frequency and force, against brute force at random points.
 
-Run: python verification/atlas_of_a_capsule.py FOLDER (half an hour). It draws FOLDER/atlas_capsule.png.
+Run: python verification/atlas_of_a_capsule.py FOLDER (ten minutes). It draws FOLDER/atlas_capsule.png.
 """
 
 import sys

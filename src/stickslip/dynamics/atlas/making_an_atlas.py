@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -270,7 +271,8 @@ class _Making:
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
         told += _of_grid(grid, self.look.settle)
-        told += [f"cells in doubt were halved: {len(level.points)} points at 1/{2**k} of a cell" for k, level in enumerate(levels) if k]
+        more = [len(level.points) - len(before.points) for before, level in pairwise(levels)]
+        told += [f"cells in doubt were halved: {n} more points at 1/{2**k} of a cell" for k, n in enumerate(more, 1)]
         told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
