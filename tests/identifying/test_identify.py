@@ -411,7 +411,7 @@ def test_design_says_which_experiments_it_leaves_out_and_why():
     plan = ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, **steep)
     assert [e.settings for e in plan.experiments] == [({"tilt_deg": 1.7},)]
     (note,) = [note for note in plan.notes if "left out" in note]
-    assert note.startswith("tilt_deg = 30 is left out: ") and "beyond the friction angle" in note and note in str(plan)
+    assert note.startswith("tilt_deg = 30 degrees is left out: ") and "beyond the friction angle" in note and note in str(plan)
     with pytest.raises(InputError, match="1 of 2 experiments can be solved, and together = 2 are wanted"):
         ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, together=2, **steep)
 

@@ -185,7 +185,7 @@ def test_the_experiment_that_is_recommended_makes_the_interval_finite():
     plan = fit.next_experiment([{"load": 10.0, "sensor": "same"}, {"load": 25.0}, {"load": 25.0, "sensor": "same"}], samples=600)
     assert plan.best.settings == ({"load": 25.0, "sensor": "same"},)
     assert all(np.isinf(e.errors["mu_plus"]) for e in plan.experiments[1:])
-    assert str(plan).endswith("load = 25, sensor = same determines mu_plus and mu_minus")
+    assert str(plan).endswith("load = 25 N, sensor = same determines mu_plus and mu_minus")
     second, _ = loop(load=25.0, offset=0.4, seed=2)
     both = _both(first, second, law, zero)
     assert both.undetermined == () and within(both, LOOP_TRUTH) == {}
