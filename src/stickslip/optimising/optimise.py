@@ -200,9 +200,9 @@ def _none_kept(worth: Candidates) -> StickslipError:
     if not worth.tried:
         return StickslipError("optimise: the search was stopped before a candidate was run")
     limits = {limit.name: limit for limit in worth.limits}
-    nearest = [f"{limits[name].in_words()}, nearest {value:.6g}" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
+    nearest = [f"{limits[name].in_words()} (nearest: {value:.6g})" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
     said, kept = f"none of {worth.tried} candidates", " and ".join(limit.in_words() for limit in worth.limits)
     why = f"{'keeps the limits of ' + kept + ' and ' if kept else ''}has a {worth.quantity}; widen the bounds in over"
     if nearest:
-        why = f"keeps the limits of {' and '.join(nearest)}; widen these limits in subject_to, or the bounds in over"
+        why = f"keeps {' and '.join(nearest)}; widen these limits in subject_to, or the bounds in over"
     return InputError("optimise", [f"{said} {why}"])

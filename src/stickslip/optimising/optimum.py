@@ -149,5 +149,5 @@ class Optimum(Drawn):
         active += f"; over the sample {self.robust:.9g} {self._unit(self.of)}".rstrip() if self.robust is not None else ""
         more = "".join(f"; {note}" for note in self.notes)
         best = f"{self.of} = {self[self.of]:.9g} {self._unit(self.of)}".rstrip()
-        at = ", ".join(f"{name} = {value:.6g} {self._unit(name)}".rstrip() for name, value in self.varied.items())
+        at = ", ".join(f"{name} = {value:.6g} {unit_in(name, self.model)}".rstrip() for name, value in self.varied.items())
         return f"<Optimum: {best} at {at}; {share}; {active}; {self.tried} candidates{more}>"
