@@ -78,7 +78,9 @@ def test_a_face_says_what_the_result_holds(results):
 def test_numbers_of_optima_and_designs_have_units(results):
     best = html.unescape(re.sub(r"<[^>]+>", "|", results["optimum"]._repr_html_()))
     assert re.search(r"drive\.amplitude\|+[\d.e-]+\|+m\|", best) and re.search(r"relative_acceleration\|+[\d.]+\|+[\d.]+\|+m/s²\|", best)
-    assert re.search(r"mean_velocity = 0\.0\d+ m/s\|", best) and re.search(r"= 0\.0\d+ m/s at drive\.amplitude = 0\.\d+ m; ", repr(results["optimum"]))
+    assert re.search(r"mean_velocity = 0\.0\d+ m/s\|", best) and re.search(
+        r"= 0\.0\d+ m/s at drive\.amplitude = 0\.\d+ m; ", repr(results["optimum"])
+    )
     page = optimum_page(results["optimum"], "A faster rig")
     assert "0.0005 to 0.0006 m<" in page and "m/s per rad/s" in page and "m/s per m<" in page
     asked = dict(experiments={"amplitude": [4e-4, 8e-4], "law": ["lugre"]}, noise=1e-3, samples=200, tilt_deg=1.7)
