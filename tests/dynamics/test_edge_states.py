@@ -126,6 +126,24 @@ def test_a_third_basin_between_two_starts_is_said():
     assert "another motion" in edge.sides[1] and "the basin of another motion" in edge.notes[0]
 
 
+def test_the_edge_of_what_nothing_drives_needs_no_more_than_a_time_between_two_looks():
+    """A saddle with its two exponents, and an unstable cycle of known radius between rest and a cycle."""
+    wells = ss.SwitchingFlow({0: lambda t, y: (y[1], y[0] - y[0] ** 3 - 0.5 * y[1])}, {}, 1.0, {}, ("x", "v"))
+    saddle = ss.edge_state(wells, {"x": -0.9, "v": 0.2}, {"x": 1.2})
+    assert saddle.kind == "saddle" and saddle.state[:2] == pytest.approx([0.0, 0.0], abs=1e-10)
+    assert np.log(saddle.multipliers) == pytest.approx(-0.25 + np.sqrt(0.0625 + 1.0) * np.array([1.0, -1.0]), abs=1e-8)
+
+    def round_about(t, y):
+        r2 = y[0] ** 2 + y[1] ** 2
+        growth = -0.5 + r2 - 0.25 * r2**2
+        return growth * y[0] - 2.0 * y[1], growth * y[1] + 2.0 * y[0]
+
+    cycle = ss.edge_state(ss.SwitchingFlow({0: round_about}, {}, 1.0, {}, ("x", "y")), {"x": 0.1}, {"x": 1.8}, periods=30, settle=60)
+    assert cycle.kind == "not periodic" and np.hypot(*cycle.state[:2]) == pytest.approx(np.sqrt(2.0 - np.sqrt(2.0)), abs=1e-9)
+    loop = ss.flow_orbit(ss.SwitchingFlow({0: round_about}, {}, None, {}, ("x", "y")), cycle.state[:2], 0, duration=np.pi)
+    assert max(abs(loop.multipliers)) > 1.0 and np.hypot(*loop.state[:2]) == pytest.approx(np.sqrt(2.0 - np.sqrt(2.0)), abs=1e-9)
+
+
 def test_edges_on_basins_and_their_tracks_are_drawn():
     found = ss.basins(HARDENING, x=np.linspace(-2, 2, 5), v=np.linspace(-2, 2, 5), settle=100)
     edge = ss.edge_state(HARDENING, *found.attractors, settle=100)
