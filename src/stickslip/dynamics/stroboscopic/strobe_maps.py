@@ -37,6 +37,7 @@ _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a perio
 _SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
+_FINEST = 1e-12  # tolerance of series on the slow manifold: below it two sweeps differ by rounding
 
 
 @sealed
@@ -305,11 +306,18 @@ def refuse_chance(machine: MachineAdapter) -> None:
 
 
 def map_method(model: Any, rtol: float) -> tuple[Any, float]:
-    """The tableau by which lanes go from strobe to strobe (None: Taylor steps), and their tolerance."""
+    """The tableau by which lanes carry states and their changes from strobe to strobe (None: Taylor steps), and their tolerance."""
     from stickslip.solvers.rosenbrock import SAFETY, tableau
     from stickslip.solvers.set_valued import REPEAT
 
     return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
+
+
+def _steps(model: Any, rtol: float) -> tuple[Any, float]:
+    """The same of the states alone, for which Taylor series know some laws with inner states."""
+    from stickslip.solvers import series
+
+    return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
 
 
 def _in_lanes(
@@ -344,7 +352,7 @@ def run_lanes(
     from stickslip.solvers.time_dependence import check_period
 
     at, cases = coordinates(model) if at is None else at, len(states)
-    order, (tableau, tolerance) = at.order, map_method(model, rtol)
+    order, (tableau, tolerance) = at.order, _steps(model, rtol)
     if not known:
         check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
