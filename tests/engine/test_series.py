@@ -17,7 +17,7 @@ from problems import LUGRE
 from stickslip.engine import lanes, slaved, tableaux
 from stickslip.engine.slaving import slaving
 from stickslip.engine.trace import trace
-from stickslip.maths import where
+from stickslip.maths import exp, where
 from stickslip.solvers import series
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request
@@ -214,6 +214,33 @@ def test_other_drives_and_laws_agree_with_rosenbrock_steps(drive, law):
     unit = np.maximum(np.max(abs(other.velocity_max)), np.max(abs(other.velocity_min)))
     for name in ("mean_velocity", "velocity_max", "velocity_min"):
         assert np.max(abs(getattr(found, name) - getattr(other, name))) < 1e-4 * unit
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    """Its force is no linear function of z, so that what z' does to the acceleration depends on z' itself."""
+
+    mu_plus: float = 0.15
+    mu_minus: float = 0.21
+    sigma0: float = 4e5
+    sigma1: float = 100.0
+
+    def rate(self, v, z, load):
+        mu = where(v > 0, self.mu_plus, self.mu_minus)
+        return v - abs(v) * z * self.sigma0 / (mu * load * (1 + 0.3 * exp(-((v / 3e-3) ** 2))))
+
+    def force(self, v, z, zdot, load):
+        return self.sigma0 * z * (1 + (self.sigma0 * z / load) ** 2) + self.sigma1 * zdot * exp(-((v / 5e-3) ** 2)) + 0.2 * v
+
+
+def test_a_force_that_is_not_linear_in_the_inner_state():
+    one, robots = (
+        ss.presets.piezo_rig(tilt_deg=0.5, amplitude=a).replace(friction=Stiffening()) for a in (6e-4, np.linspace(4e-4, 9e-4, 8))
+    )
+    found, known = (
+        ss.solve(robots, periods=20, settle=10, keep="summary", rtol=r, method=m) for r, m in ((1e-6, "taylor"), (1e-10, "rodas5p"))
+    )
+    assert np.max(abs(found.mean_velocity / known.mean_velocity - 1)) < 1e-6 and ss.solve(one, periods=2).method == "Taylor12"
 
 
 def test_a_run_alone_keeps_its_series():

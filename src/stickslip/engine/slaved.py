@@ -205,7 +205,7 @@ class _StepWriter:
         w.line("_zr[m]", "0.0")
         w.line("_dz[m]", "0.0")
         w.end()
-        for name in ("_brake", "_brake1", "_brake2", "_zs"):
+        for name in ("_brake", "_brake1", "_brake2", "_zs", "_dz0"):
             w.line(name, "0.0")
         w.begin(f"for sweep in range(0, {self.k.sweeps})")
         w.begin(f"for m in each(0, {n})")
@@ -231,7 +231,7 @@ class _StepWriter:
         w.line("_off", self._left("_brake", "_brake1", "_brake2"))
         self._shorten(row)
         end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"}
-        first, last = self._value(law.weight), w.value(law.weight, end)
+        first, last = self._first(), w.value(law.weight, end)
         w.line("_zn", f"1.0 * {w.value(law.z, end)}")
         same = ["_slow", "_ve * _b0 > 0.0", "_off * _h <= _ts", f"abs({last}) * _late * _h <= _ts"]
         w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts"]))
@@ -243,6 +243,10 @@ class _StepWriter:
         w.line("_lim", f"{literal(0.8)} * abs({self.f[0]}) / (_fast * _over + 1e-290) if _refused else _lim")
         w.line("_nrej", "_nrej + (1.0 if _refused else 0.0)")
         w.end()
+
+    def _first(self) -> str:
+        """What the acceleration changes by with z' where the step begins."""
+        return self.w.value(self.law.weight, self.start | {self.law.rate.name: "_dz0"})
 
     def _shorten(self, row: str) -> None:
         """Shorten a step at whose end z would be less slaved, or the sweeps further apart, than is tolerated; _sped: z' at the end."""
@@ -256,7 +260,7 @@ class _StepWriter:
             w.line("_long", f"abs(_de) * (_y0 * _y0) > {literal(SLACK * self.k.slaved)} * _fast * (_ve * _ve) or _ve * _b0 <= 0.0")
             w.line("_long", f"_slow and (_long or abs({first}) * _late * _h > _ts)")
 
-        first = self._value(self.law.weight)
+        first = self._first()
         look()
         w.begin(f"for q in range(0, {SHORTER})")
         w.begin("if _long")
