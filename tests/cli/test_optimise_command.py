@@ -110,7 +110,7 @@ def test_the_report_says_what_was_searched(capsys):
         (["--over", "drive=pieces:1"], "--over drive=pieces:1"),
         ([*OVER, "--uncertain", "friction.mu_plus=0.1"], "--uncertain friction.mu_plus=0.15+-0.01"),
         ([*OVER, "--quantile", "0.1"], "--uncertain"),
-        ([*OVER, "--maximise", "mean_velocity", "--minimise", "drive_power"], "exactly one"),
+        ([*OVER, "--maximise", "mean_velocity", "--minimise", "drive_power"], "allowed is one of them"),
         ([*OVER, "--limit", "stroke=..1e-9"], "widen these limits in --limit"),
         ([*OVER, "--out", "best.json"], ".toml"),
         ([*OVER, "periods=3"], "'periods' is not known"),

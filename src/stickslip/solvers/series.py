@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.slaved import SERIES, Series
 from stickslip.engine.slaving import slaving
@@ -28,6 +29,7 @@ def lacks(model: Any) -> str | None:
     """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
 
     def found() -> str | None:
+        check_numbers(model)
         law = slaving(trace(model))
         return law if isinstance(law, str) else None
 

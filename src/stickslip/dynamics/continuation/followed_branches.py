@@ -22,6 +22,7 @@ __all__ = ["Followed", "followed"]
 
 Array = Any
 _AGAIN = 3.0  # accuracies within which two borders are one
+_ROUND = 0.9  # minus the cosine from which on a vector has turned round
 _BESIDE = 1e-5  # of the branch's range: where the cycles are that tell where a rest vanishes
 
 
@@ -52,7 +53,7 @@ def followed(
             ended = item
             break
         last = found[-1]
-        if path.period % 2 == 0 and not isinstance(path, CyclePath) and item.half @ last.half < 0:
+        if path.period % 2 == 0 and not isinstance(path, CyclePath) and _turned_round(last.half, item.half):
             end = _returned(path, last, item)
             found += [end] if end is not None else []
             ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
@@ -127,6 +128,11 @@ def _touch_begins(path: Path, a: Point, b: Point, s: Located) -> tuple[float, fl
         if known and known[2] < s.accuracy:
             return known[1:]
     return None
+
+
+def _turned_round(a: Array, b: Array) -> bool:
+    """Whether a vector passed zero between two values: all of it turns round then, not one of its coordinates."""
+    return bool(a @ b < -_ROUND * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _returned(path: Path, a: Point, b: Point) -> Point | None:
