@@ -54,6 +54,8 @@ SERIES = ((9e-7, Series("Taylor8", 8, 4, 0.014)), (1e-9, Series("Taylor12", 12, 
 PEAKS = 3  # rounds of Newton's method to an extremum: its value is off by the square of how far its instant is
 ROUNDS = 60  # of a search for a zero: bisection from a period to rounding, if nothing is faster
 GAIN = 4.0  # by how much less a sweep may gain than the one before
+CALM = 0.01  # part of the error tolerated in v: how well a zero is found
+LEAST = 1e-3  # part of what counts as slaved to which refusals may lower it
 SHORTER = 4  # times that a step is shortened before it is refused
 SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
@@ -109,8 +111,8 @@ class _StepWriter:
         w.line("_rem", "_tend - _t")
         w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
         w.line("_idle", "_tend > 1e29")
-        w.line("_below", f"_lim if _lim > 0.0 else {literal(k.slaved)}")
-        w.line("_slow", f"not _idle and abs({self.f[0]}) < _below * _fast and _y0 * _b0 > 0.0")
+        w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(k.slaved)}")
+        w.line("_slow", f"not _idle and abs({self.f[0]}) < _below * _fast and _lim >= 0.0 and _y0 * _b0 > 0.0")
         self.before = [self._value(node.args[0]) for node in self.rising]
         for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
             w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
@@ -240,7 +242,10 @@ class _StepWriter:
         w.line("_over", "_off * _h / _ts")
         w.line("_over", "math.sqrt(math.sqrt(_over if _over > 1.0 else 1.0))")  # some four sweeps gain as much as the fourth power
         w.line("_over", "_over if _over < 3.0 else 3.0")
-        w.line("_lim", f"{literal(0.8)} * abs({self.f[0]}) / (_fast * _over + 1e-290) if _refused else _lim")
+        w.line("_later", f"{literal(0.8)} * abs({self.f[0]}) / (_fast * _over + 1e-290)")
+        w.line("_later", f"_later if _later > {literal(LEAST * self.k.slaved)} else {literal(LEAST * self.k.slaved)}")
+        w.line("_later", f"_later if abs({first} * (_y1 - _zs)) <= _ts else _below")  # what is not slaved yet soon is
+        w.line("_lim", "-_later if _refused else _lim")  # below zero: an explicit step first
         w.line("_nrej", "_nrej + (1.0 if _refused else 0.0)")
         w.end()
 
@@ -291,13 +296,16 @@ class _StepWriter:
         self._crossing(v)
         w.line("_zn", self._at(z, "_y1", "_h"))
         self._gone("_mine", v, z, "_y0", "_y1", "_zn")
+        w.line("_lim", "abs(_lim) if _mine else _lim")
         w.end()
 
     def _crossing(self, v: str) -> None:
         """Where v leaves its side: _h is shortened to there. A lane whose v begins at zero and goes to the other side is _wrong."""
         w = self.w
         w.line("_d0", f"{self.f[0]} * _b0")
-        w.line("_out", "_ve * _b0 < -_still and _mine")
+        w.line("_calm", f"{literal(CALM)} * _tv")  # at rest v has either sign, by less than matters: its side stays
+        w.line("_calm", "_calm if _calm > _still else _still")
+        w.line("_out", "_ve * _b0 < -_calm and _mine")
         w.line("_dip", "_d0 < 0.0 and _de * _b0 > 0.0 and not _out and _mine")
         w.line("_dip", "_dip and fma(_d0, _h, _y0 * _b0) < 0.0")
         w.line("_any", "_out or _dip")
@@ -314,7 +322,7 @@ class _StepWriter:
         w.line("_a", "_mid if _falls else _a")
         w.line("_c", "_c if _falls else _mid")
         w.end()
-        w.line("_deep", f"_dip and ({self._at(v, '_y0', '_a')}) * _b0 < -_still")
+        w.line("_deep", f"_dip and ({self._at(v, '_y0', '_a')}) * _b0 < -_calm")
         w.line("_hi", "_a if _deep else _hi")
         w.line("_out", "_out or _deep")
         w.end()
@@ -357,7 +365,7 @@ class _StepWriter:
         w.line("_hi", "_th if (_todo and not _up) else _hi")
         w.line("_tn", "_th - _vt / (_dt if _dt < 0.0 else -1e-290)")
         w.line("_near", "_tn >= _lo and _tn <= _hi")
-        w.line("_close", "abs(_vt) <= 0.01 * _tv and _near or _hi - _lo <= 1e-15 * _h")
+        w.line("_close", f"abs(_vt) <= {literal(CALM)} * _tv and _near or _hi - _lo <= 1e-15 * _h")
         w.line("_tn", "_tn if _near else 0.5 * (_lo + _hi)")
         w.line("_th", "_tn if _todo else _th")
         w.line("_todo", "_todo and not _close")
@@ -422,7 +430,7 @@ class _StepWriter:
         w.line("_t0", "1.0 * _t")
         if not self.record:
             w.line("_soon", "1.0 if (_slow and not _refused) else 0.0")
-            w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _v * _b0 > 0.0")
+            w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
             w.line("_soon", "(1.0 if _heads else 0.0) if _made else _soon")
         if self.record:
             w.line("_x0", "1.0 * _x")

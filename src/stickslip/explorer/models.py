@@ -223,7 +223,8 @@ def _law(name: str) -> Part:
 
 def _label(cls: type) -> str:
     return {"CoulombViscous": "Coulomb + viscous", "ElastoPlastic": "Elasto-plastic", "ResetIntegrator": "Reset integrator",
-            "TanhCoulomb": "tanh Coulomb", "DeadBand": "Dead band", "RateState": "Rate and state"}.get(cls.__name__, cls.__name__)  # fmt: skip
+            "TanhCoulomb": "tanh Coulomb", "DeadBand": "Dead band",
+            "RateState": "Rate and state"}.get(cls.__name__, cls.__name__)  # fmt: skip
 
 
 def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
