@@ -316,7 +316,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "low",
     )
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
-    return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
+    return named | {name: offsets.get(field, offsets.get(f"{field}_0", -1)) for name, field in fields.items()}, tuple(scale_at)
 
 
 def watched(eq: System, step: Step) -> Sequence[int]:

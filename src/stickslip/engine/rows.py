@@ -1,21 +1,33 @@
 """Taylor coefficients of a solution by a loop over the orders: each expression of the graph has one line in it, whatever the order.
 
 The coefficients follow from one another order by order: those of the states from the slopes, those of a product by Cauchy's rule, those
-of a function from its differential equation (Moore 1966; Jorba and Zou 2005). An expression whose earlier coefficients are asked for
-has a row of them in memory, all else is a name that lives for an order. Whatever multiplies earlier coefficients alone, which of all
-products is everything but the two outermost terms, is summed for all expressions in one loop at the beginning of an order.
+of a function from its differential equation (Moore 1966; Jorba and Zou 2005). Beyond the first, the coefficients of a sum, of a multiple and
+of what differs from an expression by a number are linear in those of others: every expression is written as a `Form`, a sum of *terms*
+with factors that do not vary, and only terms have lines. A term whose earlier coefficients are asked for has a row of them in memory, all
+else is a name that lives for an order. Whatever multiplies earlier coefficients alone, which of all products is everything but the two
+outermost terms, is summed for all expressions in one loop at the beginning of an order.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
-from stickslip.engine.symbols import Sym, TraceError, slope_of
+from stickslip.engine.symbols import Sym, TraceError, is_zero, slope_of
 from stickslip.engine.write import Writer
 
 __all__ = ["write_rows"]
 
 ZERO = "0.0"
+
+
+@dataclass(frozen=True)
+class Form:
+    """The coefficients of an expression, from the first on: a sum of terms, each with a factor; `pure` if its value is that sum too."""
+
+    terms: tuple[tuple[Sym, Sym], ...]  # (term, factor)
+    pure: bool
 
 
 def write_rows(y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int) -> dict[int, str]:
@@ -42,57 +54,43 @@ class Rows:
         self.graph, self.w, self.start, self.order, self.out = y[0].graph, w, start, order, out
         self._states = {state.number: i for i, state in enumerate(y)}
         self._given = known or {}
+        self._forms: dict[int, Form] = {}
         self.rows: dict[int, str] = dict(self._given)
         self._rates: dict[int, str] = {}  # rows of m times the coefficient
         self._sums: dict[tuple[str, str], str] = {}  # of products of two rows
-        self._lines: dict[int, list[tuple[str, str]]] = {}  # of an order, by the node whose coefficient they end with
+        self._lines: dict[int, list[tuple[str, str]]] = {}  # of an order, by the term whose coefficient they end with
         self._names: dict[int, str] = {}
         self._carried: dict[str, tuple[str, str]] = {}  # names that an order takes from the one before: first value, value for the next
+        self._order: list[Sym] = []  # terms, arguments before what is made of them
+        self._waiting: list[Sym] = []  # terms of which earlier coefficients are asked for
         kept = [node for node in (*y, *wanted) if self._varies(node)]
+        self._users = self._counted([*kept, *f])
         for node in kept:
-            self._row(node)
-        nodes = self._needed([*kept, *f])
-        self._fused = self._to_be_fused(nodes, f) if out else set()
-        for node in nodes:
-            self._lines.setdefault(node.number, [])
-            self._names[node.number] = self._rule(node)(node)
-        for i, slope in enumerate(f):
-            self._carried[f"_f{i}"] = self._value(slope), self._coefficient(slope)
-        self._nodes = nodes
+            self.rows.setdefault(node.number, f"_r{len(self.rows)}")
+        texts = [self._linear(self._form(node)) for node in (*kept, *f)]
+        while self._waiting:
+            self._coefficient(self._waiting.pop())
+        self._kept = {node.number: text for node, text in zip(kept, texts, strict=False)}
+        for i, (slope, text) in enumerate(zip(f, texts[len(kept) :], strict=True)):
+            self._carried[f"_f{i}"] = self._value(slope), text
 
     # ---- what there is to write ----
     def _varies(self, node: Sym) -> bool:
         return bool(self.graph.varies(node))
 
-    def _needed(self, roots: Iterable[Sym]) -> list[Sym]:
-        """All that varies in some expressions and in the slopes of their functions, arguments before what is made of them."""
-        found: dict[int, Sym] = {}
-        waiting = list(roots)
+    def _counted(self, roots: Iterable[Sym]) -> Counter[int]:
+        """In how many others an expression stands; a root counts twice."""
+        found, waiting = Counter[int](), list(roots)
+        for node in waiting:
+            found[node.number] += 2
+        seen: set[int] = set()
         while waiting:
             node = waiting.pop()
-            if node.number not in found and self._varies(node):
-                found[node.number] = node
-                waiting += self._made_of(node)
-        return [found[number] for number in sorted(found)]
-
-    def _to_be_fused(self, nodes: list[Sym], f: Sequence[Sym]) -> set[int]:
-        """The products by a number that are part of one sum and of nothing else: they are added in one operation."""
-        users: dict[int, list[Sym]] = {slope.number: [slope, slope] for slope in f}
-        for node in nodes:
-            for arg in self._made_of(node):
-                users.setdefault(arg.number, []).append(node)
-        scaled = [n for n in nodes if n.op == "multiply" and sum(map(self._varies, n.args)) == 1 and n.number not in self.rows]
-        sums = ("add", "subtract")
-        return {n.number for n in scaled if [user.op in sums for user in users.get(n.number, [])] == [True] and not self._is_minus(n)}
-
-    def _is_minus(self, node: Sym) -> bool:
-        return any(arg.op == "constant" and arg.value == -1.0 for arg in node.args)
-
-    def _made_of(self, node: Sym) -> list[Sym]:
-        """The expressions whose coefficients its own are made of."""
-        if self._turns(node):
-            return [self.graph.call(op, node.args[0]) for op in ("sin", "cos")]
-        return [*node.args, slope_of(node)] if self._rule(node) == self._by_slope else list(node.args)
+            if node.number not in seen:
+                seen.add(node.number)
+                found.update(a.number for a in node.args)
+                waiting += node.args
+        return found
 
     def _turns(self, node: Sym) -> bool:
         """Whether it is a sine or cosine of what is linear in time."""
@@ -103,116 +101,202 @@ class Rows:
     def _rate_in_time(self, node: Sym) -> Sym:
         return self.graph.derivative(node, self.graph.variable("t"))
 
-    def _rule(self, node: Sym) -> Callable[[Sym], str]:
-        if self._turns(node):
-            return self._turning
-        return getattr(self, f"_{node.op}", self._by_slope)
+    # ---- forms ----
+    def _form(self, node: Sym) -> Form:
+        if node.number not in self._forms:
+            self._forms[node.number] = self._formed(node) if self._varies(node) else Form((), pure=False)
+        return self._forms[node.number]
+
+    def _formed(self, node: Sym) -> Form:
+        one = self.graph.constant(1.0)
+        itself = Form(((node, one),), pure=True)
+        if node.number in self._states or node.number in self._given:
+            return itself
+        if node.op in ("add", "subtract"):
+            found = self._total(node)
+            return found if len(found.terms) < 2 or self._users[node.number] < 2 else itself
+        if node.op == "select":
+            return self._chosen(node) or itself
+        if node.op != "multiply":
+            return itself
+        a, b = node.args
+        if not (self._varies(a) and self._varies(b)):
+            held, other = (a, b) if self._varies(b) else (b, a)
+            form = self._form(other)
+            return Form(tuple((term, held * factor) for term, factor in form.terms), form.pure)
+        first, second = self._single(a), self._single(b)
+        if b.op == "reciprocal" or a.op == "reciprocal":
+            above, below = (a, b) if b.op == "reciprocal" else (b, a)
+            term, factor = self._single(above)
+            return itself if term is above else Form(((self.graph.multiply(term, below), factor),), pure=True)
+        if first[0] is a and second[0] is b:
+            return itself
+        return Form(((first[0] * second[0], first[1] * second[1]),), pure=True)
+
+    def _single(self, node: Sym) -> tuple[Sym, Sym]:
+        """The term and the factor of an expression that is a multiple of a term; else itself and one."""
+        form = self._form(node)
+        return form.terms[0] if form.pure and len(form.terms) == 1 else (node, self.graph.constant(1.0))
+
+    def _total(self, node: Sym) -> Form:
+        """A sum or a difference."""
+        found: dict[int, tuple[Sym, Sym]] = {}
+        for arg, sign in zip(node.args, (1.0, 1.0 if node.op == "add" else -1.0), strict=True):
+            for term, factor in self._form(arg).terms:
+                before = found[term.number][1] if term.number in found else self.graph.constant(0.0)
+                found[term.number] = term, before + sign * factor
+        terms = tuple(pair for pair in found.values() if not is_zero(pair[1]))
+        return Form(terms, pure=all(self._form(arg).pure for arg in node.args))
+
+    def _chosen(self, node: Sym) -> Form | None:
+        """A choice of two multiples of one term, by what is held."""
+        held, yes, no = node.args
+        if self._varies(held):
+            raise TraceError("a select on what is not held stands in an equation of motion")
+        (a, b) = (self._form(each) for each in (yes, no))
+        if len(a.terms) != 1 or len(b.terms) != 1 or a.terms[0][0] is not b.terms[0][0]:
+            return None
+        return Form(((a.terms[0][0], self.graph.select(held, a.terms[0][1], b.terms[0][1])),), a.pure and b.pure)
 
     # ---- names ----
     def _value(self, node: Sym) -> str:
         """An expression's value at the start of the step."""
         return self.w.value(node, self.start)
 
-    def _coefficient(self, node: Sym) -> str:
-        """Its coefficient of the present order: a name, or a literal 0.0."""
-        return self._names[node.number] if self._varies(node) else ZERO
+    def _linear(self, form: Form) -> str:
+        """The sum of a form's terms at the present order, the term that is ready last added last."""
+        named = [(self._coefficient(term), factor) for term, factor in form.terms]
+        place = {self._names[term.number]: k for k, term in enumerate(self._order)}
+        text = ""
+        for name, factor in sorted(named, key=lambda pair: place[pair[0]]):
+            one = {1.0: "", -1.0: "-"}.get(factor.value) if factor.op == "constant" else None
+            held = "" if one is not None else self._value(factor)
+            if not text:
+                text = f"{held} * {name}" if held else f"{one}{name}"
+            else:
+                text = f"fma({held}, {name}, {text})" if held else f"({text} {one or '+'} {name})"
+        return text or ZERO
 
-    def _row(self, node: Sym) -> str:
-        return self.rows.setdefault(node.number, f"_r{node.number}")
+    def _coefficient(self, term: Sym) -> str:
+        """The name of a term's coefficient of the present order; its lines are written down where they were not before."""
+        if term.number not in self._names:
+            name = f"_n{len(self._names)}"
+            self._names[term.number] = name
+            lines = self._lines.setdefault(term.number, [])
+            if text := self._rule(term)(term):
+                lines.append((name, text))
+            self._order.append(term)
+        return self._names[term.number]
 
-    def _rate(self, node: Sym) -> str:
-        return self._rates.setdefault(node.number, f"_d{node.number}")
+    def _rule(self, term: Sym) -> Callable[[Sym], str]:
+        if term.number in self._given:
+            return lambda term: f"1.0 * {self._given[term.number]}[m]"
+        return self._turning if self._turns(term) else getattr(self, f"_{term.op}", self._by_slope)
+
+    def _row(self, term: Sym) -> str:
+        """The row of a term's coefficients."""
+        if term.number not in self._names:
+            self._waiting.append(term)
+        return self.rows.setdefault(term.number, f"_r{len(self.rows)}")
+
+    def _of_term(self, node: Sym) -> tuple[Sym, Sym]:
+        """The term of which an expression's coefficients are multiples, and the factor; an expression of several terms is one itself."""
+        form = self._form(node)
+        return form.terms[0] if len(form.terms) == 1 else (node, self.graph.constant(1.0))
+
+    def _rate(self, term: Sym) -> str:
+        return self._rates.setdefault(term.number, f"_d{len(self._rates)}")
 
     def _sum(self, first: str, second: str) -> str:
         """The sum of first[j] second[m - j] for 0 < j < m."""
+        first, second = sorted((first, second), key=lambda row: (row[1] != "d", row))
         return self._sums.setdefault((first, second), f"_s{len(self._sums)}")
 
-    def _line(self, node: Sym, text: str) -> str:
-        """A coefficient that is a line of its own."""
-        self._lines.setdefault(node.number, []).append((f"_n{node.number}", text))
-        return f"_n{node.number}"
+    def _scaled(self, factor: Sym, text: str) -> str:
+        """A multiple of what is a name or in brackets."""
+        return text if factor.op == "constant" and factor.value == 1.0 else f"{self._value(factor)} * {text}"
 
     # ---- the coefficients of an order ----
     def _variable(self, node: Sym) -> str:
         if node.number in self._states:
-            return self._line(node, f"_inverse * _f{self._states[node.number]}")
-        if node.number in self._given:
-            return self._line(node, f"1.0 * {self._given[node.number]}[m]")
-        self._carried[f"_n{node.number}"] = "1.0", ZERO  # time
-        return f"_n{node.number}"
+            return f"_inverse * _f{self._states[node.number]}"
+        self._carried[self._names[node.number]] = "1.0", ZERO  # time
+        return ""
 
     def _add(self, node: Sym) -> str:
-        a, b = map(self._coefficient, node.args)
-        return b if a == ZERO else a if b == ZERO else self._line(node, self._total(node, "", f"{a} + {b}"))
+        return self._linear(self._total(node))
 
-    def _subtract(self, node: Sym) -> str:
-        a, b = map(self._coefficient, node.args)
-        return a if b == ZERO else self._line(node, f"-{b}" if a == ZERO else self._total(node, "-", f"{a} - {b}"))
-
-    def _total(self, node: Sym, sign: str, plain: str) -> str:
-        """A sum or difference, with a product that is a part of nothing else in the same operation."""
-        a, b = node.args
-        if b.number in self._fused:
-            factor, c = self._scaled(b)
-            return f"fma({sign}{factor}, {c}, {self._coefficient(a)})"
-        if a.number in self._fused:
-            factor, c = self._scaled(a)
-            return f"fma({factor}, {c}, {sign}{self._coefficient(b)})"
-        return plain
-
-    def _scaled(self, node: Sym) -> tuple[str, str]:
-        """Of a product by a number, this number and the coefficient of the rest."""
-        factor, other = node.args if self._varies(node.args[1]) else reversed(node.args)
-        return self._value(factor), self._coefficient(other)
+    _subtract = _add
 
     def _multiply(self, node: Sym) -> str:
         a, b = node.args
-        if not (self._varies(a) and self._varies(b)):
-            held, c = self._scaled(node)
-            return self._line(node, f"-{c}" if held == "(-1.0)" else f"{held} * {c}")
-        between = self._sum(self._row(a), self._row(b))
-        ends = f"fma({self._value(b)}, {self._coefficient(a)}, {between})"
-        return self._line(node, f"fma({self._value(a)}, {self._coefficient(b)}, {ends})")
+        if a.op == "reciprocal" or b.op == "reciprocal":
+            return self._quotient(node, *((a, b) if b.op == "reciprocal" else (b, a)))
+        (first, by), (second, times) = self._of_term(a), self._of_term(b)
+        between = self._sum(self._row(first), self._row(second))
+        factor = by * times
+        held = between if factor.op == "constant" and factor.value == 1.0 else f"{self._value(factor)} * {between}"
+        if a is b:
+            return f"fma({self._value(2.0 * by * a)}, {self._coefficient(first)}, {held})"
+        ends = f"fma({self._value(by * b)}, {self._coefficient(first)}, {held})"
+        return f"fma({self._value(times * a)}, {self._coefficient(second)}, {ends})"
+
+    def _quotient(self, node: Sym, above: Sym, below: Sym) -> str:
+        """q = a / b: b q = a."""
+        term, factor = self._of_term(below.args[0])
+        between = self._sum(self._row(term), self._row(node))
+        rest = f"fma({self._value(node)}, {self._coefficient(term)}, {between})"
+        return f"fma(-{self._value(factor * below)}, {rest}, {self._value(below)} * {self._bracketed(self._form(above))})"
+
+    def _bracketed(self, form: Form) -> str:
+        text = self._linear(form)
+        return text if text.startswith("fma(") or text.isidentifier() else f"({text})"
 
     def _select(self, node: Sym) -> str:
         held, yes, no = node.args
-        if self._varies(held):
-            raise TraceError("a select on what is not held stands in an equation of motion")
-        a, b = self._coefficient(yes), self._coefficient(no)
-        return a if a == b else self._line(node, f"{a} if {self._value(held)} > 0.0 else {b}")
+        return f"{self._bracketed(self._form(yes))} if {self._value(held)} > 0.0 else {self._bracketed(self._form(no))}"
 
     def _reciprocal(self, node: Sym) -> str:
         """y a = 1."""
-        a, y = node.args[0], self._value(node)
-        between = self._sum(self._row(a), self._row(node))
-        return self._line(node, f"-{y} * fma({self._coefficient(a)}, {y}, {between})")
+        term, factor = self._of_term(node.args[0])
+        between = self._sum(self._row(term), self._row(node))
+        return f"-{self._value(factor * node)} * fma({self._coefficient(term)}, {self._value(node)}, {between})"
 
     def _by_slope(self, node: Sym) -> str:
         """A function y(a): m y_m is the sum of j a_j s_(m-j) with its slope s = dy/da, which needs no coefficient of y beyond m - 1."""
-        a, slope = node.args[0], slope_of(node)
-        between = self._sum(self._rate(a), self._row(slope))
-        return self._line(node, f"fma({self._coefficient(a)}, {self._value(slope)}, _inverse * {between})")
+        slope = slope_of(node)
+        (a, factor), (s, times) = self._of_term(node.args[0]), self._of_term(slope)
+        self._coefficient(a)
+        between = self._sum(self._rate(a), self._row(s))
+        inverse = self._scaled(factor * times, "_inverse")
+        return f"fma({self._coefficient(a)}, {self._value(factor * slope)}, {inverse} * {between})"
 
     def _log(self, node: Sym) -> str:
         """a y' = a'."""
-        a, slope = node.args[0], slope_of(node)
+        (a, factor), slope = self._of_term(node.args[0]), slope_of(node)
         between = self._sum(self._rate(node), self._row(a))
-        return self._line(node, f"{self._value(slope)} * fma(-_inverse, {between}, {self._coefficient(a)})")
+        return f"{self._value(factor * slope)} * fma(-_inverse, {between}, {self._coefficient(a)})"
 
     def _sqrt(self, node: Sym) -> str:
         """y y = a."""
         between = self._sum(self._row(node), self._row(node))
-        return self._line(node, f"{self._value(slope_of(node))} * ({self._coefficient(node.args[0])} - {between})")
+        return f"{self._value(slope_of(node))} * ({self._bracketed(self._form(node.args[0]))} - {between})"
 
     def _turning(self, node: Sym) -> str:
         """sin and cos of one argument that is linear in time, both at once: each needs the last coefficient of the other."""
         sine, cosine = (self.graph.call(op, node.args[0]) for op in ("sin", "cos"))
-        s, c, turn = f"_n{sine.number}", f"_n{cosine.number}", f"_w{node.args[0].number}"
-        if s not in self._carried:
-            self._carried[s], self._carried[c] = (self._value(sine), s), (self._value(cosine), c)
-            ahead = [(turn, f"_inverse * {self._value(self._rate_in_time(node.args[0]))}"), (f"{turn}c", f"{turn} * {c}")]
-            self._lines.setdefault(node.number, []).extend([*ahead, (c, f"-{turn} * {s}"), (s, f"{turn}c")])
-        return s if node is sine else c
+        other = cosine if node is sine else sine
+        if other.number in self._lines:
+            return ""
+        self._names[other.number] = f"{self._names[node.number]}o"
+        self._lines[other.number] = []
+        self._order.append(other)
+        s, c = self._names[sine.number], self._names[cosine.number]
+        self._carried[s], self._carried[c] = (self._value(sine), s), (self._value(cosine), c)
+        turn = f"{s}t"
+        ahead = [(turn, f"_inverse * {self._value(self._rate_in_time(node.args[0]))}"), (f"{turn}c", f"{turn} * {c}")]
+        self._lines[node.number] += [*ahead, (c, f"-{turn} * {s}"), (s, f"{turn}c")]
+        return ""
 
     # ---- the loop ----
     def write(self) -> None:
@@ -226,10 +310,14 @@ class Rows:
         w.begin(f"for m in {'each' if self.out else 'range'}(1, {self.order + 1})")
         w.line("_inverse", "1 / m")
         self._write_sums()
-        for node in self._nodes:
-            for name, text in self._lines[node.number]:
+        for term in self._order:
+            for name, text in self._lines[term.number]:
                 w.line(name, text)
-            self._keep(node)
+        for term in self._order:
+            self._keep(term)
+        for number, text in self._kept.items():
+            if number not in self._names:
+                w.line(f"{self.rows[number]}[m]", f"1.0 * {text}")
         for name, (_, following) in self._carried.items():
             if name != following:
                 w.line(name, following)
@@ -255,9 +343,10 @@ class Rows:
                 w.line(name, f"fma({first}[j], {second}[m - j], {name})")
             w.end()
 
-    def _keep(self, node: Sym) -> None:
-        name = self._names[node.number]
-        if node.number in self.rows and node.number not in self._given:
-            self.w.line(f"{self.rows[node.number]}[m]", name)
-        if node.number in self._rates:
-            self.w.line(f"{self._rates[node.number]}[m]", f"m * {name}")
+    def _keep(self, term: Sym) -> None:
+        name = self._names[term.number]
+        if term.number in self.rows and term.number not in self._given:
+            self.w.line(f"{self.rows[term.number]}[m]", name)
+        if term.number in self._rates:
+            state = self._states.get(term.number)
+            self.w.line(f"{self._rates[term.number]}[m]", f"m * {name}" if state is None else f"1.0 * _f{state}")

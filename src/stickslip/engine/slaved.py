@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.engine.graphs import Substituted
 from stickslip.engine.rosenbrock_step import Step, sides
 from stickslip.engine.rows import Rows
 from stickslip.engine.slaving import Slaving, slaving
@@ -59,6 +60,7 @@ LEAST = 1e-3  # part of what counts as slaved to which refusals may lower it
 SHORTER = 4  # times that a step is shortened before it is refused
 SLACK = 2.0  # by how much less z may be slaved at a step's end
 CUTS = 20  # of a step in which an exponential rises too far
+NOTED = ("ratio", "tail", "acc", "t0", "hh", "top")  # of a step, where somebody looks
 TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
 
@@ -86,8 +88,9 @@ class _StepWriter:
         self._end()
         orders = range(self.n + 1)
         fields = ["t", "tend", "x", "y0", "y1", "b0", "m1", *(f"clk{k}" for k in range(len(self.eq.clocks)))]
-        fields += ["stat", "nacc", "nrej", "lim", *(() if self.record else ("high", "low", "looked", "soon"))]  # what follows does not last
-        fields += ["ratio", "tail", "acc", "t0", "hh", "top", *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
+        fields += ["stat", "nacc", "nrej", "lim", "sort"]
+        fields += [] if self.record else ["high_0", "low_0", "looked", "soon"]  # what follows does not last
+        fields += [*(f"{name}_0" for name in NOTED), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
         fields += ["x0", *sides(self.eq)] if self.record else []
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n)
 
@@ -96,49 +99,59 @@ class _StepWriter:
 
     # ---- what both sorts of steps need ----
     def _begin(self) -> None:
-        """Rates and tolerances at the start; whether z is slaved."""
+        """Rates and tolerances at the start; which lanes make which sort of step."""
         w, eq, k = self.w, self.eq, self.k
         self.f = [self._value(f) for f in eq.f]
-        w.line("_acc", f"1.0 * {self.f[0]}")
         w.line("_still", f"{literal(TINY)} * {self._value(eq.velocity_scale)}")
-        small = "abs(_y0) < 100.0 * _still"
-        w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1]} / (1.0 if {small} else _y0)")
-        w.line("_tv", f"rtol * fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, fma(1e-290, 1.0, abs(_y0)))")
         scale = self._value(self.law.deflection if eq.scales[1] is None else eq.scales[1])
-        w.line("_wz", f"_tv / (rtol * fma({literal(k.inner_floor)}, {scale}, abs(_y1)) + 1e-290)")
+        w.line("_size", f"fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, abs(_y0))")
+        w.line("_tv", "fma(rtol, _size, 1e-290)")
+        w.line("_bent", f"fma({literal(k.inner_floor)}, {scale}, fma(1e-150, 1.0, abs(_y1)))")
         w.line("_period", f"1.0 * {self._value(eq.period)}")
-        w.line("_longest", f"{literal(k.longest)} * _period")
         w.line("_rem", "_tend - _t")
         w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
         w.line("_idle", "_tend > 1e29")
         w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(k.slaved)}")
-        w.line("_slow", f"not _idle and abs({self.f[0]}) < _below * _fast and _lim >= 0.0 and _y0 * _b0 > 0.0")
+        w.line("_slow", "_sort > 0.5 and not _idle")
+        w.line("_mine", "not _slow and not _idle")
+        self._look_at_start()
         self.before = [self._value(node.args[0]) for node in self.rising]
         for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
             w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
             w.line(f"_low{i}", f"_low{i} if _low{i} > {literal(k.rise * self.n)} else {literal(k.rise * self.n)}")
-        self.outer = [self._value(node) for node in self.law.not_of_rate(self.eq.graph)]
         self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
-        for name in ("hh", "v", "z", "dx", "d1", "fall"):
+        for name in ("went", "v", "z", "dx", "d1"):
             w.line(f"_{name}", "0.0")
         for name in ("cross", "wrong", "last", "done", "refused"):
             w.line(f"_{name}", "False")
-        w.line("_top", "1.0 * _y0")
+        w.line("_most", "1.0 * _y0")
+
+    def _look_at_start(self) -> None:
+        """What is noted of the start of a step, where somebody looks: the acceleration, and the slip ratio."""
+        w = self.w
+        self._looking("0.5")
+        w.line("_acc[0]", f"1.0 * {self.f[0]}")
+        small = "abs(_y0) < 100.0 * _still"
+        w.line("_ratio[0]", f"0.0 if {small} else 1.0 - {self.f[1]} / (1.0 if {small} else _y0)")
+        w.end()
+
+    def _looking(self, least: str) -> None:
+        """What follows is done where a lane is looked at, or always if all is recorded."""
+        self.w.begin("for q in each(0, 1)" if self.record else f"if _looked > {least}")
 
     def _wish(self, rows: list[tuple[str, str]], tolerance: str) -> None:
         """_h: where the last two terms of some series fall to what is tolerated; each is multiplied by its weight."""
         w = self.w
-        w.line("_h", "1.0 * _longest")
         w.line("_bits", f"as_bits({tolerance})")
-        for m in (self.n - 1, self.n):
-            w.line("_term", " ".join([f"abs({rows[0][0]}[{m}])"]))
-            for row, weight in rows[1:]:
+        for m, power in ((self.n - 1, "_first"), (self.n, "_power")):
+            for k, (row, weight) in enumerate(rows):
                 w.line("_other", f"{weight} * abs({row}[{m}])")
-                w.line("_term", "_term if _term > _other else _other")
-            w.line("_power", f"{literal(1 / m)} * ((_bits - as_bits(_term)) * {LOG_OF_BITS})")
-            w.line("_power", "_power if _power < 900.0 else 900.0")
-            w.line("_wish", "as_float(np.int64((_power + 1022.957) * 4503599627370496.0))")
-            w.line("_h", "_h if _h < _wish else _wish")
+                w.line("_term", "_term if _term > _other else _other" if k else "1.0 * _other")
+            w.line(power, f"(_bits - as_bits(_term)) * {literal(float(LOG_OF_BITS) / m)}")
+        w.line("_power", "_power if _power < _first else _first")
+        w.line("_power", "_power if _power < 900.0 else 900.0")
+        w.line("_h", "as_float(np.int64(fma(_power, 4503599627370496.0, 4606988764016040448.0)))")
+        w.line("_h", f"_h if _h < {literal(self.k.longest)} * _period else {literal(self.k.longest)} * _period")
         w.line("_ends", "_rem <= _h * 1.0000001")
         w.line("_h", "_rem if _ends else _h")
 
@@ -148,15 +161,15 @@ class _StepWriter:
     def _rate_at(self, row: str, h: str) -> str:
         return horner([f"{row}[1]", *(f"{m}.0 * {row}[{m}]" for m in range(2, self.n + 1))], h)
 
-    def _ahead(self, row: str, site: str) -> None:
-        """_ve, _de: velocity and its rate at _h; _far: whether an exponential rises too far on the way; _part: how much of _h is good."""
+    def _ahead(self, row: str, site: str, mine: str) -> None:
+        """_ve, _de: velocity and its rate at _h; _far: whether an exponential rises too far on the way, each by its own _rise."""
         w = self.w
         w.line("_ve", self._at(row, "_y0", "_h"))
         w.line("_de", self._rate_at(row, "_h"))
         if not self.rising:
             return
         w.line("_least", "_ve * _b0")
-        w.line("_turns", f"{self.f[0]} * _b0 < 0.0 and _de * _b0 > 0.0")
+        w.line("_turns", f"{self.f[0]} * _b0 < 0.0 and _de * _b0 > 0.0 and {mine}")
         w.begin("if _turns")
         w.line("_lt", f"_h * ({self.f[0]} / ({self.f[0]} - _de))")
         w.line("_lt", self._at(row, "_y0", "_lt"))
@@ -165,31 +178,28 @@ class _StepWriter:
         nearest = w.line(f"_near{site}", "(_least if _least > 0.0 else 0.0) * _b0")
         end = self.start | {"v": nearest, "t": w.line(f"_then{site}", "_t + _h")}
         w.line("_far", "False")
-        w.line("_part", "1.0")
         for i, (node, before) in enumerate(zip(self.rising, self.before, strict=True)):
-            w.line("_rise", f"{self._value(node.args[0], end)} - {before}")
-            w.line("_over", f"_rise > _low{i}")
-            w.line("_bend", f"1.0 + _low{i} / ({before} if {before} < -1.0 else -1.0)")  # a Gaussian's argument is a square
-            w.line("_good", "1.0 - math.sqrt(_bend if _bend > 0.0 else 0.0)")
-            w.line("_good", "_good * (_y0 / (_y0 - _ve)) if _over else 1.0")
-            w.line("_part", "_good if (_over and _good < _part) else _part")
-            w.line("_far", "_far or _over")
+            w.line(f"_rise{i}", f"{self._value(node.args[0], end)} - {before}")
+            w.line("_far", f"_far or _rise{i} > _low{i}")
+        w.line("_far", f"_far and {mine}")
 
     def _foresee(self, row: str, site: str, mine: str) -> None:
         """Shorten a step in which an exponential would rise too far."""
         w = self.w
-        self._ahead(row, f"{site}a")
+        self._ahead(row, f"{site}a", mine)
         if not self.rising:
             return
-        w.line("_far", f"_far and {mine}")
         w.begin(f"for q in range(0, {CUTS})")
         w.begin("if _far")
-        w.line("_part", "_part if _part < 0.8 else 0.8")
+        w.line("_part", "0.8")
+        for i, before in enumerate(self.before):
+            w.line("_bend", f"1.0 + _low{i} / ({before} if {before} < -1.0 else -1.0)")  # a Gaussian's argument is a square
+            w.line("_good", "(1.0 - math.sqrt(_bend if _bend > 0.0 else 0.0)) * (_y0 / (_y0 - _ve))")
+            w.line("_part", f"_good if (_rise{i} > _low{i} and _good < _part) else _part")
         w.line("_part", "_part if _part > 0.1 else 0.1")
         w.line("_h", "_h * _part if _far else _h")
         w.line("_ends", "_ends and not _far")
-        self._ahead(row, f"{site}b")
-        w.line("_far", f"_far and {mine}")
+        self._ahead(row, f"{site}b", mine)
         w.end()
         w.end()
 
@@ -197,48 +207,22 @@ class _StepWriter:
     def _slaved(self) -> None:
         """The step of lanes in which z is slaved, where it succeeds: then they are _done."""
         w, law, n = self.w, self.law, self.n
-        w.line("_mine", "not _slow and not _idle")
         w.begin("if more(_slow, _mine)")
         w.line("_mine", "False")
-        w.line("_zr", f"row({n + 1})")
-        for row in ("_dz", "_dw"):
-            w.line(row, f"row({n + 1})")
-        w.begin(f"for m in each(0, {n + 1})")
-        w.line("_zr[m]", "0.0")
-        w.line("_dz[m]", "0.0")
-        w.end()
-        for name in ("_brake", "_brake1", "_brake2", "_zs", "_dz0"):
-            w.line(name, "0.0")
-        w.begin(f"for sweep in range(0, {self.k.sweeps})")
-        w.begin(f"for m in each(0, {n})")
-        w.line("_dw[m]", "1.0 * _dz[m]")
-        w.line("_dz[m]", "(m + 1) * _zr[m + 1]")
-        w.end()
-        w.line(f"_dz[{n}]", "0.0")
-        bind = self.start | {law.rate.name: w.line("_dz0", "1.0 * _dz[0]")}
-        rows = Rows([self.eq.y[0]], [law.braked], [law.z], w, bind, n, {law.rate.number: "_dz"}, out=True)
-        rows.write()
-        w.line("_brake2", "1.0 * _brake1")
-        w.line("_brake1", "1.0 * _brake")
-        w.line("_brake", f"1.0 * {w.value(law.braked, bind)}")
-        w.line("_zs", f"1.0 * {w.value(law.z, bind)}")
-        w.begin(f"for m in each(1, {n + 1})")
-        w.line("_zr[m]", f"1.0 * {rows.rows[law.z.number]}[m]")
-        w.end()
-        w.end()
-        row = rows.rows[self.eq.y[0].number]
+        row = self._sweeps()
         w.line("_ts", f"{literal(self.k.slow)} * _tv")
-        self._wish([(row, ""), ("_zr", "_wz")], "_ts")
+        self._wish([(row, "_bent"), ("_zr", "_size")], "_ts * _bent")
         self._foresee(row, "s", "_slow")
         w.line("_off", self._left("_brake", "_brake1", "_brake2"))
         self._shorten(row)
         end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"}
         first, last = self._first(), w.value(law.weight, end)
         w.line("_zn", f"1.0 * {w.value(law.z, end)}")
-        same = ["_slow", "_ve * _b0 > 0.0", "_off * _h <= _ts", f"abs({last}) * _late * _h <= _ts"]
+        same = ["_slow", "_y0 * _b0 > 0.0", "_ve * _b0 > 0.0", "_off * _h <= _ts", f"abs({last}) * _late * _h <= _ts"]
         w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts"]))
         self._gone("_done", row, "_zr", "_y0", "_zs", "_zn")
         w.line("_refused", "_slow and not _done")
+        w.begin("if _refused")
         w.line("_over", "_off * _h / _ts")
         w.line("_over", "math.sqrt(math.sqrt(_over if _over > 1.0 else 1.0))")  # some four sweeps gain as much as the fourth power
         w.line("_over", "_over if _over < 3.0 else 3.0")
@@ -248,6 +232,47 @@ class _StepWriter:
         w.line("_lim", "-_later if _refused else _lim")  # below zero: an explicit step first
         w.line("_nrej", "_nrej + (1.0 if _refused else 0.0)")
         w.end()
+        w.end()
+
+    def _sweeps(self) -> str:
+        """_zr: the series of z as the last sweep found it, _dz and _dw: those of z' in it and in the one before; returns the row of v."""
+        w, law, n, graph = self.w, self.law, self.n, self.eq.graph
+        for row in ("_zr", "_dz", "_dw"):
+            w.line(row, f"row({n + 1})")
+        for name in ("_brake", "_brake1", "_brake2", "_zs", "_dz0"):
+            w.line(name, "0.0")
+        at_rest = Substituted(graph, {law.rate.name: graph.constant(0.0)})
+        self._sweep(at_rest.of(law.braked), at_rest.of(law.z), {})
+        w.begin(f"for m in each(0, {n + 1})")
+        w.line("_dz[m]", "0.0")
+        w.end()
+        for node in law.not_of_rate(graph):
+            self._value(node)
+        w.begin(f"for sweep in range(1, {self.k.sweeps})")
+        w.begin(f"for m in each(0, {n})")
+        w.line("_dw[m]", "1.0 * _dz[m]")
+        w.line("_dz[m]", "(m + 1) * _zr[m + 1]")
+        w.end()
+        w.line(f"_dz[{n}]", "0.0")
+        w.line("_dz0", "1.0 * _dz[0]")
+        row = self._sweep(law.braked, law.z, {law.rate.number: "_dz"})
+        w.end()
+        return row
+
+    def _sweep(self, braked: Sym, z: Sym, known: dict[int, str]) -> str:
+        """The series of v with a known z', and that of z, which follows from it."""
+        w, n = self.w, self.n
+        bind = self.start | {self.law.rate.name: "_dz0"}
+        rows = Rows([self.eq.y[0]], [braked], [z], w, bind, n, known, out=True)
+        rows.write()
+        w.line("_brake2", "1.0 * _brake1")
+        w.line("_brake1", "1.0 * _brake")
+        w.line("_brake", f"1.0 * {w.value(braked, bind)}")
+        w.line("_zs", f"1.0 * {w.value(z, bind)}")
+        w.begin(f"for m in each(1, {n + 1})")
+        w.line("_zr[m]", f"1.0 * {rows.rows[z.number]}[m]")
+        w.end()
+        return rows.rows[self.eq.y[0].number]
 
     def _first(self) -> str:
         """What the acceleration changes by with z' where the step begins."""
@@ -291,7 +316,7 @@ class _StepWriter:
         v, z = (self.explicit.rows[y.number] for y in self.eq.y)
         w.begin("if _mine")
         self.explicit.write()
-        self._wish([(v, ""), (z, "_wz")], "_tv")
+        self._wish([(v, "_bent"), (z, "_size")], "_tv * _bent")
         self._foresee(v, "f", "_mine")
         self._crossing(v)
         w.line("_zn", self._at(z, "_y1", "_h"))
@@ -302,12 +327,12 @@ class _StepWriter:
     def _crossing(self, v: str) -> None:
         """Where v leaves its side: _h is shortened to there. A lane whose v begins at zero and goes to the other side is _wrong."""
         w = self.w
-        w.line("_d0", f"{self.f[0]} * _b0")
+        w.line("_slope", f"{self.f[0]} * _b0")
         w.line("_calm", f"{literal(CALM)} * _tv")  # at rest v has either sign, by less than matters: its side stays
         w.line("_calm", "_calm if _calm > _still else _still")
         w.line("_out", "_ve * _b0 < -_calm and _mine")
-        w.line("_dip", "_d0 < 0.0 and _de * _b0 > 0.0 and not _out and _mine")
-        w.line("_dip", "_dip and fma(_d0, _h, _y0 * _b0) < 0.0")
+        w.line("_dip", "_slope < 0.0 and _de * _b0 > 0.0 and not _out and _mine")
+        w.line("_dip", "_dip and fma(_slope, _h, _y0 * _b0) < 0.0")
         w.line("_any", "_out or _dip")
         w.begin("if _any")
         w.line("_lo", "0.0")
@@ -326,12 +351,12 @@ class _StepWriter:
         w.line("_hi", "_a if _deep else _hi")
         w.line("_out", "_out or _deep")
         w.end()
-        w.line("_wrong", f"_out and _y0 * _b0 <= 0.0 and (_d0 < 0.0 or (_d0 == 0.0 and {v}[2] * _b0 < 0.0))")
+        w.line("_wrong", f"_out and _y0 * _b0 <= 0.0 and (_slope < 0.0 or (_slope == 0.0 and {v}[2] * _b0 < 0.0))")
         w.line("_cross", "_out and not _wrong")
         w.line("_vh", f"({self._at(v, '_y0', '_hi')}) * _b0")
         w.line("_gap", "_y0 * _b0 - _vh")
         w.line("_th", "_hi * (_y0 * _b0) / (_gap if _gap > 0.0 else 1.0)")  # from a start at zero: the zero after it, from the far end
-        w.line("_th", "_th if _d0 < 0.0 else 0.5 * _hi")
+        w.line("_th", "_th if _slope < 0.0 else 0.5 * _hi")
         self._guess()
         self._search(v)
         w.line("_h", "_th if _cross else (0.0 if _wrong else _h)")
@@ -344,8 +369,8 @@ class _StepWriter:
         """_th: where the cubic of time over v is at v = 0, from the slopes at both ends of a step in which v falls."""
         w = self.w
         w.line("_s", "_y0 * _b0 / (_gap if _gap > 0.0 else 1.0)")
-        w.line("_falls", "_d0 < 0.0 and _de * _b0 < 0.0 and not _deep")
-        w.line("_a", "_gap / (-_d0 if _falls else 1.0)")
+        w.line("_falls", "_slope < 0.0 and _de * _b0 < 0.0 and not _deep")
+        w.line("_a", "_gap / (-_slope if _falls else 1.0)")
         w.line("_c", "_gap / (-(_de * _b0) if _falls else 1.0)")
         w.line("_tn", "_s * _s * ((3.0 - 2.0 * _s) * _hi - (1.0 - _s) * _c) + _s * (1.0 - _s) * (1.0 - _s) * _a")
         w.line("_th", "_tn if (_falls and _tn > 0.0 and _tn < _hi) else _th")
@@ -377,17 +402,18 @@ class _StepWriter:
         """Take what a step came to for the lanes that made it."""
         w, n = self.w, self.n
         w.line("_way", f"_h * {horner([v0, *(f'{literal(1 / (m + 1))} * {v}[{m}]' for m in range(1, n + 1))], '_h')}")
-        for name, value in (("hh", "_h"), ("v", "_ve"), ("z", z1), ("dx", "_way"), ("d1", "_de")):
+        for name, value in (("went", "_h"), ("v", "_ve"), ("z", z1), ("dx", "_way"), ("d1", "_de"), ("most", "_ve")):
             w.line(f"_{name}", f"{value} if {mine} else _{name}")
         w.line("_last", f"_ends if {mine} else _last")
+        self._looking("0.1")
         self._extremum(mine, v)
-        kept = [("_k0", v, v0), ("_k1", z, z0)]
-        if not self.record:
-            w.begin("if _looked > 0.5")
+        w.end()
+        self._looking("0.5")
         rise = horner([f"{z}[1]", *(f"{m}.0 * {z}[{m}]" for m in range(2, n + 1))], "_h")
-        w.line("_tail", f"1.0 - ({rise}) / (_ve if _ve != 0.0 else 1.0) if {mine} else _tail")
-        w.line("_tail", f"0.0 if ({mine} and _ve == 0.0) else _tail")
+        w.line("_slips", f"0.0 if _ve == 0.0 else 1.0 - ({rise}) / (_ve if _ve != 0.0 else 1.0)")
+        w.line("_tail[0]", f"_slips if {mine} else _tail[0]")
         w.line("_pw", "1.0 * _h")
+        kept = [("_k0", v, v0), ("_k1", z, z0)]
         for name, _, first in kept:
             w.line(f"{name}[0]", f"{first} if {mine} else {name}[0]")
         w.begin(f"for m in each(1, {n + 1})")
@@ -395,15 +421,12 @@ class _StepWriter:
             w.line(f"{name}[m]", f"_pw * {row}[m] if {mine} else {name}[m]")
         w.line("_pw", "_pw * _h")
         w.end()
-        if not self.record:
-            w.end()
+        w.end()
 
     def _extremum(self, mine: str, v: str) -> None:
         """_top: the largest or smallest velocity within the step, where it turns; else that at its end."""
         w, first = self.w, self.f[0]
-        w.line("_top", f"_ve if {mine} else _top")
-        looked = "" if self.record else " and _looked > 0.1"
-        w.line("_peak", f"{mine} and {first} * _de < 0.0{looked}")
+        w.line("_peak", f"{mine} and {first} * _de < 0.0{'' if self.record else ' and _looked > 0.1'}")
         w.begin("if _peak")
         w.line("_pa", "0.0")
         w.line("_pc", "1.0 * _h")
@@ -419,7 +442,7 @@ class _StepWriter:
         w.line("_within", "(_pt > _pa and _pt < _pc) or abs(_go) < 1e-8 * _h")  # what has converged is left where it is
         w.line("_pt", "_pt if _within else 0.5 * (_pa + _pc)")
         w.end()
-        w.line("_top", f"({self._at(v, '_y0', '_pt')}) if _peak else _top")
+        w.line("_most", f"({self._at(v, '_y0', '_pt')}) if _peak else _most")
         w.end()
 
     def _end(self) -> None:
@@ -427,30 +450,37 @@ class _StepWriter:
         w, eq = self.w, self.eq
         offset = self._value(eq.offset)
         w.line("_made", "_done or _mine")
-        w.line("_t0", "1.0 * _t")
-        if not self.record:
-            w.line("_soon", "1.0 if (_slow and not _refused) else 0.0")
-            w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
-            w.line("_soon", "(1.0 if _heads else 0.0) if _made else _soon")
+        w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
+        w.line("_begun", "1.0 * _t")
         if self.record:
             w.line("_x0", "1.0 * _x")
             w.line(f"_{sides(eq)[0]}", "1.0 * _b0")
-        w.line("_x", "_x + _dx" if offset == "0.0" else f"_x + fma({offset}, _hh, _dx)")
+        w.line("_x", "_x + _dx" if offset.strip("()") in ("0.0", "-0.0") else f"_x + fma({offset}, _went, _dx)")
         w.line("_y0", "_v if _made else _y0")
         w.line("_y1", "_z if (_made and not _wrong) else _y1")
         w.line("_m1", "abs(_y1) if abs(_y1) > _m1 else _m1")
         w.line("_b0", "-_b0 if (_cross or _wrong) else _b0")
         w.line("_lim", "0.0 if (_cross or _wrong) else _lim")
+        w.line("_sort", "1.0 if (_made and _heads) else (0.0 if (_made or _refused) else _sort)")
         w.line("_nacc", "_nacc + (1.0 if _made else 0.0)")
-        w.line("_short", "_hh < fma(_t, 4.5e-16, 1e-25 * _period) and _made and not (_last or _wrong or _cross)")
-        w.line("_t", "_tend if _last else _t + _hh")
+        w.line("_short", "_went < fma(_t, 4.5e-16, 1e-25 * _period) and _made and not (_last or _wrong or _cross)")
+        w.line("_t", "_tend if _last else _t + _went")
         w.line("_stat", f"1.0 if _last else ({Status.TOO_SMALL}.0 if _short else _stat)")
         w.line("_stat", f"{Status.NOT_A_NUMBER}.0 if (_y0 != _y0 or _y1 != _y1) else _stat")
         w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
-        if not self.record:  # something to be noted, or no case
-            w.line("_high", "_top if (_looked > 0.1 and _top > _high) else _high")
-            w.line("_low", "_top if (_looked > 0.1 and _top < _low) else _low")
-            w.line("_high", "_y0 if (_looked > 0.1 and _y0 > _high) else _high")
-            w.line("_low", "_y0 if (_looked > 0.1 and _y0 < _low) else _low")
-            w.line("_soon", "_soon + (2.0 if (_stat > 0.5 or _looked > 0.5) else 0.0)")
+        self._look_at_end()
+        if not self.record:  # which sort of step a lane wants next, and whether something is to be noted, or there is no case
+            w.line("_soon", "_sort + (2.0 if (_stat > 0.5 or _looked > 0.5) else 0.0)")
             w.line("_soon", "4.0 if _idle else _soon")
+
+    def _look_at_end(self) -> None:
+        """What is noted of a whole step, where somebody looks."""
+        w = self.w
+        self._looking("0.1")
+        for name, value in (("t0", "_begun"), ("hh", "_went"), ("top", "_most")):
+            w.line(f"_{name}[0]", f"1.0 * {value}")
+        if not self.record:
+            for name, sign in (("_high", ">"), ("_low", "<")):
+                w.line("_more", f"_most if _most {sign} _y0 else _y0")
+                w.line(f"{name}[0]", f"_more if (_looked > 0.1 and _more {sign} {name}[0]) else {name}[0]")
+        w.end()
