@@ -46,9 +46,11 @@ _ROUNDING = 1e-14  # in scales: a swing as small as this is one of the last digi
 def apart(points: Any, last: int, p: int, k: int, scale: Any) -> float:
     """Distance, in scales, of the p points up to `last` from those k times p periods before; infinite where one is not a number."""
     rows, worst = len(points), 0.0
+    new, old = last % rows, (last - k * p) % rows
     for j in range(p):
+        a, b = new - j if j <= new else new - j + rows, old - j if j <= old else old - j + rows
         for i in range(len(scale)):
-            distance = abs(points[(last - j) % rows, 1 + i] - points[(last - j - k * p) % rows, 1 + i]) / scale[i]
+            distance = abs(points[a, 1 + i] - points[b, 1 + i]) / scale[i]
             if not distance < float("inf"):
                 return float("inf")
             worst = max(worst, distance)

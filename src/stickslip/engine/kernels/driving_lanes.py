@@ -116,36 +116,28 @@ def want_extremes(lane, S, D):
         S[D[F_LOOKED] + lane] = max(S[D[F_LOOKED] + lane], 0.25)
 
 
-@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **ALLOCATING)
-def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
-    """Book-keeping at the end of a drive period. Returns 1 when only the last observation is wanting."""
+@njit(float64(int64, int64, f1, i1), **OPTIONS)
+def scale_of(lane, i, S, D):
+    """How large a state typically is: a velocity without friction, an inner state as the law says or as it has been."""
     L = D[LANES]
-    N[lane, DONE] += 1
-    k = N[lane, DONE]
-    x = way_of(lane, S, D)
-    RING[lane, k % KEPT, 0] = x
+    if i < D[COORDINATES]:
+        size = S[D[F_C] + D[FREE] * L + lane]
+    elif D[SCALE_AT + i] >= 0:
+        size = S[D[F_C] + D[SCALE_AT + i] * L + lane]
+    else:
+        size = S[D[F_M] + (i - 1) * L + lane]
+    return max(size, 1e-300)
+
+
+@njit(int64(int64, int64, float64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **ALLOCATING)
+def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
+    """Whether the motion repeats, at the end of a period after which that is asked."""
+    L = D[LANES]
     scale = np.empty(D[STATES] - D[PASSIVE])
-    for i in range(D[STATES]):
-        RING[lane, k % KEPT, 1 + i] = S[D[F_Y] + i * L + lane]
-        if i >= len(scale):
-            continue
-        if i < D[COORDINATES]:
-            size = S[D[F_C] + D[FREE] * L + lane]
-        elif D[SCALE_AT + i] >= 0:
-            size = S[D[F_C] + D[SCALE_AT + i] * L + lane]
-        else:
-            size = S[D[F_M] + (i - 1) * L + lane]
-        scale[i] = max(size, 1e-300)
-    for m in range(D[KEPT_MODES]):
-        RING[lane, k % KEPT, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
-    if k == settle:
-        want_extremes(lane, S, D)
-    if k >= settle and k < settle + LONGEST:
-        keep_places(lane, k - settle, S, XS, D)
+    for i in range(len(scale)):
+        scale[i] = scale_of(lane, i, S, D)
     count = min(k - 1, KEPT - 1)  # the start is not among them
     if N[lane, TARGET] > 0:
-        if k < N[lane, TARGET]:
-            return 0
         if auto and N[lane, NUMBER] > 0:
             K[lane, DISPLACEMENT] = x - XS[lane, LONGEST, 0]
             keep_moved(lane, LONGEST, S, N, XS, OUT, D)
@@ -164,10 +156,6 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
                 keep_places(lane, LONGEST, S, XS, D)
                 begin_record(lane, N, K, FOUND, S, D)
         return 0
-    if k == periods - 1 and not auto:
-        begin_record(lane, N, K, FOUND, S, D)
-    if k < periods:
-        return 0
     p, K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 30.0 * rtol, 30.0 * rtol)
     N[lane, NUMBER] = p
     whole = max(p, 1)
@@ -183,6 +171,30 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
     keep_places(lane, LONGEST, S, XS, D)
     begin_record(lane, N, K, FOUND, S, D)
     return 0
+
+
+@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **OPTIONS)
+def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
+    """Book-keeping at the end of a drive period. Returns 1 when only the last observation is missing."""
+    L = D[LANES]
+    N[lane, DONE] += 1
+    k = N[lane, DONE]
+    x = way_of(lane, S, D)
+    row = RING[lane, k % KEPT]
+    row[0] = x
+    for i in range(D[STATES]):
+        row[1 + i] = S[D[F_Y] + i * L + lane]
+    for m in range(D[KEPT_MODES]):
+        row[1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
+    if k == settle:
+        want_extremes(lane, S, D)
+    if k >= settle and k < settle + LONGEST:
+        keep_places(lane, k - settle, S, XS, D)
+    if k == periods - 1 and not auto and N[lane, TARGET] == 0:
+        begin_record(lane, N, K, FOUND, S, D)
+    if N[lane, TARGET] > 0 and k < N[lane, TARGET] or N[lane, TARGET] == 0 and not auto and k < periods:
+        return 0
+    return judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
 
 
 @njit(boolean(int64, int64, int64, int64, f1, i2, f2, f3, f2, f3, i1, f2, f2, i1), **OPTIONS)
