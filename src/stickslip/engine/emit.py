@@ -6,7 +6,8 @@ writes the instructions itself (`steptext.py`). A kernel's file holds this text 
 The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
 ``for m in range(first, end):``, and ``if condition:`` around what is wanted only where the condition holds: lanes jump over it together,
 if none of them asks for it. A loop over ``each(first, end)`` is written out round by round, and one over ``outwards(first, end)`` begins in
-the middle: sums whose outermost terms are ready last. A part that begins with ``if more(this, that):`` is done if this holds for no fewer
+the middle: sums whose outermost terms are ready last; one over ``while_any(condition, most)`` goes on while the condition holds for a lane.
+A part that begins with ``if more(this, that):`` is done if this holds for no fewer
 lanes than that, and for some: lanes that want different things wait for one another. ``name = row(17)`` is 17 numbers in memory, for each
 lane, which are read and written by their places, as the rows that a lane holds are. Every decision inside an expression is one select
 instruction, and nothing is fused or reordered that is not written so: the bits do not depend on the number of lanes.
@@ -247,7 +248,7 @@ def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, t
 def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt]) -> None:
     for statement in statements:
         if isinstance(statement, ast.For):
-            (_loop if ast.unparse(statement.iter).startswith("range") else _rounds)(builder, vectors, statement)
+            (_loop if ast.unparse(statement.iter).startswith(("range", "while_any")) else _rounds)(builder, vectors, statement)
         elif isinstance(statement, ast.If):
             _branch(builder, vectors, statement)
         else:
@@ -321,7 +322,7 @@ ROUNDS = {
 
 def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """One loop for all vectors; a name that had a value before takes its new one to the next round, and is known after the last."""
-    name, (first, end) = _counted(vectors[0], node, "range")
+    name, first, end, asking = _looped(vectors[0], node)
     start, head, body, after = builder.block, *(builder.append_basic_block(part) for part in ("rounds", "round", "after"))
     builder.branch(head)
     builder.position_at_end(head)
@@ -334,7 +335,8 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
             phi.add_incoming(vector.known[key], start)
         carried.append((vector, joined, vector.known | joined))
         vector.known = vector.known | joined | {name: count}
-    builder.cbranch(builder.icmp_signed("<", count, end), body, after)
+    more = builder.icmp_signed("<", count, end)
+    builder.cbranch(more if asking is None else builder.and_(more, _condition(builder, vectors, asking)), body, after)
     builder.position_at_end(body)
     _write_all(builder, vectors, node.body)
     count.add_incoming(builder.add(count, ir.Constant(COUNT, 1)), builder.block)
@@ -344,6 +346,15 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
         vector.known = outside
     builder.branch(head)
     builder.position_at_end(after)
+
+
+def _looped(vector: _Vector, node: ast.For) -> tuple[str, Any, Any, ast.expr | None]:
+    """The name that counts, its first value, the one after its last, and what must hold for some lane that a round is made."""
+    called = node.iter
+    if isinstance(called, ast.Call) and ast.unparse(called.func) == "while_any" and len(called.args) == 2 and isinstance(node.target, ast.Name):
+        return node.target.id, ir.Constant(COUNT, 0), vector.visit(called.args[1]), called.args[0]
+    name, (first, end) = _counted(vector, node, "range")
+    return name, first, end, None
 
 
 def _counted(vector: _Vector, node: ast.For, *over: str) -> tuple[str, list[Any]]:

@@ -189,8 +189,7 @@ class _StepWriter:
         self._ahead(row, f"{site}a", mine)
         if not self.rising:
             return
-        w.begin(f"for q in range(0, {CUTS})")
-        w.begin("if _far")
+        w.begin(f"for q in while_any(_far, {CUTS})")
         w.line("_part", "0.8")
         for i, before in enumerate(self.before):
             w.line("_bend", f"1.0 + _low{i} / ({before} if {before} < -1.0 else -1.0)")  # a Gaussian's argument is a square
@@ -200,7 +199,6 @@ class _StepWriter:
         w.line("_h", "_h * _part if _far else _h")
         w.line("_ends", "_ends and not _far")
         self._ahead(row, f"{site}b", mine)
-        w.end()
         w.end()
 
     # ---- z slaved ----
@@ -292,14 +290,12 @@ class _StepWriter:
 
         first = self._first()
         look()
-        w.begin(f"for q in range(0, {SHORTER})")
-        w.begin("if _long")
+        w.begin(f"for q in while_any(_long, {SHORTER})")
         w.line("_h", "0.6 * _h if _long else _h")
         w.line("_ends", "_ends and not _long")
         w.line("_ve", self._at(row, "_y0", "_h"))
         w.line("_de", self._rate_at(row, "_h"))
         look()
-        w.end()
         w.end()
 
     def _left(self, now: str, before: str, first: str) -> str:
@@ -330,45 +326,55 @@ class _StepWriter:
         w.line("_slope", f"{self.f[0]} * _b0")
         w.line("_calm", f"{literal(CALM)} * _tv")  # at rest v has either sign, by less than matters: its side stays
         w.line("_calm", "_calm if _calm > _still else _still")
-        w.line("_out", "_ve * _b0 < -_calm and _mine")
-        w.line("_dip", "_slope < 0.0 and _de * _b0 > 0.0 and not _out and _mine")
-        w.line("_dip", "_dip and fma(_slope, _h, _y0 * _b0) < 0.0")
+        w.line("_depth", "_ve * _b0")
+        w.line("_out", "_depth < -_calm and _mine")
+        w.line("_dip", "_slope < 0.0 and _de * _b0 > 0.0 and _mine and fma(_slope, _h, _y0 * _b0) < 0.0 and not _out")
         w.line("_any", "_out or _dip")
         w.begin("if _any")
-        w.line("_lo", "0.0")
         w.line("_hi", "1.0 * _h")
         w.line("_deep", "False")
         w.begin("if _dip")
-        w.line("_a", "0.0")
-        w.line("_c", "1.0 * _h")
-        w.begin("for q in range(0, 40)")
-        w.line("_mid", "0.5 * (_a + _c)")
-        w.line("_falls", f"({self._rate_at(v, '_mid')}) * _b0 < 0.0")
-        w.line("_a", "_mid if _falls else _a")
-        w.line("_c", "_c if _falls else _mid")
-        w.end()
-        w.line("_deep", f"_dip and ({self._at(v, '_y0', '_a')}) * _b0 < -_calm")
-        w.line("_hi", "_a if _deep else _hi")
+        self._turning(v)
+        w.line("_lt", f"({self._at(v, '_y0', '_pt')}) * _b0")
+        w.line("_deep", "_dip and _lt < -_calm")
+        w.line("_hi", "_pt if _deep else _hi")
+        w.line("_depth", "_lt if _deep else _depth")
         w.line("_out", "_out or _deep")
         w.end()
         w.line("_wrong", f"_out and _y0 * _b0 <= 0.0 and (_slope < 0.0 or (_slope == 0.0 and {v}[2] * _b0 < 0.0))")
         w.line("_cross", "_out and not _wrong")
-        w.line("_vh", f"({self._at(v, '_y0', '_hi')}) * _b0")
-        w.line("_gap", "_y0 * _b0 - _vh")
-        w.line("_th", "_hi * (_y0 * _b0) / (_gap if _gap > 0.0 else 1.0)")  # from a start at zero: the zero after it, from the far end
-        w.line("_th", "_th if _slope < 0.0 else 0.5 * _hi")
+        w.line("_gap", "_y0 * _b0 - _depth")
+        w.line("_s", "_y0 * _b0 / (_gap if _gap > 0.0 else 1.0)")
+        w.line("_th", "_hi * _s if _slope < 0.0 else 0.5 * _hi")  # from a start at zero: the zero after it, from the far end
         self._guess()
         self._search(v)
         w.line("_h", "_th if _cross else (0.0 if _wrong else _h)")
         w.line("_ends", "_ends and not _out")
         w.line("_ve", "0.0 if _cross else (_y0 if _wrong else _ve)")
-        w.line("_de", self._rate_at(v, "_h"))
+        w.line("_de", f"_dt * _b0 if _cross else ({self.f[0]} if _wrong else _de)")
+        w.end()
+
+    def _turning(self, v: str) -> None:
+        """_pt: where v turns within _h; beyond the first guess a Newton's step that leaves the bracket is halved."""
+        w, first = self.w, self.f[0]
+        w.line("_pa", "0.0")
+        w.line("_pc", "1.0 * _h")
+        w.line("_pt", f"_h * ({first} / ({first} - _de))")
+        w.begin(f"for q in range(0, {PEAKS})")
+        w.line("_pd", self._rate_at(v, "_pt"))
+        w.line("_pp", horner([f"2.0 * {v}[2]", *(f"{m * (m - 1)}.0 * {v}[{m}]" for m in range(3, self.n + 1))], "_pt"))
+        w.line("_same", f"_pd * {first} > 0.0")
+        w.line("_pa", "_pt if _same else _pa")
+        w.line("_pc", "_pc if _same else _pt")
+        w.line("_go", "_pd / (_pp if _pp != 0.0 else 1.0)")
+        w.line("_pt", "_pt - _go")
+        w.line("_within", "(_pt > _pa and _pt < _pc) or abs(_go) < 1e-8 * _h")  # what has converged is left where it is
+        w.line("_pt", "_pt if _within else 0.5 * (_pa + _pc)")
         w.end()
 
     def _guess(self) -> None:
         """_th: where the cubic of time over v is at v = 0, from the slopes at both ends of a step in which v falls."""
         w = self.w
-        w.line("_s", "_y0 * _b0 / (_gap if _gap > 0.0 else 1.0)")
         w.line("_falls", "_slope < 0.0 and _de * _b0 < 0.0 and not _deep")
         w.line("_a", "_gap / (-_slope if _falls else 1.0)")
         w.line("_c", "_gap / (-(_de * _b0) if _falls else 1.0)")
@@ -376,25 +382,27 @@ class _StepWriter:
         w.line("_th", "_tn if (_falls and _tn > 0.0 and _tn < _hi) else _th")
 
     def _search(self, v: str) -> None:
-        """Newton's method in a bracket, or bisection; a lane that has converged is left alone."""
+        """Newton's method in a bracket, or bisection; a lane that has converged, or does so with its next step, is left alone."""
         w = self.w
+        w.line("_lo", "0.0")
+        w.line("_dt", "0.0")
+        w.line("_bends", "2.0 * abs(_de * _b0 - _slope) / _h")
         w.line("_todo", "_cross and _cross")
-        w.begin(f"for q in range(0, {ROUNDS})")
-        w.begin("if _todo")
+        w.begin(f"for q in while_any(_todo, {ROUNDS})")
         w.line("_in", "_th > _lo and _th < _hi")
         w.line("_th", "0.5 * (_lo + _hi) if (_todo and not _in) else _th")
         w.line("_vt", f"({self._at(v, '_y0', '_th')}) * _b0")
-        w.line("_dt", f"({self._rate_at(v, '_th')}) * _b0")
+        w.line("_dt", f"({self._rate_at(v, '_th')}) * _b0 if _todo else _dt")
         w.line("_up", "_vt > 0.0")
         w.line("_lo", "_th if (_todo and _up) else _lo")
         w.line("_hi", "_th if (_todo and not _up) else _hi")
-        w.line("_tn", "_th - _vt / (_dt if _dt < 0.0 else -1e-290)")
+        w.line("_go", "_vt / (_dt if _dt < 0.0 else -1e-290)")
+        w.line("_tn", "_th - _go")
         w.line("_near", "_tn >= _lo and _tn <= _hi")
-        w.line("_close", f"abs(_vt) <= {literal(CALM)} * _tv and _near or _hi - _lo <= 1e-15 * _h")
+        w.line("_close", "(abs(_vt) <= _calm or _bends * _go * _go <= _calm) and _near or _hi - _lo <= 1e-15 * _h")
         w.line("_tn", "_tn if _near else 0.5 * (_lo + _hi)")
         w.line("_th", "_tn if _todo else _th")
         w.line("_todo", "_todo and not _close")
-        w.end()
         w.end()
 
     # ---- after the step ----
@@ -425,23 +433,10 @@ class _StepWriter:
 
     def _extremum(self, mine: str, v: str) -> None:
         """_top: the largest or smallest velocity within the step, where it turns; else that at its end."""
-        w, first = self.w, self.f[0]
-        w.line("_peak", f"{mine} and {first} * _de < 0.0{'' if self.record else ' and _looked > 0.1'}")
+        w = self.w
+        w.line("_peak", f"{mine} and {self.f[0]} * _de < 0.0{'' if self.record else ' and _looked > 0.1'}")
         w.begin("if _peak")
-        w.line("_pa", "0.0")
-        w.line("_pc", "1.0 * _h")
-        w.line("_pt", f"_h * ({first} / ({first} - _de))")
-        w.begin(f"for q in range(0, {PEAKS})")
-        w.line("_pd", self._rate_at(v, "_pt"))
-        w.line("_pp", horner([f"2.0 * {v}[2]", *(f"{m * (m - 1)}.0 * {v}[{m}]" for m in range(3, self.n + 1))], "_pt"))
-        w.line("_same", f"_pd * {first} > 0.0")
-        w.line("_pa", "_pt if _same else _pa")
-        w.line("_pc", "_pc if _same else _pt")
-        w.line("_go", "_pd / (_pp if _pp != 0.0 else 1.0)")
-        w.line("_pt", "_pt - _go")
-        w.line("_within", "(_pt > _pa and _pt < _pc) or abs(_go) < 1e-8 * _h")  # what has converged is left where it is
-        w.line("_pt", "_pt if _within else 0.5 * (_pa + _pc)")
-        w.end()
+        self._turning(v)
         w.line("_most", f"({self._at(v, '_y0', '_pt')}) if _peak else _most")
         w.end()
 
