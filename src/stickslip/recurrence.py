@@ -118,6 +118,8 @@ def period_number(points: Any, last: int, count: int, longest: int, scale: Any, 
             break
         if apart(points, last, 1, p, scale) > tolerance:
             continue
+        if apart(points, last, p, 1, scale) == 0.0:  # from the same numbers the same motion
+            return p, 1 if 3 * p - 1 <= count else 0
         if 3 * p - 1 > count:  # seen once only: exactly, or not at all
             if apart(points, last, p, 1, scale) <= _HIDDEN_TWINS * tolerance:
                 return p, 0

@@ -381,7 +381,7 @@ def run(
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
     pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
-    at_work, before = (min(PLACES, cases), PLACES + 8) if pooled else (k.lanes, 0)
+    at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
     S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
     lane_numbers = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64)
     lane_numbers[:, columns.CASE] = -1
@@ -398,7 +398,7 @@ def run(
     advance, more = driver.load().advance, ()
     if pooled:
         advance = driver.load().advance_pooled
-        more = np.empty((at_work, k.fields)), np.zeros((4, before), dtype=np.int64)
+        more = np.empty((at_work, k.fields)), np.zeros((5, before), dtype=np.int64)
     while advance(
         S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code,
         pieces, job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table, *more,

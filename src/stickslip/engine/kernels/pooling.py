@@ -5,11 +5,11 @@
 # Each case at work has a place, with its rows of N, K, RING and XS; some are in a lane, the others wait, with what a lane holds
 # from step to step in their row of STORE. A lane whose case wants the other sort of step changes it for one that waits for this sort. When
 # there are too few of these, all go over to the other sort. POOL says which place is in which lane (-1: none), then for either sort how
-# many places wait for it and which, and last of which sort the steps are.
+# many places wait for it and which, and last of which sort the steps are; then how many numbers are not the same for all cases, and which.
 
 #: With how many lanes at work steps of a sort go on while more cases wait for the other sort.
 ENOUGH = 13
-IN_LANE, WAITING, SORT = 0, 1, 3
+IN_LANE, WAITING, SORT, VARIED = 0, 1, 3, 4
 
 
 @njit(void(int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
@@ -39,10 +39,10 @@ def bring(lane, sort, S, STORE, POOL, D):
     for f in range(lasting):
         S[at] = row[f]
         at += apart
-    at = np.uint64(first + D[F_C])
-    for j in range(lasting, lasting + np.uint64(D[CONSTANTS])):
-        S[at] = row[j]
-        at += apart
+    constants = np.uint64(first + D[F_C])
+    for k in range(1, POOL[VARIED, 0] + 1):
+        j = np.uint64(POOL[VARIED, k])
+        S[constants + j * apart] = row[lasting + j]
     S[first + D[F_SOON]] = sort
     POOL[IN_LANE, lane] = place
 
@@ -52,6 +52,22 @@ def keep_constants(place, lane, S, STORE, POOL, D):
     """What lasts as long as the case of a lane."""
     for j in range(D[CONSTANTS]):
         STORE[place, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
+
+
+@njit(void(f2, i1, i2, i1), **ALLOCATING)
+def find_varied(PARAM, CURSOR, POOL, D):
+    """Which numbers of a case are not those of all other cases: lanes that change their case need no others."""
+    first, other = np.empty(D[CONSTANTS]), np.empty(D[CONSTANTS])
+    varies = np.zeros(D[CONSTANTS], dtype=np.int64)
+    call_prelude(D[AT_PRELUDE], PARAM[CURSOR[0]], first)
+    for case in range(CURSOR[0] + 1, CURSOR[1]):
+        call_prelude(D[AT_PRELUDE], PARAM[case], other)
+        for j in range(D[CONSTANTS]):
+            varies[j] |= other[j] != first[j] or other[j] != other[j]
+    for j in range(D[CONSTANTS]):
+        if varies[j]:
+            POOL[VARIED, 0] += 1
+            POOL[VARIED, POOL[VARIED, 0]] = j
 
 
 @njit(
@@ -76,6 +92,8 @@ def advance_pooled(
         for lane in range(L):
             POOL[IN_LANE, lane] = -1
             S[begin + lane + D[F_TEND]] = 1e30
+        if CURSOR[0] == 0:
+            find_varied(PARAM, CURSOR, POOL, D)
         for place in range(places - 1, -1, -1):
             lane = place if place < L else 0
             V = S[begin + lane - place :]
