@@ -65,6 +65,7 @@ class Rows:
         self._waiting: list[Sym] = []  # terms of which earlier coefficients are asked for
         kept = [node for node in (*y, *wanted) if self._varies(node)]
         self._users = self._counted([*kept, *f])
+        self._wanted = {node.number for node in kept}
         for node in kept:
             self.rows.setdefault(node.number, f"_r{len(self.rows)}")
         texts = [self._linear(self._form(node)) for node in (*kept, *f)]
@@ -117,6 +118,8 @@ class Rows:
             return found if len(found.terms) < 2 or self._users[node.number] < 2 else itself
         if node.op == "select":
             return self._chosen(node) or itself
+        if node.op == "exp" and node.number not in self._wanted:
+            return Form(((node, node),), pure=False)  # in parts of its value
         if node.op != "multiply":
             return itself
         a, b = node.args
@@ -204,7 +207,8 @@ class Rows:
         form = self._form(node)
         return form.terms[0] if len(form.terms) == 1 else (node, self.graph.constant(1.0))
 
-    def _rate(self, term: Sym) -> str:
+    def rate(self, term: Sym) -> str:
+        """The row of m times a term's coefficients."""
         return self._rates.setdefault(term.number, f"_d{len(self._rates)}")
 
     def _sum(self, first: str, second: str) -> str:
@@ -246,7 +250,8 @@ class Rows:
         term, factor = self._of_term(below.args[0])
         between = self._sum(self._row(term), self._row(node))
         rest = f"fma({self._value(node)}, {self._coefficient(term)}, {between})"
-        return f"fma(-{self._value(factor * below)}, {rest}, {self._value(below)} * {self._bracketed(self._form(above))})"
+        apart = Form(tuple((part, by * below) for part, by in self._form(above).terms), pure=False)
+        return f"fma(-{self._value(factor * below)}, {rest}, {self._linear(apart)})"
 
     def _bracketed(self, form: Form) -> str:
         text = self._linear(form)
@@ -267,14 +272,23 @@ class Rows:
         slope = slope_of(node)
         (a, factor), (s, times) = self._of_term(node.args[0]), self._of_term(slope)
         self._coefficient(a)
-        between = self._sum(self._rate(a), self._row(s))
+        between = self._sum(self.rate(a), self._row(s))
         inverse = self._scaled(factor * times, "_inverse")
         return f"fma({self._coefficient(a)}, {self._value(factor * slope)}, {inverse} * {between})"
+
+    def _exp(self, node: Sym) -> str:
+        """y' = y a', in parts of y at the start of the step, which may be next to nothing."""
+        if node.number in self._wanted:
+            return self._by_slope(node)
+        a, factor = self._of_term(node.args[0])
+        self._coefficient(a)
+        between = self._sum(self.rate(a), self._row(node))
+        return self._scaled(factor, f"fma(_inverse, {between}, {self._coefficient(a)})")
 
     def _log(self, node: Sym) -> str:
         """a y' = a'."""
         (a, factor), slope = self._of_term(node.args[0]), slope_of(node)
-        between = self._sum(self._rate(node), self._row(a))
+        between = self._sum(self.rate(node), self._row(a))
         return f"{self._value(factor * slope)} * fma(-_inverse, {between}, {self._coefficient(a)})"
 
     def _sqrt(self, node: Sym) -> str:

@@ -78,6 +78,7 @@ class _StepWriter:
         self.n = method.order
         self.start = bound(eq)
         self.rising = list(active(eq, "exp"))
+        self.rates: dict[str, str] = {}  # rows of velocities, and of m times these
         self.w.count_uses([*eq.f, law.braked, law.z, law.slope, *self.rising])
 
     def write(self) -> Step:
@@ -120,6 +121,7 @@ class _StepWriter:
             w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
             w.line(f"_low{i}", f"_low{i} if _low{i} > {literal(k.rise * self.n)} else {literal(k.rise * self.n)}")
         self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
+        self.slope_row = self.explicit.rate(eq.y[0])
         for name in ("went", "v", "z", "dx", "d1"):
             w.line(f"_{name}", "0.0")
         for name in ("cross", "wrong", "last", "done", "refused"):
@@ -159,6 +161,8 @@ class _StepWriter:
         return horner([first, *(f"{row}[{m}]" for m in range(1, self.n + 1))], h)
 
     def _rate_at(self, row: str, h: str) -> str:
+        if row in self.rates:
+            return horner([f"{self.rates[row]}[{m}]" for m in range(1, self.n + 1)], h)
         return horner([f"{row}[1]", *(f"{m}.0 * {row}[{m}]" for m in range(2, self.n + 1))], h)
 
     def _ahead(self, row: str, site: str, mine: str) -> None:
@@ -310,6 +314,7 @@ class _StepWriter:
         """The step of all other lanes: to the end of what the series bears, or to where v passes zero."""
         w = self.w
         v, z = (self.explicit.rows[y.number] for y in self.eq.y)
+        self.rates[v] = self.slope_row
         w.begin("if _mine")
         self.explicit.write()
         self._wish([(v, "_bent"), (z, "_size")], "_tv * _bent")
