@@ -43,7 +43,7 @@ class _Vector(ast.NodeVisitor):
 
     def __init__(self, builder: Any, data: Any, first: int, lanes: int, every: int) -> None:
         self.builder, self.data, self.first, self.lanes, self.every = builder, data, first, lanes, every
-        self.known, self.rows = dict[str, Any](), dict[str, Any]()
+        self.known, self.rows, self.unread = dict[str, Any](), dict[str, Any](), dict[str, int]()
         kinds = (NUMBER, COUNT, ir.IntType(1))
         self.real, self.whole, self.truth = kinds if lanes == 1 else (ir.VectorType(kind, lanes) for kind in kinds)
 
@@ -59,9 +59,16 @@ class _Vector(ast.NodeVisitor):
         first = self.builder.insert_element(nothing, x, ir.Constant(zero, 0))
         return self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
 
-    def read(self, name: str, at: int) -> None:
-        """What the lanes have in the field that begins at `at`."""
-        self.known[name] = self.builder.load(self.place(at), align=8)
+    def read(self, name: str) -> Any:
+        """What the lanes have in a field, read where it is first asked for: until then it needs no register."""
+        self.known[name] = self.builder.load(self.place(self.unread[name]), align=8)
+        return self.known[name]
+
+    def read_changed(self, statements: list[ast.stmt]) -> None:
+        """What lines may give a new value to has one before."""
+        for name in _changed(statements):
+            if name in self.unread and name not in self.known:
+                self.read(name)
 
     def keep(self, name: str, at: int) -> None:
         """Put it there."""
@@ -117,7 +124,9 @@ class _Vector(ast.NodeVisitor):
         return self.generic_visit(node) if kind is None else self.constant(kind, node.value)
 
     def visit_Name(self, node: ast.Name) -> Any:
-        return self.known[node.id] if node.id in self.known else self.generic_visit(node, "has no value")
+        if node.id in self.known:
+            return self.known[node.id]
+        return self.read(node.id) if node.id in self.unread else self.generic_visit(node, "has no value")
 
     def visit_Subscript(self, node: ast.Subscript) -> Any:
         return self.builder.load(self.in_row(node), align=8)
@@ -212,8 +221,7 @@ def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: 
     vectors = [_Vector(own, function.args[0], first, width, lanes) for first in range(0, group, width)]
     for vector in vectors:
         vector.known |= {name: vector.spread(number) for name, number in zip(numbers, function.args[1:], strict=True)}
-        for name, at in reads.items():
-            vector.read(name, at)
+        vector.unread |= reads
         for name, at in rows.items():
             vector.held_row(name, at)
     _write_all(own, vectors, ast.parse(text).body)
@@ -256,11 +264,19 @@ def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt])
                 vector.visit(statement)
 
 
+def _changed(statements: list[ast.stmt]) -> list[str]:
+    """The names to which lines give a value."""
+    named = [n for statement in statements for n in ast.walk(statement) if isinstance(n, ast.Name)]
+    return list(dict.fromkeys(n.id for n in named if isinstance(n.ctx, ast.Store)))
+
+
 def _branch(builder: Any, vectors: list[_Vector], node: ast.If) -> None:
     """A branch, taken for all lanes if one of them asks for it; a name that had a value before has one of two after it."""
     if node.orelse:
         vectors[0].generic_visit(node)
     condition = _condition(builder, vectors, node.test)
+    for vector in vectors:
+        vector.read_changed(node.body)
     before, start = [vector.known for vector in vectors], builder.block
     for vector in vectors:
         vector.known = dict(vector.known)
@@ -323,10 +339,12 @@ ROUNDS = {
 def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """One loop for all vectors; a name that had a value before takes its new one to the next round, and is known after the last."""
     name, first, end, asking = _looped(vectors[0], node)
+    for vector in vectors:
+        vector.read_changed(node.body)
     start, head, body, after = builder.block, *(builder.append_basic_block(part) for part in ("rounds", "round", "after"))
     builder.branch(head)
     builder.position_at_end(head)
-    changed = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)} - {name}
+    changed = {*_changed(node.body)} - {name}
     count, carried = builder.phi(COUNT), []
     count.add_incoming(first, start)
     for vector in vectors:

@@ -103,23 +103,10 @@ class _StepWriter:
         """Rates and tolerances at the start; which lanes make which sort of step."""
         w, eq, k = self.w, self.eq, self.k
         self.f = [self._value(f) for f in eq.f]
-        w.line("_still", f"{literal(TINY)} * {self._value(eq.velocity_scale)}")
-        scale = self._value(self.law.deflection if eq.scales[1] is None else eq.scales[1])
-        w.line("_size", f"fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, abs(_y0))")
-        w.line("_tv", "fma(rtol, _size, 1e-290)")
-        w.line("_bent", f"fma({literal(k.inner_floor)}, {scale}, fma(1e-150, 1.0, abs(_y1)))")
-        w.line("_period", f"1.0 * {self._value(eq.period)}")
-        w.line("_rem", "_tend - _t")
-        w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
         w.line("_idle", "_tend > 1e29")
-        w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(k.slaved)}")
         w.line("_slow", "_sort > 0.5 and not _idle")
         w.line("_mine", "not _slow and not _idle")
         self._look_at_start()
-        self.before = [self._value(node.args[0]) for node in self.rising]
-        for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
-            w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
-            w.line(f"_low{i}", f"_low{i} if _low{i} > {literal(k.rise * self.n)} else {literal(k.rise * self.n)}")
         self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
         self.slope_row = self.explicit.rate(eq.y[0])
         for name in ("went", "v", "z", "dx", "d1"):
@@ -128,12 +115,31 @@ class _StepWriter:
             w.line(f"_{name}", "False")
         w.line("_most", "1.0 * _y0")
 
+    def _tolerances(self) -> None:
+        """_tv: the error of v that a step may make; _size and _bent: of v and z what it is a part of; _low: how far an exponential may rise."""
+        w, eq, k = self.w, self.eq, self.k
+        scale = self._value(self.law.deflection if eq.scales[1] is None else eq.scales[1])
+        w.line("_size", f"fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, abs(_y0))")
+        w.line("_tv", "fma(rtol, _size, 1e-290)")
+        w.line("_bent", f"fma({literal(k.inner_floor)}, {scale}, fma(1e-150, 1.0, abs(_y1)))")
+        w.line("_rem", "_tend - _t")
+        self.before = [self._value(node.args[0]) for node in self.rising]
+        for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
+            w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
+            w.line(f"_low{i}", f"_low{i} if _low{i} > {literal(k.rise * self.n)} else {literal(k.rise * self.n)}")
+
+    def _relaxes(self) -> None:
+        """_fast: how fast z relaxes, in parts of v; _below: by which part of it v may change in a step with z slaved."""
+        w = self.w
+        w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
+        w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(self.k.slaved)}")
+
     def _look_at_start(self) -> None:
         """What is noted of the start of a step, where somebody looks: the acceleration, and the slip ratio."""
         w = self.w
         self._looking("0.5")
         w.line("_acc[0]", f"1.0 * {self.f[0]}")
-        small = "abs(_y0) < 100.0 * _still"
+        small = f"abs(_y0) < {literal(100 * TINY)} * {self._value(self.eq.velocity_scale)}"
         w.line("_ratio[0]", f"0.0 if {small} else 1.0 - {self.f[1]} / (1.0 if {small} else _y0)")
         w.end()
 
@@ -153,7 +159,8 @@ class _StepWriter:
         w.line("_power", "_power if _power < _first else _first")
         w.line("_power", "_power if _power < 900.0 else 900.0")
         w.line("_h", "as_float(np.int64(fma(_power, 4503599627370496.0, 4606988764016040448.0)))")
-        w.line("_h", f"_h if _h < {literal(self.k.longest)} * _period else {literal(self.k.longest)} * _period")
+        w.line("_longest", f"{literal(self.k.longest)} * {self._value(self.eq.period)}")
+        w.line("_h", "_h if _h < _longest else _longest")
         w.line("_ends", "_rem <= _h * 1.0000001")
         w.line("_h", "_rem if _ends else _h")
 
@@ -212,6 +219,8 @@ class _StepWriter:
         w.begin("if more(_slow, _mine)")
         w.line("_mine", "False")
         row = self._sweeps()
+        self._tolerances()
+        self._relaxes()
         w.line("_ts", f"{literal(self.k.slow)} * _tv")
         self._wish([(row, "_bent"), ("_zr", "_size")], "_ts * _bent")
         self._foresee(row, "s", "_slow")
@@ -317,6 +326,7 @@ class _StepWriter:
         self.rates[v] = self.slope_row
         w.begin("if _mine")
         self.explicit.write()
+        self._tolerances()
         self._wish([(v, "_bent"), (z, "_size")], "_tv * _bent")
         self._foresee(v, "f", "_mine")
         self._crossing(v)
@@ -330,6 +340,7 @@ class _StepWriter:
         w = self.w
         w.line("_slope", f"{self.f[0]} * _b0")
         w.line("_calm", f"{literal(CALM)} * _tv")  # at rest v has either sign, by less than matters: its side stays
+        w.line("_still", f"{literal(TINY)} * {self._value(self.eq.velocity_scale)}")
         w.line("_calm", "_calm if _calm > _still else _still")
         w.line("_depth", "_ve * _b0")
         w.line("_out", "_depth < -_calm and _mine")
@@ -449,6 +460,7 @@ class _StepWriter:
         """New state of the lanes that made a step; others wait."""
         w, eq = self.w, self.eq
         offset = self._value(eq.offset)
+        self._relaxes()
         w.line("_made", "_done or _mine")
         w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
         w.line("_begun", "1.0 * _t")
@@ -463,7 +475,7 @@ class _StepWriter:
         w.line("_lim", "0.0 if (_cross or _wrong) else _lim")
         w.line("_sort", "1.0 if (_made and _heads) else (0.0 if (_made or _refused) else _sort)")
         w.line("_nacc", "_nacc + (1.0 if _made else 0.0)")
-        w.line("_short", "_went < fma(_t, 4.5e-16, 1e-25 * _period) and _made and not (_last or _wrong or _cross)")
+        w.line("_short", f"_went < fma(_t, 4.5e-16, 1e-25 * {self._value(eq.period)}) and _made and not (_last or _wrong or _cross)")
         w.line("_t", "_tend if _last else _t + _went")
         w.line("_stat", f"1.0 if _last else ({Status.TOO_SMALL}.0 if _short else _stat)")
         w.line("_stat", f"{Status.NOT_A_NUMBER}.0 if (_y0 != _y0 or _y1 != _y1) else _stat")
