@@ -183,6 +183,9 @@ class _Vector(ast.NodeVisitor):
         name, args = ast.unparse(node.func), [self.spread(self.visit(a)) for a in node.args]
         if name in FUNCTIONS and len(args) == TAKES[name]:
             return self.builder.call(self.function(FUNCTIONS[name], len(args)), [self.as_real(node, a) for a in args])
+        if name == "bits" and [a.type for a in args] == [self.truth]:
+            whole = self.builder.zext(self.builder.bitcast(args[0], ir.IntType(self.lanes)), COUNT)
+            return self.builder.bitcast(whole, NUMBER)
         cast, given, wanted = CASTS.get(name, ("", "", ""))
         if not cast or [a.type for a in args] != [getattr(self, given)]:
             self.generic_visit(node)

@@ -311,6 +311,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "last",
         "top",
         "soon",
+        "marks",
         "tail",
         "high",
         "low",

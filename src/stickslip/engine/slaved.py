@@ -90,7 +90,7 @@ class _StepWriter:
         orders = range(self.n + 1)
         fields = ["t", "tend", "x", "y0", "y1", "b0", "m1", *(f"clk{k}" for k in range(len(self.eq.clocks)))]
         fields += ["stat", "nacc", "nrej", "lim", "sort"]
-        fields += [] if self.record else ["high_0", "low_0", "looked", "soon"]  # what follows does not last
+        fields += [] if self.record else ["high_0", "low_0", "looked", "soon", "marks"]  # what follows does not last
         fields += [*(f"{name}_0" for name in NOTED), *(f"k{i}_{m}" for i in (0, 1) for m in orders)]
         fields += ["x0", *sides(self.eq)] if self.record else []
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n)
@@ -461,6 +461,7 @@ class _StepWriter:
         w, eq = self.w, self.eq
         offset = self._value(eq.offset)
         self._relaxes()
+        w.line("_was", "1.0 * _sort")
         w.line("_made", "_done or _mine")
         w.line("_heads", "abs(_d1) * (_y0 * _y0) < _below * _fast * (_v * _v) and _lim >= 0.0 and _v * _b0 > 0.0")
         w.line("_begun", "1.0 * _t")
@@ -483,7 +484,7 @@ class _StepWriter:
         self._look_at_end()
         if not self.record:  # which sort of step a lane wants next, and whether something is to be noted, or there is no case
             w.line("_soon", "_sort + (2.0 if (_stat > 0.5 or _looked > 0.5) else 0.0)")
-            w.line("_soon", "4.0 if _idle else _soon")
+            w.line("_marks", "bits(_soon != _was and not _idle)")
 
     def _look_at_end(self) -> None:
         """What is noted of a whole step, where somebody looks."""

@@ -9,6 +9,7 @@
 
 #: With how many lanes at work steps of a sort go on while more cases wait for the other sort.
 ENOUGH = 13
+VECTOR = 8  # lanes of a vector of the step
 IN_LANE, WAITING, SORT, VARIED = 0, 1, 3, 4
 
 
@@ -26,12 +27,12 @@ def put_away(place, lane, sort, S, STORE, POOL, D):
     POOL[IN_LANE, lane] = -1
 
 
-@njit(void(int64, int64, f1, f2, i2, i1), **OPTIONS)
+@njit(int64(int64, int64, f1, f2, i2, i1), **OPTIONS)
 def bring(lane, sort, S, STORE, POOL, D):
-    """Put a case that waits for steps of a sort into an empty lane, if there is one."""
+    """Put a case that waits for steps of a sort into an empty lane; returns its place, or -1 if there is none."""
     count = POOL[WAITING + sort, 0]
     if count == 0:
-        return
+        return -1
     place, first = POOL[WAITING + sort, count], POOL.shape[1] + lane
     POOL[WAITING + sort, 0] = count - 1
     at, apart, row = np.uint64(first), np.uint64(D[LANES]), STORE[place]
@@ -45,6 +46,32 @@ def bring(lane, sort, S, STORE, POOL, D):
         S[constants + j * apart] = row[lasting + j]
     S[first + D[F_SOON]] = sort
     POOL[IN_LANE, lane] = place
+    return place
+
+
+@njit(int64(f1, int64, i1), **OPTIONS)
+def marks_of(S, begin, D):
+    """The lanes, as bits, in which something was noted or whose case wants the other sort of step."""
+    found = 0
+    for first in range(0, D[LANES], VECTOR):
+        found |= as_bits(S[begin + D[F_MARKS] + first]) << first
+    return found
+
+
+@njit(int64(int64), **OPTIONS)
+def lowest(bits):
+    """The place of the lowest bit that is set."""
+    return (as_bits(np.float64(bits & -bits)) >> 52) - 1023
+
+
+@njit(int64(int64), **OPTIONS)
+def count_of(bits):
+    """How many bits are set."""
+    count = 0
+    while bits != 0:
+        bits &= bits - 1
+        count += 1
+    return count
 
 
 @njit(void(int64, int64, f1, f2, i2, i1), **OPTIONS)
@@ -105,21 +132,24 @@ def advance_pooled(
                 if place >= L:
                     put_away(place, lane, 0, S, STORE, POOL, D)
     steps, soon = S[begin:], begin + D[F_SOON]
+    misfits, empty = 0, 0  # bits of lanes whose case wants the other sort of step, and of lanes without a case
+    for lane in range(L):
+        if POOL[IN_LANE, lane] < 0:
+            empty |= 1 << lane
+        elif np.int64(S[soon + lane]) != POOL[SORT, 0]:
+            misfits |= 1 << lane
     for _ in range(calls):
         if active == 0:
             return 0
         call_step(D[AT_STEP], steps, rtol, budget)
         sort = POOL[SORT, 0]
-        ready = 0
-        for lane in range(L):
-            wish = np.int64(S[soon + lane])
-            if wish == sort:
-                ready += 1
-                continue
+        asking, misfits = marks_of(S, begin, D) | misfits | (empty if POOL[WAITING + sort, 0] > 0 else 0), 0
+        while asking != 0:
+            lane = lowest(asking)
+            asking &= asking - 1
             place = POOL[IN_LANE, lane]
-            if place < 0:
-                continue
-            if wish > 1:
+            wish = np.int64(S[soon + lane])
+            if place >= 0 and wish > 1:
                 V = S[begin + lane - place :]
                 if N[place, RECORDING] == 1:
                     watch(place, slip_ratio, V, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
@@ -130,28 +160,34 @@ def advance_pooled(
                         COUNT, NOTED, SEGT, SEGC, D,
                     ):  # fmt: skip
                         active -= 1
-                        POOL[IN_LANE, lane] = -1
-                        bring(lane, sort, S, STORE, POOL, D)
-                        ready += POOL[IN_LANE, lane] >= 0
-                        continue
-                    if N[place, CASE] != case:
+                        POOL[IN_LANE, lane] = place = -1
+                    elif N[place, CASE] != case:
                         keep_constants(place, lane, S, STORE, POOL, D)
                         wish = 2
                 wish -= 2
                 S[soon + lane] = wish
-            if wish != sort and POOL[WAITING + sort, 0] > 0:
+            if place >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
                 put_away(place, lane, wish, S, STORE, POOL, D)
-                bring(lane, sort, S, STORE, POOL, D)
-                wish = sort
-            ready += wish == sort
+                place = -1
+            if place < 0:
+                place = bring(lane, sort, S, STORE, POOL, D)
+                empty = empty & ~(1 << lane) if place >= 0 else empty | 1 << lane
+            elif wish != sort:
+                misfits |= 1 << lane
+        ready = L - count_of(misfits | empty)
         if ready < ENOUGH and active - ready > ready:
             sort = 1 - sort
             POOL[SORT, 0] = sort
+            misfits = 0
             for lane in range(L):
                 place = POOL[IN_LANE, lane]
-                if place >= 0 and np.int64(steps[D[F_SOON] + lane]) != sort and POOL[WAITING + sort, 0] > 0:
+                fits = place >= 0 and np.int64(S[soon + lane]) == sort
+                if place >= 0 and not fits and POOL[WAITING + sort, 0] > 0:
                     put_away(place, lane, 1 - sort, S, STORE, POOL, D)
                     place = -1
                 if place < 0:
-                    bring(lane, sort, S, STORE, POOL, D)
+                    place = bring(lane, sort, S, STORE, POOL, D)
+                    empty = empty & ~(1 << lane) if place >= 0 else empty | 1 << lane
+                elif not fits:
+                    misfits |= 1 << lane
     return active
