@@ -65,6 +65,10 @@ def _chosen() -> Path:
     return Path.home() / ".cache" / "stickslip"
 
 
+#: In a source: its loops have few rounds over numbers that stand apart, which vectors gather far more slowly than they are read one by one.
+SHORT_LOOPS = "# loops: short"
+
+
 def load(source: str, name: str, label: str) -> types.ModuleType:
     """The compiled module of a kernel's source.
 
@@ -151,14 +155,15 @@ def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
     name = f"stickslip_kernel_{key}"
     if path is None:
         module = types.ModuleType(name)
-        exec(compile("CACHE = False\n" + source, f"<{key}>", "exec"), module.__dict__)
+        with _numba_as_asked(source):
+            exec(compile("CACHE = False\n" + source, f"<{key}>", "exec"), module.__dict__)
         return module
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # Numba pickles functions by module name
     try:
-        with _numba_caches_beside_the_file():
+        with _numba_as_asked(source):
             spec.loader.exec_module(module)
     except BaseException:
         sys.modules.pop(name, None)
@@ -167,16 +172,18 @@ def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
 
 
 @contextlib.contextmanager
-def _numba_caches_beside_the_file() -> Iterator[None]:
-    """Whatever NUMBA_CACHE_DIR says, which may be a folder of others."""
+def _numba_as_asked(source: str) -> Iterator[None]:
+    """Numba keeps what it makes beside the file, whatever NUMBA_CACHE_DIR says, and leaves loops as they are where a source says so."""
     from numba.core import config
 
-    elsewhere = config.CACHE_DIR
+    before = config.CACHE_DIR, config.LOOP_VECTORIZE
     config.CACHE_DIR = ""
+    if SHORT_LOOPS in source:
+        config.LOOP_VECTORIZE = 0
     try:
         yield
     finally:
-        config.CACHE_DIR = elsewhere
+        config.CACHE_DIR, config.LOOP_VECTORIZE = before
 
 
 def _say(sentence: str) -> None:

@@ -160,7 +160,7 @@ def _address(function: Any) -> int:
 @lru_cache(1)
 def load() -> Any:
     """The compiled driver."""
-    constants = [*_LOOKS, status_text(), recurrence_text()]
+    constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
     return cache.load(
         _source("the driver of all kernels", constants, ("columns", "flags", "noting_segments", "watching", "driving_lanes", "pooling")),
         "driver",
