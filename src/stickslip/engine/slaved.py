@@ -50,7 +50,12 @@ class Series:
 
 
 #: From which tolerance on (of the steps) each is used.
-SERIES = ((9e-7, Series("Taylor8", 8, 4, 0.014)), (1e-9, Series("Taylor12", 12, 5, 0.01)), (0.0, Series("Taylor18", 18, 8, 0.004)))
+SERIES = (
+    (9e-7, Series("Taylor8", 8, 4, 0.014)),
+    (1e-9, Series("Taylor12", 12, 5, 0.01)),
+    (1e-11, Series("Taylor16", 16, 7, 0.004)),
+    (0.0, Series("Taylor18", 18, 10, 0.004)),
+)
 
 PEAKS = 3  # rounds of Newton's method to an extremum: its value is off by the square of how far its instant is
 ROUNDS = 60  # of a search for a zero: bisection from a period to rounding, if nothing is faster
