@@ -85,7 +85,7 @@ def force(eq: System, degree: int) -> str:
     """The force that all but friction offer, by time; the nodes on which its work is summed."""
     tables = [
         f"{name} = np.array({values!r})"
-        for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else degree // 2 + 2), strict=True)
+        for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else degree // 3 + 2), strict=True)
     ]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
