@@ -62,7 +62,7 @@ _COLUMNS = (
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
     "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
-    "F_LOOKED", "SAMPLE_AT", "F_SOON", "F_MARKS", "F_TAIL", "F_HIGH", "F_LOW", "LASTING",
+    "F_LOOKED", "SAMPLE_AT", "F_SOON", "F_MARKS", "F_LIM", "F_SORT", "F_TAIL", "F_HIGH", "F_LOW", "LASTING",
 )  # fmt: skip
 
 #: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among

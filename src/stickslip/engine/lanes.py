@@ -312,6 +312,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "top",
         "soon",
         "marks",
+        "lim",
+        "sort",
         "tail",
         "high",
         "low",
@@ -386,11 +388,11 @@ def run(
     S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
     lane_numbers = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64)
     lane_numbers[:, columns.CASE] = -1
-    lane_floats, ring = np.zeros((at_work, columns.BEFORE + 1)), np.zeros((at_work, KEPT, 1 + n + k.modes))
+    lane_floats, ring = np.zeros((at_work, columns.BEFORE + 1)), np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE))
     xs = np.zeros((at_work, LONGEST + 1, places))
     lane_parts = np.zeros((at_work, signals + bodies, 3))
     held, room = np.zeros((at_work, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
-    cursor = np.array([0, cases, 0], dtype=np.int64)
+    cursor = np.array([0, cases, 0, int(keep_pieces)], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)

@@ -286,7 +286,7 @@ class _StepWriter:
         w.line("_brake", f"1.0 * {w.value(braked, bind)}")
         w.line("_zs", f"1.0 * {w.value(z, bind)}")
         w.begin(f"for m in each(1, {n + 1})")
-        w.line("_zr[m]", f"1.0 * {rows.rows[z.number]}[m]")
+        w.line("_zr[m]", f"1.0 * {rows.rows[z.number]}[m]" if z.number in rows.rows else "0.0")
         w.end()
         return rows.rows[self.eq.y[0].number]
 

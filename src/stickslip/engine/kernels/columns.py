@@ -1,14 +1,16 @@
 """Columns of the arrays that lanes share; text before all others of the driver."""
 # mypy: ignore-errors
 
-# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, and of
-# each contact how many segments there are
-CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
+# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, whether each
+# period must be made, and of each contact how many segments there are
+CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, WHOLE, SEGMENTS = range(10)
 # columns of K (lane): the last two observed points, window, work of friction while recording and how long,
 # displacement approached, extremes at the ends of the steps in the window; part of the last step after which slip begins or ends;
 # acceleration before a break of the drive at the last point (NaN: it has no break)
 TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN, PART, BEFORE = range(19)
 SEGS = 32
+# of a strobe point, behind x, the states and the memories of the law: what else a lane takes to the next period
+BESIDE = 8
 
 # FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
 # each body the extremes of its velocity over the window.

@@ -5,7 +5,7 @@
 # A lane holds one case: its step's state in S (a field of a lane at S[D[F_...] + lane]; these offsets are multiples of the number
 # of lanes L), whole numbers in N[lane], floats in K[lane], the last strobe states in RING[lane]. When its case is finished, the
 # lane takes the next one. CURSOR = (next case, end of cases). Everything a lane knows is in these arrays, so the kernel
-# can return after any number of calls and go on later with the same bits.
+# can return after any number of calls and go on later with the same bits. CURSOR[2] counts pieces, CURSOR[3] says if all are wanted.
 
 # A lane steps to the next known instant (an impulse or a break of the drive, at the latest the end of the period), where
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
@@ -173,6 +173,62 @@ def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOU
     return 0
 
 
+@njit(float64(int64, int64, f1), **OPTIONS)
+def held(lane, field, S):
+    """What a lane has in a field; 0 if this kind of step has no such field."""
+    return S[field + lane] if field >= 0 else 0.0
+
+
+@njit(void(int64, f1, f1, i1), **OPTIONS)
+def keep_beside(lane, row, S, D):
+    """Of a strobe point, what a step takes from the one before besides the states: its length, its sort, sides and modes."""
+    L, at = D[LANES], 1 + D[STATES] + D[KEPT_MODES]
+    row[at], row[at + 1], row[at + 2] = held(lane, D[F_H], S), held(lane, D[F_LE], S), held(lane, D[F_LH], S)
+    row[at + 3], row[at + 4], row[at + 5] = held(lane, D[F_GROW], S), held(lane, D[F_LIM], S), held(lane, D[F_SORT], S)
+    row[at + 6] = row[at + 7] = 0.0
+    for k in range(D[FLAGS]):
+        row[at + 6] = 2.0 * row[at + 6] + S[D[F_B] + k * L + lane]
+    for k in range(D[MODES]):
+        row[at + 7] = 3.0 * row[at + 7] + S[D[F_MODE] + k * L + lane]
+
+
+@njit(int64(int64, int64, f3, i1), **OPTIONS)
+def seen_before(lane, k, RING, D):
+    """After how many periods the last strobe point is the same to the last bit, so that all that follows is known; 0: it is new."""
+    if D[SAMPLE_AT] >= 0:
+        return 0
+    new = RING[lane, k % KEPT]
+    for p in range(1, min(k, LONGEST + 1)):
+        old, same = RING[lane, (k - p) % KEPT], True
+        for i in range(1, RING.shape[2]):
+            same = same and new[i] == old[i]
+        if same:
+            return p
+    return 0
+
+
+@njit(void(int64, int64, int64, int64, int64, f1, i2, f3, f3, i1), **OPTIONS)
+def skip(lane, p, periods, settle, k, S, N, RING, XS, D):
+    """Go on behind all whole multiples of p periods before the last period: they are what the last p were."""
+    end = k + (periods - 1 - k) // p * p
+    if D[PLACES] > 1 and p > 1 or end <= k:
+        return
+    begun = RING[lane, k % KEPT, 0]
+    moved = begun - RING[lane, (k - p) % KEPT, 0]
+    for n in range(k + 1, end + 1):
+        row, old = RING[lane, n % KEPT], RING[lane, (n - p) % KEPT]
+        for i in range(RING.shape[2]):
+            row[i] = old[i]
+        row[0] = old[0] + moved
+        if n >= settle and n < settle + LONGEST:
+            for place in range(D[PLACES]):
+                XS[lane, n - settle, place] = row[0] + (place_of(lane, place, S, D) - begun)
+        if n == settle:
+            want_extremes(lane, S, D)
+    S[D[F_X] + lane] += RING[lane, end % KEPT, 0] - begun
+    N[lane, DONE] = end
+
+
 @njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **OPTIONS)
 def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is missing."""
@@ -186,10 +242,16 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
         row[1 + i] = S[D[F_Y] + i * L + lane]
     for m in range(D[KEPT_MODES]):
         row[1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
+    keep_beside(lane, row, S, D)
     if k == settle:
         want_extremes(lane, S, D)
     if k >= settle and k < settle + LONGEST:
         keep_places(lane, k - settle, S, XS, D)
+    if k < periods - 1 and not auto and N[lane, TARGET] == 0 and N[lane, WHOLE] == 0:
+        p = seen_before(lane, k, RING, D)
+        if p > 0:
+            skip(lane, p, periods, settle, k, S, N, RING, XS, D)
+            k = N[lane, DONE]
     if k == periods - 1 and not auto and N[lane, TARGET] == 0:
         begin_record(lane, N, K, FOUND, S, D)
     if N[lane, TARGET] > 0 and k < N[lane, TARGET] or N[lane, TARGET] == 0 and not auto and k < periods:
@@ -204,6 +266,7 @@ def next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PAR
         return False
     take(lane, CURSOR[0], S, N, K, PARAM, START, D)
     CURSOR[0] += 1
+    N[lane, WHOLE] = CURSOR[3]
     keep_places(lane, 0, S, XS, D)
     if settle == 0:
         want_extremes(lane, S, D)
