@@ -45,7 +45,7 @@ class MachineAdapter:
         """What declares its equations: the model, or the machine of several bodies that its drive makes of it."""
         return parts_of(self.model)
 
-    @property
+    @cached_property
     def is_single(self) -> bool:
         """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
         return not declares_parts(self.model)
@@ -79,7 +79,7 @@ class MachineAdapter:
         own = self.own
         return {dim: names for dim, names in found.items() if names and dim not in own}
 
-    @property
+    @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
         return self.mechanics.laws

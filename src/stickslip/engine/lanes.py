@@ -19,7 +19,7 @@ from stickslip.engine.kernels import columns
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
-from stickslip.engine.remembered import Remembered
+from stickslip.engine.remembered import OfFrozen, Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
@@ -30,7 +30,7 @@ from stickslip.engine.unforeseen import slopes
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "known_kind", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
 
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
@@ -113,6 +113,8 @@ class Results:
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
+#: What a model's equations depend on, as `kind_of` says it.
+known_kind: OfFrozen[tuple[Any, ...]] = OfFrozen(kind_of)
 _kernels: Remembered[Kernel] = Remembered()
 _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
@@ -139,7 +141,7 @@ def kernel_of(
         check_numbers(model)
         return kernel(system(), tableau, label(model) if made is None else f"{made.__name__} of {label(model)}", record)
 
-    return _kernels((kind_of(model), tableau and tableau.name, record, observe, made, noted), compiled)
+    return _kernels((known_kind(model), tableau and tableau.name, record, observe, made, noted), compiled)
 
 
 def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: bool) -> Kernel:
@@ -204,7 +206,7 @@ def needed_positions(model: Any) -> tuple[int, ...]:
 
 
 def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
-    return _layouts(kind_of(model), lambda: _arrangement(trace(model)))
+    return _layouts(known_kind(model), lambda: _arrangement(trace(model)))
 
 
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, labels_of, spread
+from stickslip.batch import Labels, labels_together, spread
 from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import is_machine, machine_of
+from stickslip.machine_adapter import MachineAdapter, is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.typed_numbers import in_seconds
@@ -52,7 +54,12 @@ class Request:
     @property
     def cases(self) -> int:
         """Number of cases."""
-        return int(np.prod(self.labels.shape, dtype=np.int64))
+        return math.prod(self.labels.shape)
+
+    @cached_property
+    def machine(self) -> MachineAdapter:
+        """The model, to be asked for what not every machine has."""
+        return machine_of(self.model)
 
 
 def request(
@@ -69,13 +76,15 @@ def request(
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
             ],
         )
-    for name, value in leaves(model):
+    numbers = dict(leaves(model))
+    for name, value in numbers.items():
         try:
-            number(value)
+            if type(value) is not float:
+                number(value)
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
     problems.check()
-    labels, duration = labels_of(model), in_seconds(duration, problems)
+    labels, duration = labels_together(numbers, type(model).__name__), in_seconds(duration, problems)
     periods = _periods(model, labels, periods, settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)
     problems.whole("workers", workers, 1, example=2)
@@ -193,11 +202,12 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
     """Start values as a table (cases, 2 + inner states + memories)."""
     if not machine_of(model).is_single:
         return start_of_parts(model, labels, start, problems)
-    inner, memories = law_of(model).states, law_of(model).modes
-    cases = int(np.prod(labels.shape, dtype=np.int64))
+    law, cases = law_of(model), math.prod(labels.shape)
+    inner, memories = law.states, law.modes
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:
-        table[:, 2 : 2 + inner] = inner_start(model)
+        if law.has_start:
+            table[:, 2 : 2 + inner] = inner_start(model)
         return table
     if not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
@@ -267,6 +277,6 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
-    kinds = {"law": machine_of(todo.model).law_names, "model": type(todo.model).__name__}
+    kinds = {"law": todo.machine.law_names, "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
     return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}

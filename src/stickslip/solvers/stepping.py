@@ -56,14 +56,14 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
 def _remedy(todo: Request) -> str:
     """What to try instead."""
     slower = "(SciPy on the law in plain Python: slower)"
-    if machine_of(todo.model).mechanics.stops:
+    if todo.machine.mechanics.stops:
         return f'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" {slower}'
     return f'Try another rtol (now {todo.rtol:g}) or start, check the law\'s numbers, or type method="radau" {slower}'
 
 
 def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
-    if not machine_of(todo.model).is_single:
+    if not todo.machine.is_single:
         velocities = end[1 : 1 + table.offsets.shape[1]] + table.offsets[0]
         values = [*velocities, *end[1 + len(velocities) :]]
         return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))

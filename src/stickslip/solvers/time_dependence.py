@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -71,6 +72,8 @@ def _loads(mechanics: Mechanics, t: Any) -> Any:
 def _missed(mechanics: Mechanics, f: Any) -> tuple[Any, Any]:
     """How far a function of the machine and of time is from itself a period later, and its largest value, for each case."""
     T = mechanics.period
-    rows = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
+    rows = [[value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1)]
+    if all(type(value) is float and isfinite(value) for row in rows for value in row):
+        return max(abs(b - a) for a, b in zip(*rows, strict=True)), max(abs(value) for row in rows for value in row)
     now, later = (np.array(np.broadcast_arrays(*values), float) for values in rows)
     return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)
