@@ -167,6 +167,10 @@ def flat(model: Any) -> Any:
 
 def spread(value: Any, labels: Labels) -> Any:
     """One number of a batch, for every case, flat in the order of the rows; labelled arrays broadcast by name."""
+    if type(value) is float and not labels.shape:
+        import numpy as np
+
+        return np.array([value])
     return _on_batch(value, labels).ravel()
 
 

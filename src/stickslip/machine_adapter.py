@@ -89,7 +89,7 @@ class MachineAdapter:
         """The names of its laws, each once: "Coulomb + LuGre"."""
         return " + ".join(dict.fromkeys(law.name for law in self.laws))
 
-    @property
+    @cached_property
     def has_inner_states(self) -> bool:
         """Whether one of its laws has inner states, so that it is solved to a tolerance and not exactly."""
         return any(law.dynamic for law in self.laws)

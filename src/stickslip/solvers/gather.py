@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
+from stickslip.solvers.lane_tables import of_cases
 from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
@@ -56,12 +57,11 @@ _LATER = 4096
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk, in any order."""
     cases = todo.cases
-    T, free = np.broadcast_to(todo.span, (cases,)), spread(todo.machine.free_velocity, todo.labels)
-    tolerance, shape = mean_tolerance(method, todo.rtol), todo.labels.shape
+    T, tolerance, shape = of_cases(todo.span, cases), mean_tolerance(method, todo.rtol), todo.labels.shape
     columns: dict[str, Any] = {}
     coded: dict[str, dict[int, CodedWords]] = {}
     for (first, last), raw in parts:
-        made = _Cases(todo, raw, T[first:last], free[first:last], tolerance).columns
+        made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
         if (first, last) == (0, cases):
             later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
             return _summary(todo, method, later if cases <= _LATER else dict(later))
@@ -93,10 +93,10 @@ def _summary(todo: Request, method: str, columns: Mapping[str, Any]) -> Summary:
 class _Cases:
     """What is told of some cases: what several columns need is computed once, when the first of them is."""
 
-    def __init__(self, todo: Request, raw: Raw, T: Any, free: Any, tolerance: float):
-        self.raw, self.T, self.free, self.tolerance = raw, T, free, tolerance
-        self.periodic, self.dwell, self.machine = todo.model.period is not None, todo.dwell, todo.machine
-        self.rtol = todo.rtol if self.machine.has_inner_states else 0.0
+    def __init__(self, todo: Request, raw: Raw, T: Any, at: slice, tolerance: float):
+        self.raw, self.T, self.at, self.tolerance = raw, T, at, tolerance
+        self.labels, self.dwell, self.machine = todo.labels, todo.dwell, todo.machine
+        self.periodic, self.rtol = todo.model.period is not None, todo.rtol if self.machine.has_inner_states else 0.0
 
     @property
     def columns(self) -> dict[str, Callable[[], Any]]:
@@ -158,7 +158,8 @@ class _Cases:
         """A code for each case."""
         if not self.periodic:
             return np.full(len(self.T), UNKNOWN)
-        return judged(self.velocity, self.approached, self.raw.period, self.free, self.tolerance)
+        free = spread(self.machine.free_velocity, self.labels)[self.at]
+        return judged(self.velocity, self.approached, self.raw.period, free, self.tolerance)
 
     @cached_property
     def lasting(self) -> Any:

@@ -13,9 +13,14 @@ from stickslip.engine.tangent import part_in
 from stickslip.fields import is_array, replace_leaf
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["CaseTable"]
+__all__ = ["CaseTable", "of_cases"]
 
 Array = Any
+
+
+def of_cases(value: Any, cases: int) -> Array:
+    """A number for each case, where one for all may be given."""
+    return value if np.shape(value) == (cases,) else np.broadcast_to(value, (cases,))
 
 
 class CaseTable:
@@ -50,7 +55,7 @@ class CaseTable:
     ):
         cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
         flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
-        self.span = np.broadcast_to(span, (cases,))
+        self.span = of_cases(span, cases)
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):

@@ -6,8 +6,8 @@ import math
 import platform
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,7 @@ class Request:
     duration: float | None  # [s], where it was given
     span: Any  # time of one period [s]: the model's, or the duration if it has none; an array (cases,) for a summary of a periodic model
     observe: tuple[tuple[str, Observable], ...] = ()
+    numbers: dict[str, Any] = field(default_factory=dict)  # of the model
 
     @property
     def cases(self) -> int:
@@ -112,7 +113,7 @@ def request(
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
-        None if duration is None else float(duration), _span(model, labels, keep, duration), observed,
+        None if duration is None else float(duration), _span(model, labels, keep, duration), observed, numbers,
     )  # fmt: skip
 
 
@@ -267,16 +268,20 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         )
 
 
-def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:
-    """Versions, settings and (for one case) parameters: what it takes to make this result again."""
+@cache
+def _versions(with_numba: bool) -> dict[str, str]:
+    """Versions of what computes."""
     import stickslip
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    if "numba" in sys.modules:
-        versions["numba"] = sys.modules["numba"].__version__
+    return versions | ({"numba": sys.modules["numba"].__version__} if with_numba else {})
+
+
+def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:
+    """Versions, settings and (for one case) parameters: what it takes to make this result again."""
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
     kinds = {"law": todo.machine.law_names, "model": type(todo.model).__name__}
-    parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
-    return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}
+    parameters = {} if todo.labels.shape else {name: float(value) for name, value in todo.numbers.items()}
+    return {"versions": _versions("numba" in sys.modules), "settings": settings, "kinds": kinds, "parameters": parameters}
