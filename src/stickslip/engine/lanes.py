@@ -378,7 +378,8 @@ def run(
     import numpy as np
 
     cases, n = params.shape[0], k.states
-    start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
+    given, start = start, np.zeros((cases, 1 + n + k.modes))
+    start[:, : given.shape[1]] = given
     bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)

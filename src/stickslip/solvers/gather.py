@@ -50,8 +50,8 @@ class Raw:
 NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 
 
-#: Cases of a summary whose columns are computed when they are read: until then it holds all that was found of them, up to 600 bytes each.
-_LATER = 4096
+#: Places for segments, of all cases, up to which columns are computed when they are read: until then a summary holds all raw results.
+_LATER = 1 << 18
 
 
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
@@ -64,7 +64,7 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
         made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
         if (first, last) == (0, cases):
             later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
-            return _summary(todo, method, later if cases <= _LATER else dict(later))
+            return _summary(todo, method, later if raw.seg_time.size <= _LATER else dict(later))
         for name, make in made.items():
             values = make()
             if isinstance(values, CodedWords):
@@ -101,7 +101,8 @@ class _Cases:
     @property
     def columns(self) -> dict[str, Callable[[], Any]]:
         """What computes each column, by name."""
-        raw, of_parts = self.raw, self._of_one if self.raw.parts is None else self._of_parts
+        raw = self.raw
+        of_parts = self._of_one if raw.parts is None else of_own_parts(columns_of_parts(self), self.machine)
         power = of_parts.pop("friction_power", None)
         return {
             "mean_velocity": lambda: self.velocity,
@@ -120,17 +121,12 @@ class _Cases:
     def _of_one(self) -> dict[str, Callable[[], Any]]:
         """What is about the velocity and the contact of the only body."""
         raw = self.raw
-        found: dict[str, Callable[[], Any]] = {name: partial(self._of_type, name) for name in OF_TYPE}
+        found: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
         found["velocity_max"] = lambda: self.known(np.where(self.lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)))
         found["velocity_min"] = lambda: self.known(np.where(self.lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)))
         if raw.friction_power is not None:
             found["friction_power"] = lambda: self.known(raw.friction_power)
         return found
-
-    @property
-    def _of_parts(self) -> dict[str, Callable[[], Any]]:
-        """What is about bodies, contacts and stops."""
-        return of_own_parts(columns_of_parts(self), self.machine)
 
     def known(self, values: Any) -> Any:
         """The values of the cases that were solved."""
@@ -172,9 +168,6 @@ class _Cases:
         raw = self.raw
         seg, extremes = (raw.seg_count, raw.seg_time, raw.seg_code), (raw.v_max, raw.v_min)
         return typed(seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good)
-
-    def _of_type(self, name: str) -> Any:
-        return self.type[name]
 
 
 def _remedy(status: int) -> str:

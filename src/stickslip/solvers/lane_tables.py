@@ -11,7 +11,7 @@ from stickslip.batch import numbers_by_name
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
 from stickslip.fields import is_array, replace_leaf
-from stickslip.machine_adapter import machine_of
+from stickslip.machine_adapter import MachineAdapter, machine_of
 
 __all__ = ["CaseTable", "of_cases"]
 
@@ -41,6 +41,8 @@ class CaseTable:
         The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
     more : dict of arrays (cases,), optional
         Numbers of the kernel that are none of the model.
+    machine : MachineAdapter, optional
+        The model's adapter, where it is at hand.
     """
 
     def __init__(
@@ -52,8 +54,9 @@ class CaseTable:
         along: dict[str, Array] | None = None,
         which: slice = slice(None),
         more: dict[str, Array] | None = None,
+        machine: MachineAdapter | None = None,
     ):
-        cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
+        cases, own, machine = len(start), numbers_by_name(model, which), machine or machine_of(model)
         flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
         self.span = of_cases(span, cases)
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own

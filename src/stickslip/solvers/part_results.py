@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -70,25 +70,11 @@ def typed(
     return found | {name: np.where(good, found[name], np.nan) for name in _FRACTIONS}
 
 
-class Solved(Protocol):
-    """What is known of some cases as wholes."""
+def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
+    """What computes the columns with an axis of bodies, contacts or stops, by name; of what a machine has not there are none.
 
-    raw: Any
-    T: Array  # [s]
-    dwell: float
-    rtol: float
-
-    @property
-    def good(self) -> Array:
-        """Whether each was solved."""
-
-    @property
-    def lasting(self) -> Array:
-        """Where the last motion period says all."""
-
-
-def columns_of_parts(cases: Solved) -> dict[str, Callable[[], Any]]:
-    """What computes the columns with an axis of bodies, contacts or stops, by name; of what a machine has not there are none."""
+    `cases` knows what is of a case as a whole: raw results, T [s], which are good and whose last period says all (see `gather`).
+    """
     raw: RawParts = cases.raw.parts
     counts = {"body": raw.displacement.shape[1], "contact": raw.seg_count.shape[1], "stop": raw.hits.shape[1]}
     type_of_each = cache(lambda: _types(cases, raw))
@@ -119,7 +105,7 @@ def columns_of_parts(cases: Solved) -> dict[str, Callable[[], Any]]:
     return {name: make for name, make in found.items() if counts[_dim(name)] > 0}
 
 
-def _types(cases: Solved, raw: RawParts) -> dict[str, Any]:
+def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
     """The columns about the motion type of each contact."""
     contacts = raw.seg_count.shape[1]
 

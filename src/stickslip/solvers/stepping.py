@@ -40,7 +40,7 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, job))
-    table = CaseTable(todo.model, kernel, todo.start, todo.span)
+    table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > Status.REPEATS and status != Status.LOST:
@@ -114,7 +114,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
                 todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
-        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases)
+        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases, machine=todo.machine)
         return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
     for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1):
@@ -175,8 +175,9 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: CaseTable, periods: int) -
     period = float(table.span[0])
     pieces = _those(pieces, pieces[:, 0] < periods)
     ends = np.where(pieces[:, 2] >= period, (pieces[:, 0] + 1) * period, pieces[:, 0] * period + pieces[:, 2])
-    good = np.diff(ends, prepend=0.0) > 0
-    pieces, t = _those(pieces, good), np.concatenate([[0.0], ends[good]])
+    t = np.concatenate([[0.0], ends])
+    good = t[1:] > t[:-1]
+    pieces, t = _those(pieces, good), t if good.all() else np.concatenate([[0.0], ends[good]])
     contacts = kernel.contacts
     first = 4 + contacts + kernel.modes
     coefficients = np.array(pieces[:, first:]).reshape(len(pieces), kernel.states, kernel.degree + 1)
