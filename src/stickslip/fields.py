@@ -216,8 +216,11 @@ class Frozen:
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
-        if (args or kwargs) and not _takes(cls.__init__, len(args), kwargs):  # copying makes an empty one first
-            check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
+        names, needed = _names_of(cls.__init__)
+        if args or kwargs:  # copying makes an empty one first
+            fits = kwargs.keys() <= names and all(place < len(args) or name in kwargs for place, name in needed)
+            if not fits:
+                check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -328,12 +331,6 @@ def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
     import inspect
 
     return tuple(inspect.signature(made).parameters.items())[1:]
-
-
-def _takes(made: Any, count: int, kwargs: dict[str, Any]) -> bool:
-    """Whether a record's constructor takes so many values without a name beside these with one, and needs no more."""
-    names, needed = _names_of(made)
-    return kwargs.keys() <= names and all(place < count or name in kwargs for place, name in needed)
 
 
 @functools.lru_cache(maxsize=512)

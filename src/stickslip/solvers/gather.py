@@ -129,17 +129,14 @@ class _Cases:
         return found
 
     def known(self, values: Any) -> Any:
-        """The values of the cases that were solved."""
         return np.where(self.good, values, np.nan)
 
     @cached_property
     def good(self) -> Any:
-        """Whether each case was solved."""
         return self.raw.status <= Status.REPEATS
 
     @cached_property
     def velocity(self) -> Any:
-        """Mean velocities [m/s]."""
         with np.errstate(invalid="ignore", divide="ignore"):
             return self.known(self.raw.displacement / (self.raw.window * self.T))
 
@@ -151,7 +148,6 @@ class _Cases:
 
     @cached_property
     def steadiness(self) -> Any:
-        """A code for each case."""
         if not self.periodic:
             return np.full(len(self.T), UNKNOWN)
         free = spread(self.machine.free_velocity, self.labels)[self.at]
@@ -164,7 +160,6 @@ class _Cases:
 
     @cached_property
     def type(self) -> dict[str, Any]:
-        """The columns about the motion type."""
         raw = self.raw
         seg, extremes = (raw.seg_count, raw.seg_time, raw.seg_code), (raw.v_max, raw.v_min)
         return typed(seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stickslip.engine.lanes import known_kind
 from stickslip.engine.refused import refusal_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tableaux import TABLEAUX
@@ -229,10 +228,12 @@ _refusals: Remembered[str | None] = Remembered()
 
 
 def _refusal(method: Method, model: Any) -> str | None:
-    """What `accepts` says; all but closed arcs ask nothing but the kind, and are asked once for each."""
-    return (
-        method.accepts(model) if isinstance(method, ClosedArcs) else _refusals((method, known_kind(model)), lambda: method.accepts(model))
-    )
+    """What `accepts` says; the compiled methods but closed arcs ask nothing but the kind, and are asked once for each."""
+    if isinstance(method, (ClosedArcs, Judge)):
+        return method.accepts(model)
+    from stickslip.engine.lanes import known_kind
+
+    return _refusals((method, known_kind(model)), lambda: method.accepts(model))
 
 
 def method_for(name: str, model: Any, observed: bool = False) -> Method:

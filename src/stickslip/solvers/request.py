@@ -80,8 +80,7 @@ def request(
     numbers = dict(leaves(model))
     for name, value in numbers.items():
         try:
-            if type(value) is not float:
-                number(value)
+            number(value)
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
     problems.check()
