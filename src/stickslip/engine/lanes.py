@@ -419,5 +419,5 @@ def run(
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
         seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,
-        several, np.concatenate(kept) if keep_pieces else None,
+        several, None if not keep_pieces else kept[0] if len(kept) == 1 else np.concatenate(kept),
     )  # fmt: skip
