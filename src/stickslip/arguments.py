@@ -121,12 +121,15 @@ def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]
 
 def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """The numbers among the arguments of a maker, checked by their descriptions; what is wrong with them is noted."""
-    described = described_arguments(make)
-    return {
-        name: checked_number(name, value, problems, told.get("rule"), allowed_in(told), f"{name}={example_of(told)}", told.get("unit"))
-        for name, value in given.items()
-        if (told := described.get(name))
-    }
+    rules = _rules(make)
+    return {name: checked_number(name, value, problems, *rules[name]) for name, value in given.items() if name in rules}
+
+
+@functools.lru_cache(maxsize=64)
+def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | None]]:
+    """What the numbers among a maker's arguments must be: rule, the rule in words, what to type, unit."""
+    described = {name: told for name, told in described_arguments(make).items() if told}
+    return {n: (told.get("rule"), allowed_in(told), f"{n}={example_of(told)}", told.get("unit")) for n, told in described.items()}
 
 
 def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:

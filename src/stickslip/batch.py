@@ -65,7 +65,7 @@ def labels_together(numbers: dict[str, Any], what: str) -> Labels:
     >>> labels_together({"mu": 0.2, "tilt": np.zeros((3, 1)), "amplitude": np.zeros(2)}, "robot").shape
     (3, 2)
     """
-    arrays = {name: value for name, value in numbers.items() if is_array(value)}
+    arrays = {name: value for name, value in numbers.items() if type(value) is not float and is_array(value)}
     if not arrays:
         return Labels(())
     labelled = {n: a for n, a in arrays.items() if hasattr(a, "dims")}
@@ -125,6 +125,8 @@ def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
     """
     values = dict(leaves(model))
     labels = labels_together(values, type(model).__name__)
+    if not labels.shape:
+        return values
     return {name: _on_batch(value, labels).flat[cases] if is_array(value) else value for name, value in values.items()}
 
 
@@ -158,12 +160,17 @@ def cases_of(model: Any, cases: slice = slice(None)) -> list[Any]:
 
 
 def flat(model: Any) -> Any:
-    """A batch with one axis, whatever axes it has."""
-    return replace_leaf(model, numbers_by_name(model))
+    """A batch with one axis, whatever axes it has; a single case stays what it is."""
+    numbers = numbers_by_name(model)
+    return replace_leaf(model, numbers) if any(map(is_array, numbers.values())) else model
 
 
 def spread(value: Any, labels: Labels) -> Any:
     """One number of a batch, for every case, flat in the order of the rows; labelled arrays broadcast by name."""
+    if type(value) is float and not labels.shape:
+        import numpy as np
+
+        return np.array([value])
     return _on_batch(value, labels).ravel()
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
@@ -34,6 +34,7 @@ __all__ = [
     "everywhere",
     "example_in",
     "is_array",
+    "is_frozen",
     "is_number_field",
     "is_record",
     "is_tuple_field",
@@ -71,6 +72,8 @@ def is_array(value: Any) -> bool:
 
 def number(value: Any, unit: str | None = None) -> Any:
     """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither. With a unit "0.55 mm" is one too."""
+    if type(value) is float:  # nearly all: the other questions need not be asked
+        return value
     value = value if unit is None else in_unit(value, unit)
     if _only_looks_like_one(value):
         raise ValueError(_refused(value))
@@ -190,6 +193,8 @@ def checked_number(
     >>> checked_number("mass", "60 g", Problems("robot"), positive, "a positive mass [kg]", "mass=0.06", "kg")
     0.06
     """
+    if type(value) is float and abs(value) < LARGEST and (rule is None or rule(value)):
+        return value
     try:
         value = number(value, unit)
     except ValueError as error:
@@ -211,23 +216,23 @@ class Frozen:
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
+        names, needed = _names_of(cls.__init__)
         if args or kwargs:  # copying makes an empty one first
-            check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
+            fits = kwargs.keys() <= names and all(place < len(args) or name in kwargs for place, name in needed)
+            if not fits:
+                check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
         problems = Problems(type(self).__name__)
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            if is_number_field(field):
-                self._take(field, problems)
-            elif is_tuple_field(field):
-                self._take_tuple(field, problems)
+        for field, take in _taken(type(self)):  # type: ignore[arg-type]
+            getattr(self, take)(field, problems)
         self._check_together(problems)
         problems.check()
 
     def _check_together(self, problems: Problems) -> None:
         """Check what needs more than one field, as far as the fields are right; of symbols nothing can be said."""
-        if any(is_symbol(value) for _, value in leaves(self)):
+        if any(type(value) is not float and is_symbol(value) for _, value in leaves(self)):
             return
         try:
             self._check(problems)
@@ -239,7 +244,9 @@ class Frozen:
         value = getattr(self, field.name)
         if value is None and "None" in str(field.type):
             return
-        object.__setattr__(self, field.name, self._checked(field, field.name, value, problems))
+        checked = self._checked(field, field.name, value, problems)
+        if checked is not value:
+            object.__setattr__(self, field.name, checked)
 
     def _take_tuple(self, field: dataclasses.Field[Any], problems: Problems) -> None:
         values = getattr(self, field.name)
@@ -261,13 +268,9 @@ class Frozen:
 
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was. A symbol is what it is."""
-        if is_symbol(value):
+        if type(value) is not float and is_symbol(value):
             return value
-        told = field.metadata
-        allowed = allowed_in(told, "None" in str(field.type) and not is_tuple_field(field))
-        return checked_number(
-            name, value, problems, told.get("rule"), allowed, f"{field.name}={example_of(told, is_tuple_field(field))}", told.get("unit")
-        )
+        return checked_number(name, value, problems, *_rule_of(field))
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -295,6 +298,21 @@ class Frozen:
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
 
 
+@functools.lru_cache(maxsize=256)
+def _taken(cls: Any) -> tuple[tuple[dataclasses.Field[Any], str], ...]:
+    """The fields of a record that hold numbers, each with the method that checks it."""
+    holding = {"number": "_take", "numbers": "_take_tuple"}
+    return tuple((f, holding[holds]) for f, (_, holds) in zip(dataclasses.fields(cls), _plan(cls), strict=True) if holds in holding)
+
+
+@functools.lru_cache(maxsize=4096)
+def _rule_of(field: dataclasses.Field[Any]) -> tuple[Any, str, str, str | None]:
+    """What a number of a field must be: its rule, the rule in words, what to type, and the unit."""
+    told, several = field.metadata, is_tuple_field(field)
+    allowed = allowed_in(told, "None" in str(field.type) and not several)
+    return told.get("rule"), allowed, f"{field.name}={example_of(told, several)}", told.get("unit")
+
+
 def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
     """What a record's class takes, by name: its fields, or what its own constructor takes instead of them.
 
@@ -313,6 +331,14 @@ def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
     import inspect
 
     return tuple(inspect.signature(made).parameters.items())[1:]
+
+
+@functools.lru_cache(maxsize=512)
+def _names_of(made: Any) -> tuple[frozenset[str], tuple[tuple[int, str], ...]]:
+    """Names of all that a constructor takes; places and names of what it needs."""
+    known = [p for _, p in _parameters_of(made)]
+    needed = ((i, p) for i, p in enumerate(known) if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL))
+    return frozenset(p.name for p in known), tuple((i, p.name) for i, p in needed)
 
 
 def check_arguments(
@@ -477,33 +503,47 @@ def is_record(value: Any) -> bool:
     return hasattr(value, "__dataclass_fields__") and not isinstance(value, type)
 
 
+def is_frozen(record: Any) -> bool:
+    """Whether a record and all its parts stay what they are; numbers by names of their own are in a mapping, which may change."""
+    cls: Any = type(record)
+    values = [getattr(record, name) for name, _ in _plan(cls)]
+    parts = [part for value in values for part in (value if _are_records(value) else (value,)) if is_record(part)]
+    return cls.__dataclass_params__.frozen and all(holds != "named" for _, holds in _plan(cls)) and all(map(is_frozen, parts))
+
+
 def _are_records(value: Any) -> bool:
     """Whether a value is several parts of one machine."""
     return isinstance(value, tuple) and bool(value) and all(map(is_record, value))
 
 
-def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
+def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str, Any]]:
     """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is not a number.
 
     A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind.
     """
-    if kinds:
-        yield prefix + "__class__", type(record)
-    for name, holds in _plan(type(record)):  # type: ignore[arg-type]
+    found: list[tuple[str, Any]] = [(prefix + "__class__", type(record))] if kinds else []
+    for name, full, holds in _named_plan(type(record), prefix):  # type: ignore[arg-type]
         value = getattr(record, name)
         if type(value) is float and holds == "number":  # nearly all: the other questions need not be asked
-            yield prefix + name, value
+            found.append((full, value))
         elif is_record(value):
-            yield from leaves(value, f"{prefix}{name}.", kinds)
+            found += leaves(value, f"{full}.", kinds)
         elif _are_records(value):
             for i, part in enumerate(value):
-                yield from leaves(part, f"{prefix}{name}.{i}.", kinds)
+                found += leaves(part, f"{full}.{i}.", kinds)
         elif holds == "numbers" and isinstance(value, tuple):
-            yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
+            found += [(f"{full}.{i}", v) for i, v in enumerate(value)]
         elif holds == "named":
-            yield from ((prefix + own, v) for own, v in value.items())
+            found += [(prefix + own, v) for own, v in value.items()]
         elif (holds != "kind" and value is not None) or kinds:
-            yield prefix + name, value
+            found.append((full, value))
+    return found
+
+
+@functools.lru_cache(maxsize=1024)
+def _named_plan(cls: type, prefix: str) -> tuple[tuple[str, str, str], ...]:
+    """The plan of a record that is a part: name of each field, the same with what stands before it, and what the field holds."""
+    return tuple((name, prefix + name, holds) for name, holds in _plan(cls))
 
 
 def field_description(record: Any, name: str) -> Mapping[str, Any]:

@@ -45,7 +45,7 @@ class MachineAdapter:
         """What declares its equations: the model, or the machine of several bodies that its drive makes of it."""
         return parts_of(self.model)
 
-    @property
+    @cached_property
     def is_single(self) -> bool:
         """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
         return not declares_parts(self.model)
@@ -79,7 +79,7 @@ class MachineAdapter:
         own = self.own
         return {dim: names for dim, names in found.items() if names and dim not in own}
 
-    @property
+    @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
         return self.mechanics.laws
@@ -89,7 +89,7 @@ class MachineAdapter:
         """The names of its laws, each once: "Coulomb + LuGre"."""
         return " + ".join(dict.fromkeys(law.name for law in self.laws))
 
-    @property
+    @cached_property
     def has_inner_states(self) -> bool:
         """Whether one of its laws has inner states, so that it is solved to a tolerance and not exactly."""
         return any(law.dynamic for law in self.laws)

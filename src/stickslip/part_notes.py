@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def shared_at_rest(run: Any) -> str:
     return ""
 
 
-def notes_of_cases(model: Any, columns: dict[str, Any]) -> dict[str, int]:
+def notes_of_cases(model: Any, columns: Mapping[str, Any]) -> dict[str, int]:
     """Sentences on cases of a batch, each with how many it is about."""
     if machine_of(model).is_single or "status" not in columns:
         return {}
@@ -69,7 +70,7 @@ def _undetermined(rows: Any, held: Any) -> list[int]:
     return [int(i) for i in held if rank(rows[[k for k in held if k != i]]) == rank(rows[held])]
 
 
-def _moved_apart(model: Any, columns: dict[str, Any]) -> Any:
+def _moved_apart(model: Any, columns: Mapping[str, Any]) -> Any:
     if "body_velocity" not in columns or model.period is None:
         return False
     velocities = np.asarray(columns["body_velocity"])

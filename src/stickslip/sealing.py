@@ -13,6 +13,9 @@ __all__ = ["seal", "sealed"]
 Record = TypeVar("Record")
 
 
+_PLAIN = frozenset({bool, float, int, str, type(None)})  # nothing in them can change
+
+
 def seal(value: Any) -> Any:
     """The same value with arrays that cannot be written to; also those in a list, a tuple or a dict. The giver's own array stays as it is.
 
@@ -22,13 +25,15 @@ def seal(value: Any) -> Any:
     >>> seal({"a": [own]})["a"][0].flags.writeable, own.flags.writeable
     (False, True)
     """
+    if type(value) in _PLAIN:
+        return value
     if isinstance(value, np.ndarray):
         if value.flags.writeable:
             value = value.view()
             value.setflags(write=False)
         return value
     if type(value) is dict:
-        return {name: seal(part) for name, part in value.items()}
+        return {name: part if type(part) in _PLAIN else seal(part) for name, part in value.items()}
     return type(value)(map(seal, value)) if type(value) in (list, tuple) else value
 
 
@@ -47,15 +52,16 @@ def sealed(cls: type[Record]) -> type[Record]:
     ValueError: assignment destination is read-only
     """
     made: Any = cls.__init__
+    names = [field.name for field in dataclasses.fields(cls)]  # type: ignore[arg-type]
 
     @functools.wraps(made)
     def __init__(self: Any, *args: Any, **kwargs: Any) -> None:
         made(self, *args, **kwargs)
-        for field in dataclasses.fields(self):
-            given = getattr(self, field.name)
+        for name in names:
+            given = getattr(self, name)
             kept = seal(given)
             if kept is not given:
-                object.__setattr__(self, field.name, kept)
+                object.__setattr__(self, name, kept)
 
     cls.__init__ = __init__  # type: ignore[method-assign]
     for base in cls.__mro__:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from stickslip.errors import did_you_mean
 from stickslip.mechanics import declares_parts
 from stickslip.part_notes import notes_of_cases
-from stickslip.sealing import sealed
+from stickslip.sealing import seal, sealed
 from stickslip.status import STATUS
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 from stickslip.variables import VARIABLES
@@ -19,9 +20,43 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Summary"]
+__all__ = ["Columns", "Summary"]
 
 _RESTLESS = (STEADINESS[UNSETTLED], STEADINESS[IRREGULAR])
+
+
+class Columns(Mapping[str, Any]):
+    """Columns by name, of which each is computed when it is read for the first time.
+
+    Examples
+    --------
+    >>> columns = Columns({"mean_velocity": lambda: np.array([1e-3]), "margin": lambda: 1 / 0})
+    >>> columns["mean_velocity"].tolist(), list(columns)
+    ([0.001], ['mean_velocity', 'margin'])
+    """
+
+    def __init__(self, made: dict[str, Callable[[], Any]]):
+        self._made, self._found = made, dict[str, Any]()
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._found:
+            self._found[name] = seal(self._made[name]())
+        return self._found[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._made
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+    def __reduce__(self) -> Any:  # copies, and what is pickled, have the numbers
+        return dict, (dict(self),)
 
 
 @sealed
@@ -35,7 +70,7 @@ class Summary:
         The batch that was solved.
     labels : batch.Labels
         Its shape, and the names of its dimensions.
-    columns : dict of arrays
+    columns : mapping of arrays
         mean_velocity [m/s], motion_type, pattern, direction, period, margin, stick_fraction, forward_fraction,
         backward_fraction, velocity_max [m/s], velocity_min [m/s] (over the last motion period; over the window of the mean velocity
         where that is not steady), friction_power [W], steadiness (a code: `STEADINESS` has its words), settling_error [m/s], status,
@@ -56,7 +91,7 @@ class Summary:
 
     model: Any
     labels: Any
-    columns: dict[str, Any]
+    columns: Mapping[str, Any]
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> Any:

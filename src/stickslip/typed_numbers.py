@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 from stickslip.errors import Problems
 from stickslip.units import Unit, unit_of
@@ -16,7 +16,6 @@ _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*
 _CYCLES = {("frequency", "angular velocity"): 2 * math.pi, ("angular velocity", "frequency"): 1 / (2 * math.pi)}
 
 
-@runtime_checkable
 class _Quantity(Protocol):
     """What pint makes of a number and its unit."""
 
@@ -64,11 +63,15 @@ def in_unit(value: Any, unit: str) -> Any:
     if isinstance(value, str):
         found = _TYPED.fullmatch(value.replace("−", "-"))
         return value if found is None else _converted(float(found[1]), _unit(found[2].strip(), value, unit), unit)
-    if isinstance(value, (list, tuple)) and any(isinstance(each, (str, _Quantity)) for each in value):
+    if isinstance(value, (list, tuple)) and any(isinstance(each, str) or _is_quantity(each) for each in value):
         return type(value)(in_unit(each, unit) for each in value)
-    if isinstance(value, _Quantity):
+    if _is_quantity(value):
         return _of_pint(value, unit)
     return value
+
+
+def _is_quantity(value: Any) -> bool:
+    return hasattr(value, "to_base_units") and hasattr(value, "magnitude") and hasattr(value, "units")
 
 
 def in_seconds(duration: Any, problems: Problems) -> Any:

@@ -19,7 +19,7 @@ from stickslip.engine.kernels import columns
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
-from stickslip.engine.remembered import Remembered
+from stickslip.engine.remembered import OfFrozen, Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
@@ -30,7 +30,7 @@ from stickslip.engine.unforeseen import slopes
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "known_kind", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
 
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
@@ -113,6 +113,8 @@ class Results:
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
+#: What a model's equations depend on, as `kind_of` says it.
+known_kind: OfFrozen[tuple[Any, ...]] = OfFrozen(kind_of)
 _kernels: Remembered[Kernel] = Remembered()
 _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
@@ -139,7 +141,7 @@ def kernel_of(
         check_numbers(model)
         return kernel(system(), tableau, label(model) if made is None else f"{made.__name__} of {label(model)}", record)
 
-    return _kernels((kind_of(model), tableau and tableau.name, record, observe, made, noted), compiled)
+    return _kernels((known_kind(model), tableau and tableau.name, record, observe, made, noted), compiled)
 
 
 def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: bool) -> Kernel:
@@ -204,7 +206,7 @@ def needed_positions(model: Any) -> tuple[int, ...]:
 
 
 def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
-    return _layouts(kind_of(model), lambda: _arrangement(trace(model)))
+    return _layouts(known_kind(model), lambda: _arrangement(trace(model)))
 
 
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:
@@ -379,7 +381,8 @@ def run(
     import numpy as np
 
     cases, n = params.shape[0], k.states
-    start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
+    given, start = start, np.zeros((cases, 1 + n + k.modes))
+    start[:, : given.shape[1]] = given
     bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
@@ -419,5 +422,5 @@ def run(
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
         seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,
-        several, np.concatenate(kept) if keep_pieces else None,
+        several, None if not keep_pieces else kept[0] if len(kept) == 1 else np.concatenate(kept),
     )  # fmt: skip

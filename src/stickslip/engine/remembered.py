@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-__all__ = ["Remembered"]
+from stickslip.fields import is_frozen
+
+__all__ = ["OfFrozen", "Remembered"]
 
 T = TypeVar("T")
 
@@ -48,4 +51,31 @@ class Remembered(Generic[T]):
             for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
                 self._known.pop(oldest, None)  # other threads may take it away as well
         self._known[key] = found
+        return found
+
+
+class OfFrozen(Generic[T]):
+    """Answers about records: what was found of a record whose parts are all frozen is known as long as it lives.
+
+    Examples
+    --------
+    >>> from stickslip.friction import Coulomb
+    >>> names, law = OfFrozen(lambda law: [type(law).__name__]), Coulomb(mu_plus=0.15, mu_minus=0.21)
+    >>> names(law), names(law) is names(law)
+    (['Coulomb'], True)
+    """
+
+    def __init__(self, find: Callable[[Any], T]):
+        self._find = find
+        self._known: dict[int, tuple[weakref.ref[Any], T]] = {}
+
+    def __call__(self, record: Any) -> T:
+        """The answer for a record."""
+        known, key = self._known, id(record)
+        kept = known.get(key)
+        if kept is not None and kept[0]() is record:
+            return kept[1]
+        found = self._find(record)
+        if is_frozen(record):
+            known[key] = weakref.ref(record, lambda _: known.pop(key, None)), found
         return found

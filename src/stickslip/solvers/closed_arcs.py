@@ -7,12 +7,16 @@ motion is v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwar
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import labels_of, numbers_by_name
 from stickslip.engine.closed_arc_conditions import Rows, closed_of
+from stickslip.engine.lanes import known_kind
+from stickslip.engine.remembered import Remembered
+from stickslip.fields import is_array
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
@@ -51,6 +55,10 @@ class Arcs:
     along: Array
 
 
+_kept: Remembered[Rows] = Remembered(most=64)
+_places: Remembered[bool] = Remembered()
+
+
 def reduced(model: Any) -> Arcs:
     """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
 
@@ -61,13 +69,19 @@ def reduced(model: Any) -> Arcs:
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.480458
     """
-    count = int(np.prod(labels_of(model).shape, dtype=np.int64))
+    count = prod(labels_of(model).shape)
     return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
 
 
 def _rows(model: Any) -> Rows:
-    """The equations' numbers: columns where the model's are arrays, single floats elsewhere."""
-    return closed_of(model).rows_with(numbers_by_name(model))
+    """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
+    numbers = numbers_by_name(model)
+
+    def found() -> Rows:
+        return closed_of(model).rows_with(numbers)
+
+    one = not any(map(is_array, numbers.values()))
+    return _kept((known_kind(model), np.array([*numbers.values()], float).tobytes()), found) if one else found()
 
 
 def handles(model: Any) -> str | None:
@@ -83,14 +97,15 @@ def handles(model: Any) -> str | None:
     kind = type(model).__name__
     if not machine_of(model).is_single:
         return f"{kind} has several bodies or contacts; exact arcs are closed formulas for one"
-    law = law_of(model).name
-    if law_of(model).dynamic:
+    rubs = law_of(model)
+    law = rubs.name
+    if rubs.dynamic:
         return f"{law} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
     if model.period is None:
         return f"{kind} has no period; exact arcs are closed formulas for a harmonic drive"
-    if not law_of(model).compiles:
+    if not rubs.compiles:
         return f"{law} is written for plain numbers only; exact arcs need its equations"
-    if knows_position(model):
+    if _places(known_kind(model), lambda: knows_position(model)):
         return f"position appears in the equations of {kind}; exact arcs have no place for it"
     try:
         rows = _rows(model)

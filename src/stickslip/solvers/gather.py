@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,12 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
-from stickslip.machine_adapter import machine_of
-from stickslip.solvers.part_results import RawParts, columns_of_parts, of_own_parts, typed
+from stickslip.solvers.lane_tables import of_cases
+from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
-from stickslip.summary import Summary
+from stickslip.summary import Columns, Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["NEEDED", "Raw", "gather", "trajectory"]
@@ -49,17 +50,23 @@ class Raw:
 NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 
 
+#: Places for segments, of all cases, up to which columns are computed when they are read: until then a summary holds all raw results.
+_LATER = 1 << 18
+
+
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk, in any order."""
     cases = todo.cases
-    T, free = np.broadcast_to(todo.span, (cases,)), spread(machine_of(todo.model).free_velocity, todo.labels)
+    T, tolerance, shape = of_cases(todo.span, cases), mean_tolerance(method, todo.rtol), todo.labels.shape
     columns: dict[str, Any] = {}
     coded: dict[str, dict[int, CodedWords]] = {}
     for (first, last), raw in parts:
-        for name, values in _columns(todo, raw, T[first:last], free[first:last], mean_tolerance(method, todo.rtol)).items():
-            if (first, last) == (0, cases):
-                columns[name] = values
-                continue
+        made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
+        if (first, last) == (0, cases):
+            later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
+            return _summary(todo, method, later if raw.seg_time.size <= _LATER else dict(later))
+        for name, make in made.items():
+            values = make()
             if isinstance(values, CodedWords):
                 coded.setdefault(name, {})[first] = values
                 continue
@@ -71,48 +78,91 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     for name, by_case in coded.items():
         begins, *others = (by_case[case] for case in sorted(by_case))
         columns[name] = begins.joined(others)
-    shaped = {name: values.reshape((*todo.labels.shape, *values.shape[1:])) for name, values in columns.items()}
-    tolerance = None if method == "exact" else todo.rtol
-    return Summary(todo.model, todo.labels, shaped, provenance(todo, method, tolerance))
+    return _summary(todo, method, {name: values.reshape((*shape, *values.shape[1:])) for name, values in columns.items()})
 
 
-def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> dict[str, Any]:
-    good = raw.status <= Status.REPEATS
-    with np.errstate(invalid="ignore", divide="ignore"):
-        velocity = np.where(good, raw.displacement / (raw.window * T), np.nan)
-        approached = np.where(good & (todo.model.period is not None), raw.limit / T, np.nan)
-    steadiness = judged(velocity, approached, raw.period, free, tolerance) if todo.model.period is not None else np.full(len(T), UNKNOWN)
-    lasting = steadiness == STEADY  # then the last motion period says all; else the extremes are those of the window of the mean
-    rtol = todo.rtol if machine_of(todo.model).has_inner_states else 0.0
-    if raw.parts is None:
-        of_parts = _columns_of_one(raw, T, good, lasting, todo.dwell, rtol)
-    else:
-        of_parts = columns_of_parts(raw.parts, T, raw.window, raw.period, good, lasting, todo.dwell, rtol)
-        of_parts = of_own_parts(of_parts, machine_of(todo.model))
-    power = of_parts.pop("friction_power", None)
-    return {
-        "mean_velocity": velocity,
-        **of_parts,
-        "period": np.where(good, raw.period, 0),
-        "displacement": raw.displacement,
-        **({} if power is None else {"friction_power": power}),
-        "steadiness": steadiness.astype(np.int8),
-        "settling_error": np.where(np.isfinite(approached), abs(velocity - approached), np.nan),
-        "periods_run": raw.periods_run,
-        "status": raw.status,
-        **{name: np.where(good, values, np.nan) for name, values in (raw.observed or {}).items()},
-    }
+def _shaped(make: Callable[[], Any], shape: tuple[int, ...]) -> Any:
+    values = make()
+    return values.reshape((*shape, *values.shape[1:]))
 
 
-def _columns_of_one(raw: Raw, T: Any, good: Any, lasting: Any, dwell: float, rtol: float) -> dict[str, Any]:
-    """What is about the velocity and the contact of the only body."""
-    seg = raw.seg_count, raw.seg_time, raw.seg_code
-    found = typed(seg, T, raw.period, raw.margin_force, raw.displacement, (raw.v_max, raw.v_min), raw.window, dwell, rtol, good)
-    found["velocity_max"] = np.where(good, np.where(lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)), np.nan)
-    found["velocity_min"] = np.where(good, np.where(lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)), np.nan)
-    if raw.friction_power is not None:
-        found["friction_power"] = np.where(good, raw.friction_power, np.nan)
-    return found
+def _summary(todo: Request, method: str, columns: Mapping[str, Any]) -> Summary:
+    return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol))
+
+
+class _Cases:
+    """What is told of some cases: what several columns need is computed once, when the first of them is."""
+
+    def __init__(self, todo: Request, raw: Raw, T: Any, at: slice, tolerance: float):
+        self.raw, self.T, self.at, self.tolerance = raw, T, at, tolerance
+        self.labels, self.dwell, self.machine = todo.labels, todo.dwell, todo.machine
+        self.periodic, self.rtol = todo.model.period is not None, todo.rtol if self.machine.has_inner_states else 0.0
+
+    @property
+    def columns(self) -> dict[str, Callable[[], Any]]:
+        """What computes each column, by name."""
+        raw = self.raw
+        of_parts = self._of_one if raw.parts is None else of_own_parts(columns_of_parts(self), self.machine)
+        power = of_parts.pop("friction_power", None)
+        return {
+            "mean_velocity": lambda: self.velocity,
+            **of_parts,
+            "period": lambda: np.where(self.good, raw.period, 0),
+            "displacement": lambda: raw.displacement,
+            **({} if power is None else {"friction_power": power}),
+            "steadiness": lambda: self.steadiness.astype(np.int8),
+            "settling_error": lambda: np.where(np.isfinite(self.approached), abs(self.velocity - self.approached), np.nan),
+            "periods_run": lambda: raw.periods_run,
+            "status": lambda: raw.status,
+            **{name: partial(self.known, values) for name, values in (raw.observed or {}).items()},
+        }
+
+    @property
+    def _of_one(self) -> dict[str, Callable[[], Any]]:
+        """What is about the velocity and the contact of the only body."""
+        raw = self.raw
+        found: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
+        found["velocity_max"] = lambda: self.known(np.where(self.lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)))
+        found["velocity_min"] = lambda: self.known(np.where(self.lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)))
+        if raw.friction_power is not None:
+            found["friction_power"] = lambda: self.known(raw.friction_power)
+        return found
+
+    def known(self, values: Any) -> Any:
+        return np.where(self.good, values, np.nan)
+
+    @cached_property
+    def good(self) -> Any:
+        return self.raw.status <= Status.REPEATS
+
+    @cached_property
+    def velocity(self) -> Any:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return self.known(self.raw.displacement / (self.raw.window * self.T))
+
+    @cached_property
+    def approached(self) -> Any:
+        """The mean velocities that the motions approach [m/s]."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(self.good & self.periodic, self.raw.limit / self.T, np.nan)
+
+    @cached_property
+    def steadiness(self) -> Any:
+        if not self.periodic:
+            return np.full(len(self.T), UNKNOWN)
+        free = spread(self.machine.free_velocity, self.labels)[self.at]
+        return judged(self.velocity, self.approached, self.raw.period, free, self.tolerance)
+
+    @cached_property
+    def lasting(self) -> Any:
+        """Where the last motion period says all; elsewhere the extremes are those of the window of the mean."""
+        return self.steadiness == STEADY
+
+    @cached_property
+    def type(self) -> dict[str, Any]:
+        raw = self.raw
+        seg, extremes = (raw.seg_count, raw.seg_time, raw.seg_code), (raw.v_max, raw.v_min)
+        return typed(seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good)
 
 
 def _remedy(status: int) -> str:

@@ -10,12 +10,17 @@ import numpy as np
 from stickslip.batch import numbers_by_name
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
-from stickslip.fields import replace_leaf
-from stickslip.machine_adapter import machine_of
+from stickslip.fields import is_array, replace_leaf
+from stickslip.machine_adapter import MachineAdapter, machine_of
 
-__all__ = ["CaseTable"]
+__all__ = ["CaseTable", "of_cases"]
 
 Array = Any
+
+
+def of_cases(value: Any, cases: int) -> Array:
+    """A number for each case, where one for all may be given."""
+    return value if np.shape(value) == (cases,) else np.broadcast_to(value, (cases,))
 
 
 class CaseTable:
@@ -36,6 +41,8 @@ class CaseTable:
         The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
     more : dict of arrays (cases,), optional
         Numbers of the kernel that are none of the model.
+    machine : MachineAdapter, optional
+        The model's adapter, where it is at hand.
     """
 
     def __init__(
@@ -47,15 +54,17 @@ class CaseTable:
         along: dict[str, Array] | None = None,
         which: slice = slice(None),
         more: dict[str, Array] | None = None,
+        machine: MachineAdapter | None = None,
     ):
-        cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
-        self.span = np.broadcast_to(span, (cases,))
+        cases, own, machine = len(start), numbers_by_name(model, which), machine or machine_of(model)
+        flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
+        self.span = of_cases(span, cases)
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):
             self.rows[:, column] = known.get(name, 0.0)
         self.count = count = len(kernel.owners)
-        offsets = machine_of(replace_leaf(model, own)).mechanics.offsets(0.0)
+        offsets = flat.mechanics.offsets(0.0)
         self.offsets = np.empty((cases, count))
         for coordinate, contact in enumerate(kernel.owners):
             self.offsets[:, coordinate] = 0.0 if contact is None else -offsets[contact]
@@ -73,10 +82,10 @@ class CaseTable:
 
     def placed(self, start: Array, which: Any = slice(None)) -> Array:
         """Other starts of the same cases, or of some of them, as lanes take them: the way, the states, the memories."""
-        count = self.count
-        q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + self.inner], axis=1)
+        count, memories = self.count, 2 * self.count + self.inner
+        q, u, z, memory = start[:, :count], start[:, count : 2 * count], start[:, 2 * count : memories], start[:, memories:]
         places = q[:, 1:] - q[:, :1] if self.cyclic else q
-        return np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets[which], z, places, memory]))
+        return np.ascontiguousarray(np.concatenate([q[:, :1], u - self.offsets[which], z, places, memory], axis=1))
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
         """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from stickslip.engine.refused import refused
+from stickslip.engine.refused import refusal_of
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
@@ -67,7 +68,7 @@ def _of_laws(model: Any, dynamic: bool) -> str | None:
         kinds = ("set-valued laws", "laws with inner states")
         is_one = "has inner states" if machine.has_inner_states else "is set-valued"
         return f"it is for {kinds[dynamic]}; {machine.law_names} {is_one}"
-    return refused(model) or None
+    return refusal_of(machine) or None
 
 
 @dataclass(frozen=True)
@@ -220,7 +221,19 @@ METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
 
 def steps_of(todo: Request) -> tuple[Series | Tableau, float]:
     """The steps that a request under laws with inner states takes, and the tolerance to which they are held."""
-    return next(each.steps(todo) for each in _DYNAMIC if todo.method in each.names and each.accepts(todo.model) is None)
+    return next(each.steps(todo) for each in _DYNAMIC if todo.method in each.names and _refusal(each, todo.model) is None)
+
+
+_refusals: Remembered[str | None] = Remembered()
+
+
+def _refusal(method: Method, model: Any) -> str | None:
+    """What `accepts` says; the compiled methods but closed arcs ask nothing but the kind, and are asked once for each."""
+    if isinstance(method, (ClosedArcs, Judge)):
+        return method.accepts(model)
+    from stickslip.engine.lanes import known_kind
+
+    return _refusals((method, known_kind(model)), lambda: method.accepts(model))
 
 
 def method_for(name: str, model: Any, observed: bool = False) -> Method:
@@ -238,7 +251,7 @@ def method_for(name: str, model: Any, observed: bool = False) -> Method:
     said = {}
     for method in ALL:
         if name in method.names:
-            reason = _BLIND if observed and not method.observes else method.accepts(model)
+            reason = _BLIND if observed and not method.observes else _refusal(method, model)
             if reason is None:
                 return method
             said[method.title] = reason.partition("; type method=")[0]

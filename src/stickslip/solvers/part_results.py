@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +14,14 @@ from stickslip.machine_adapter import MachineAdapter
 from stickslip.segments import type_of
 from stickslip.variables import VARIABLES
 
-__all__ = ["OF_SEVERAL", "RawParts", "columns_of_parts", "left_out", "nothing", "of_own_parts", "typed"]
+__all__ = ["OF_SEVERAL", "OF_TYPE", "RawParts", "columns_of_parts", "left_out", "nothing", "of_own_parts", "typed"]
 
 Array = Any
 #: Columns that only machines have that list their parts.
 _OF_EACH_BODY = ("body_velocity", "body_displacement")
 OF_SEVERAL = (*_OF_EACH_BODY, "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
-_FRACTIONS = ("margin", "stick_fraction", "forward_fraction", "backward_fraction")
+#: Columns about the motion type of a contact.
+OF_TYPE = ("motion_type", "pattern", "direction", *(_FRACTIONS := ("margin", "stick_fraction", "forward_fraction", "backward_fraction")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +70,43 @@ def typed(
     return found | {name: np.where(good, found[name], np.nan) for name in _FRACTIONS}
 
 
-def columns_of_parts(raw: RawParts, T: Array, spans: Array, period: Array, good: Array, lasting: Array, dwell: float, rtol: float) -> Any:
-    """The columns with an axis of bodies, contacts or stops, of cases whose periods last T [s] and whose windows `spans` periods."""
-    fine, repeated = good[:, None], lasting[:, None]
+def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
+    """What computes the columns with an axis of bodies, contacts or stops, by name; of what a machine has not there are none.
+
+    `cases` knows what is of a case as a whole: raw results, T [s], which are good and whose last period says all (see `gather`).
+    """
+    raw: RawParts = cases.raw.parts
+    counts = {"body": raw.displacement.shape[1], "contact": raw.seg_count.shape[1], "stop": raw.hits.shape[1]}
+    type_of_each = cache(lambda: _types(cases, raw))
+
+    def known(values: Callable[[], Array]) -> Callable[[], Array]:
+        def found() -> Array:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                return np.where(cases.good[:, None], values(), np.nan)
+
+        return found
+
+    def extreme(last: Array, wide: Array, larger: Any) -> Callable[[], Array]:
+        return known(lambda: np.where(cases.lasting[:, None], last, larger(last, wide)))
+
+    found: dict[str, Callable[[], Any]] = {name: partial(lambda name: type_of_each()[name], name) for name in OF_TYPE}
+    found |= {
+        "body_velocity": known(lambda: raw.displacement / (cases.raw.window * cases.T)[:, None]),
+        "body_displacement": known(lambda: raw.displacement),
+        "velocity_max": extreme(raw.v_max, raw.wide_max, np.maximum),
+        "velocity_min": extreme(raw.v_min, raw.wide_min, np.minimum),
+        "slip_max": known(lambda: raw.slip_max),
+        "slip_min": known(lambda: raw.slip_min),
+        "friction_power": known(lambda: raw.friction_work / (cases.T * np.maximum(cases.raw.period, 1))[:, None]),
+        "impulse_max": known(lambda: raw.impulse_max),
+        "stop_force_max": known(lambda: raw.stop_force_max),
+        "hits": lambda: np.where(cases.good[:, None] & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32),
+    }
+    return {name: make for name, make in found.items() if counts[_dim(name)] > 0}
+
+
+def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
+    """The columns about the motion type of each contact."""
     contacts = raw.seg_count.shape[1]
 
     def of_each(values: Array) -> Array:
@@ -78,35 +115,24 @@ def columns_of_parts(raw: RawParts, T: Array, spans: Array, period: Array, good:
     def flat(values: Array) -> Array:
         return values.reshape(-1, *values.shape[2:])
 
-    seg, lasted = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), T * np.maximum(period, 1)
+    seg, spans = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), of_each(np.maximum(cases.raw.period, 1))
     told = typed(
-        seg, of_each(T), of_each(period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
-        of_each(np.maximum(period, 1)), dwell, rtol, of_each(good),
+        seg, of_each(cases.T), of_each(cases.raw.period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
+        spans, cases.dwell, cases.rtol, of_each(cases.good),
     )  # fmt: skip
     told |= {name: CodedWords.of(told[name]) for name in ("motion_type", "pattern")} | {"direction": told["direction"].astype(np.int8)}
-    with np.errstate(invalid="ignore", divide="ignore"):
-        numbers = {
-            "body_velocity": raw.displacement / (spans * T)[:, None],
-            "body_displacement": raw.displacement,
-            "velocity_max": np.where(repeated, raw.v_max, np.maximum(raw.v_max, raw.wide_max)),
-            "velocity_min": np.where(repeated, raw.v_min, np.minimum(raw.v_min, raw.wide_min)),
-            "slip_max": raw.slip_max,
-            "slip_min": raw.slip_min,
-            "friction_power": raw.friction_work / lasted[:, None],
-            "impulse_max": raw.impulse_max,
-            "stop_force_max": raw.stop_force_max,
-        }
-    shaped = {name: values.reshape((len(T), contacts)) for name, values in told.items()}
-    hits = np.where(fine & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32)
-    found = shaped | {name: np.where(fine, values, np.nan) for name, values in numbers.items()} | {"hits": hits}
-    return {name: values for name, values in found.items() if values.shape[1] > 0}
+    return {name: values.reshape((len(cases.T), contacts)) for name, values in told.items()}
 
 
-def of_own_parts(columns: dict[str, Any], machine: MachineAdapter) -> dict[str, Any]:
-    """The columns of a machine; of one body on one contact, or of the principal ones, without their axis."""
+def of_own_parts(columns: dict[str, Callable[[], Any]], machine: MachineAdapter) -> dict[str, Callable[[], Any]]:
+    """What computes the columns of a machine; of one body on one contact, or of the principal ones, without their axis."""
     own, without = machine.own, left_out(machine)
-    found = {name: values for name, values in columns.items() if name not in without}
-    return {name: np.asarray(of)[:, own[_dim(name)]] if _dim(name) in own else of for name, of in found.items()}
+
+    def of_the_own(make: Callable[[], Any], part: int) -> Array:
+        return np.asarray(make())[:, part]
+
+    found = {name: make for name, make in columns.items() if name not in without}
+    return {name: partial(of_the_own, make, own[_dim(name)]) if _dim(name) in own else make for name, make in found.items()}
 
 
 def left_out(machine: MachineAdapter) -> tuple[str, ...]:

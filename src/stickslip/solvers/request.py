@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, labels_of, spread
+from stickslip.batch import Labels, labels_together, spread
 from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import is_machine, machine_of
+from stickslip.machine_adapter import MachineAdapter, is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.typed_numbers import in_seconds
@@ -48,11 +50,17 @@ class Request:
     duration: float | None  # [s], where it was given
     span: Any  # time of one period [s]: the model's, or the duration if it has none; an array (cases,) for a summary of a periodic model
     observe: tuple[tuple[str, Observable], ...] = ()
+    numbers: dict[str, Any] = field(default_factory=dict)  # of the model
 
     @property
     def cases(self) -> int:
         """Number of cases."""
-        return int(np.prod(self.labels.shape, dtype=np.int64))
+        return math.prod(self.labels.shape)
+
+    @cached_property
+    def machine(self) -> MachineAdapter:
+        """The model, to be asked for what not every machine has."""
+        return machine_of(self.model)
 
 
 def request(
@@ -69,13 +77,14 @@ def request(
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
             ],
         )
-    for name, value in leaves(model):
+    numbers = dict(leaves(model))
+    for name, value in numbers.items():
         try:
             number(value)
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
     problems.check()
-    labels, duration = labels_of(model), in_seconds(duration, problems)
+    labels, duration = labels_together(numbers, type(model).__name__), in_seconds(duration, problems)
     periods = _periods(model, labels, periods, settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)
     problems.whole("workers", workers, 1, example=2)
@@ -103,7 +112,7 @@ def request(
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
-        None if duration is None else float(duration), _span(model, labels, keep, duration), observed,
+        None if duration is None else float(duration), _span(model, labels, keep, duration), observed, numbers,
     )  # fmt: skip
 
 
@@ -193,11 +202,12 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
     """Start values as a table (cases, 2 + inner states + memories)."""
     if not machine_of(model).is_single:
         return start_of_parts(model, labels, start, problems)
-    inner, memories = law_of(model).states, law_of(model).modes
-    cases = int(np.prod(labels.shape, dtype=np.int64))
+    law, cases = law_of(model), math.prod(labels.shape)
+    inner, memories = law.states, law.modes
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:
-        table[:, 2 : 2 + inner] = inner_start(model)
+        if law.has_start:
+            table[:, 2 : 2 + inner] = inner_start(model)
         return table
     if not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
@@ -257,16 +267,20 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         )
 
 
-def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:
-    """Versions, settings and (for one case) parameters: what it takes to make this result again."""
+@cache
+def _versions(with_numba: bool) -> dict[str, str]:
+    """Versions of what computes."""
     import stickslip
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    if "numba" in sys.modules:
-        versions["numba"] = sys.modules["numba"].__version__
+    return versions | ({"numba": sys.modules["numba"].__version__} if with_numba else {})
+
+
+def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:
+    """Versions, settings and (for one case) parameters: what it takes to make this result again."""
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
-    kinds = {"law": machine_of(todo.model).law_names, "model": type(todo.model).__name__}
-    parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
-    return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}
+    kinds = {"law": todo.machine.law_names, "model": type(todo.model).__name__}
+    parameters = {} if todo.labels.shape else {name: float(value) for name, value in todo.numbers.items()}
+    return {"versions": _versions("numba" in sys.modules), "settings": settings, "kinds": kinds, "parameters": parameters}

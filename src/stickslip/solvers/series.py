@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.engine.lanes import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.slaved import SERIES, Series
 from stickslip.engine.slaving import slaving
-from stickslip.engine.trace import kind_of, trace
+from stickslip.engine.trace import trace
 
 __all__ = ["SAFETY", "lacks", "method"]
 
@@ -33,4 +34,4 @@ def lacks(model: Any) -> str | None:
         law = slaving(trace(model))
         return law if isinstance(law, str) else None
 
-    return _reasons(kind_of(model), found)
+    return _reasons(known_kind(model), found)

@@ -51,8 +51,9 @@ def _start_of(todo: Request) -> dict[str, Any]:
 
 def batch(todo: Request) -> dict[str, Array]:
     """The raw results of `solve_batch` as asked, times in seconds."""
-    raw = solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, _start_of(todo), todo.workers, todo.progress)
-    raw["seg_time"] = raw["seg_time"] * reduced(todo.model).period[:, None]
+    arcs, settle = reduced(todo.model), "auto" if todo.auto else todo.settle
+    raw = solve_batch(todo.model, todo.periods, settle, _start_of(todo), todo.workers, todo.progress, arcs)
+    raw["seg_time"] = raw["seg_time"] * arcs.period[:, None]
     return raw
 
 
@@ -121,6 +122,7 @@ def solve_batch(
     start: dict[str, Any] | None = None,
     workers: int = 1,
     progress: Progress | None = None,
+    arcs: Arcs | None = None,
 ) -> dict[str, Array]:
     """Run every case of a batch without keeping trajectories.
 
@@ -138,6 +140,8 @@ def solve_batch(
         Threads.
     progress : callable
         Called with (cases done, cases).
+    arcs : Arcs, optional
+        The numbers of its arcs, where they are at hand.
 
     Returns
     -------
@@ -156,7 +160,7 @@ def solve_batch(
     >>> (raw["displacement"] / (raw["window"] * 2 / 65.4)).round(9).tolist()  # mean velocity
     [0.002014682, 0.004308808]
     """
-    arcs = reduced(model)
+    arcs = reduced(model) if arcs is None else arcs
     x0, v0 = _start(model, start)
     rows, driven = _rows(arcs, v0)
     good = np.isfinite(rows).all(axis=1)

@@ -13,10 +13,10 @@ from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.friction.law_adapter import law_of
 from stickslip.layout import StateLayout
-from stickslip.machine_adapter import machine_of
+from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.pool import shared
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.lane_tables import CaseTable
+from stickslip.solvers.lane_tables import CaseTable, of_cases
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
@@ -35,12 +35,12 @@ CHUNK = 4096
 
 def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps, Taylor series of laws with an inner state, or (no tableau) Taylor steps."""
-    check_period(todo.model)
+    check_period(todo.model, todo.machine)
     kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
     method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, job))
-    table = CaseTable(todo.model, kernel, todo.start, todo.span)
+    table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > Status.REPEATS and status != Status.LOST:
@@ -56,14 +56,14 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
 def _remedy(todo: Request) -> str:
     """What to try instead."""
     slower = "(SciPy on the law in plain Python: slower)"
-    if machine_of(todo.model).mechanics.stops:
+    if todo.machine.mechanics.stops:
         return f'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" {slower}'
     return f'Try another rtol (now {todo.rtol:g}) or start, check the law\'s numbers, or type method="radau" {slower}'
 
 
 def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
-    if not machine_of(todo.model).is_single:
+    if not todo.machine.is_single:
         velocities = end[1 : 1 + table.offsets.shape[1]] + table.offsets[0]
         values = [*velocities, *end[1 + len(velocities) :]]
         return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))
@@ -75,7 +75,7 @@ def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> st
 
 def run_to_end(todo: Request, tableau: Tableau | Series | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
     """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
-    check_period(todo.model)
+    check_period(todo.model, todo.machine)
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
@@ -90,19 +90,19 @@ def _method(tableau: Tableau | Series | None) -> str:
 
 def _job(todo: Request, rtol: float) -> lanes.Job:
     """What to do with every case."""
-    budget = budget_of(todo.model, todo.periods)
+    budget = budget_of(todo.model, todo.periods, todo.machine)
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
-def budget_of(model: Any, periods: int) -> int:
-    """Steps that a case may take in so many periods."""
+def budget_of(model: Any, periods: int, machine: MachineAdapter | None = None) -> int:
+    """Steps that a case may take in so many periods; the model's adapter may be given."""
     budget = BUDGET_APERIODIC if model.period is None else BUDGET * periods
-    return min(budget, max(BUDGET_WITH_STOPS * periods, LEAST_WITH_STOPS)) if machine_of(model).mechanics.stops else budget
+    return min(budget, max(BUDGET_WITH_STOPS * periods, LEAST_WITH_STOPS)) if (machine or machine_of(model)).mechanics.stops else budget
 
 
 def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
     """Raw results chunk by chunk; threads share the chunks."""
-    bounds, span = _bounds(todo.cases, todo.workers), np.broadcast_to(todo.span, (todo.cases,))
+    bounds, span = _bounds(todo.cases, todo.workers), of_cases(todo.span, todo.cases)
     begun = [0] * len(bounds)
 
     def work(i: int) -> Raw:
@@ -114,7 +114,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
                 todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
-        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases)
+        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases, machine=todo.machine)
         return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
     for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1):
@@ -175,8 +175,9 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: CaseTable, periods: int) -
     period = float(table.span[0])
     pieces = _those(pieces, pieces[:, 0] < periods)
     ends = np.where(pieces[:, 2] >= period, (pieces[:, 0] + 1) * period, pieces[:, 0] * period + pieces[:, 2])
-    good = np.diff(ends, prepend=0.0) > 0
-    pieces, t = _those(pieces, good), np.concatenate([[0.0], ends[good]])
+    t = np.concatenate([[0.0], ends])
+    good = t[1:] > t[:-1]
+    pieces, t = _those(pieces, good), t if good.all() else np.concatenate([[0.0], ends[good]])
     contacts = kernel.contacts
     first = 4 + contacts + kernel.modes
     coefficients = np.array(pieces[:, first:]).reshape(len(pieces), kernel.states, kernel.degree + 1)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.machine_adapter import machine_of
+from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.mechanics import Mechanics
 
 __all__ = ["check_period"]
@@ -17,8 +19,8 @@ _SAME = 1e-9  # of the largest value
 _WHOLE = 1e-9  # of a number of samples
 
 
-def check_period(model: Any) -> None:
-    """Raise `InputError` where the load or the acceleration of a model is another one a period later.
+def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
+    """Raise `InputError` where the load or the acceleration of a model is another one a period later; its adapter may be given.
 
     Examples
     --------
@@ -27,10 +29,12 @@ def check_period(model: Any) -> None:
     """
     if model.period is None:
         return
-    mechanics = machine_of(model).mechanics
+    mechanics = (machine or machine_of(model)).mechanics
     _check_samples(model, mechanics)
     try:
-        found = {name: _missed(mechanics, f) for name, f in (("load", _loads), ("acceleration", _free))}
+        start, still, free = mechanics.start, (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
+        asked = {"load": lambda t: mechanics.loads(t, start), "acceleration": lambda t: mechanics.accelerations(t, start, still, free)}
+        found = {name: _missed(f, mechanics.period) for name, f in asked.items()}
     except Exception:  # what is not written for these numbers is told where it is traced
         return
     for name, (missed, largest) in found.items():
@@ -59,18 +63,10 @@ def _check_samples(model: Any, mechanics: Mechanics) -> None:
         )  # fmt: skip
 
 
-def _free(mechanics: Mechanics, t: Any) -> Any:
-    still = (0.0,) * mechanics.coordinates
-    return mechanics.accelerations(t, mechanics.start, still, (0.0,) * len(mechanics.contacts))
-
-
-def _loads(mechanics: Mechanics, t: Any) -> Any:
-    return mechanics.loads(t, mechanics.start)
-
-
-def _missed(mechanics: Mechanics, f: Any) -> tuple[Any, Any]:
-    """How far a function of the machine and of time is from itself a period later, and its largest value, for each case."""
-    T = mechanics.period
-    rows = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
+def _missed(f: Callable[[Any], Any], T: Any) -> tuple[Any, Any]:
+    """How far a function of time is from itself a period later, and its largest value, for each case."""
+    rows = [[value for s in _INSTANTS for value in f((s + k) * T)] for k in (0, 1)]
+    if all(type(value) is float and isfinite(value) for row in rows for value in row):
+        return max(abs(b - a) for a, b in zip(*rows, strict=True)), max(abs(value) for row in rows for value in row)
     now, later = (np.array(np.broadcast_arrays(*values), float) for values in rows)
     return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)

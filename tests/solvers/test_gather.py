@@ -1,0 +1,97 @@
+"""Summaries compute their columns when they are read, and answers that are kept are those of the same numbers."""
+
+import copy
+import dataclasses
+import pickle
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.engine.remembered import OfFrozen
+from stickslip.solvers import gather as gathering
+from stickslip.summary import Columns
+
+
+def coulomb(**numbers):
+    return ss.presets.piezo_rig(**{"tilt_deg": 1.7, "amplitude": 6e-4, "law": "coulomb"} | numbers)
+
+
+def test_columns_do_not_depend_on_the_order_in_which_they_are_read():
+    robots = coulomb(amplitude=np.array([1e-7, 2e-4, 6e-4, 9e-4]))
+    ahead, back = (ss.solve(robots, periods=30) for _ in range(2))
+    names = list(ahead.columns)
+    first, second = {n: ahead.columns[n] for n in names}, {n: back.columns[n] for n in reversed(names)}
+    for name in names:
+        assert np.array_equal(first[name], second[name], equal_nan=first[name].dtype.kind == "f"), name
+
+
+def test_columns_of_a_large_batch_are_those_that_are_computed_when_read(monkeypatch):
+    for machine in (
+        coulomb(amplitude=np.linspace(2e-4, 9e-4, 5)),
+        ss.Chain.example().replace({"link.stiffness": np.array([800.0, 900.0])}),
+    ):
+        later = ss.solve(machine, periods=10, keep="summary")
+        with monkeypatch.context() as patched:
+            patched.setattr(gathering, "_LATER", 0)
+            at_once = ss.solve(machine, periods=10, keep="summary")
+        assert isinstance(later.columns, Columns) and isinstance(at_once.columns, dict)
+        assert list(later.columns) == list(at_once.columns)
+        for name, values in at_once.columns.items():
+            assert np.array_equal(np.asarray(values).astype(str), np.asarray(later.columns[name]).astype(str)), name
+
+
+def test_a_column_is_computed_once_and_no_earlier_than_it_is_read():
+    asked = []
+    columns = Columns({"margin": lambda: asked.append(1) or np.zeros(2)})
+    assert "margin" in columns and len(columns) == 1 and not asked
+    assert columns["margin"] is columns["margin"] and asked == [1]
+    with pytest.raises(ValueError, match="read-only"):
+        columns["margin"][0] = 1.0
+
+
+def test_summaries_can_be_pickled_and_copied_before_anything_is_read():
+    for again in (lambda many: pickle.loads(pickle.dumps(many)), copy.deepcopy):
+        many = ss.solve(coulomb(amplitude=np.array([2e-4, 6e-4])), periods=10)
+        other = again(many)
+        assert other.mean_velocity.tolist() == many.mean_velocity.tolist() and other.pattern.tolist() == many.pattern.tolist()
+
+
+def test_the_sign_of_zero_and_every_last_bit_tell_cases_apart():
+    velocities = [float(ss.solve(coulomb(amplitude=a), periods=20, keep="summary").mean_velocity) for a in (6e-4, np.nextafter(6e-4, 1.0))]
+    both = ss.solve(coulomb(amplitude=np.array([6e-4, np.nextafter(6e-4, 1.0)])), periods=20)
+    assert velocities == both.mean_velocity.tolist()
+
+
+@dataclass
+class Worn:
+    """A law that is not frozen, against our advice."""
+
+    mu: float
+    wear: str = "none"
+
+    def sliding(self, v, load):
+        return self.mu * load * ss.maths.where(v > 0, 1.0, -1.0)
+
+    def breakaway(self, load):
+        return -self.mu * load, self.mu * load
+
+
+def test_answers_about_records_that_may_change_are_not_kept():
+    law, wear = Worn(0.15), OfFrozen(lambda robot: robot.friction.wear)
+    robot = coulomb().replace(friction=law, track=ss.Level())
+    assert wear(robot) == "none"
+    law.wear = "some"
+    assert wear(robot) == "some"
+    before = float(ss.solve(robot, periods=20, keep="summary").mean_velocity)
+    law.mu = 0.25
+    fresh = coulomb().replace(friction=Worn(0.25), track=ss.Level())
+    after, expected = (float(ss.solve(each, periods=20, keep="summary").mean_velocity) for each in (robot, fresh))
+    assert after == expected != before
+
+
+def test_answers_are_given_up_with_their_record():
+    kept = OfFrozen(dataclasses.asdict)
+    kept(ss.Coulomb(0.15, 0.21))
+    assert not kept._known
