@@ -40,7 +40,7 @@ _HIDDEN, _HIDDEN_TWINS = 0.1, 1e-3
 _JITTER = 0.1  # of the tolerance: changes without a direction may be as large
 _DIRECTED = 0.8  # a correlation of successive changes beyond this is a direction
 _APART = 4.0  # times what is left of an approach: points of a period of its own are further apart
-_ROUNDING = 1e-13  # in scales: a swing as small as this is one of the last digits, which may alternate for ever, the more the slower it decays
+_ROUNDING = 1e-14  # in scales: a swing as small as this is one of the last digits, which may alternate for ever
 
 
 def apart(points: Any, last: int, p: int, k: int, scale: Any) -> float:
