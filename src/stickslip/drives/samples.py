@@ -21,7 +21,6 @@ _JUMP = 3.0  # a step from the last sample to the first this many times as large
 _SAME = 1e-9  # part of a period: instants that lie no further apart are one
 _ROUNDING = 1e-6  # of a number of samples in a period, whose instants are rounded
 _CHUNK = 1 << 14  # samples at a time
-_EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
 
 Array = Any
 
@@ -59,9 +58,7 @@ class Samples:
         return float(self.values.std())
 
 
-def checked(
-    t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str = "Recorded", example: str = _EXAMPLE
-) -> Samples:
+def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str, example: str) -> Samples:
     """The record, or everything that is wrong with it, with what to type for example."""
     problems = Problems(what)
     names = [name for name, values in given.items() if values is not None]

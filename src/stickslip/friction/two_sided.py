@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.errors import Problems
+from stickslip.fields import describe, everywhere
 from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.friction.law import Law
-from stickslip.friction.sides import check_static, static
+from stickslip.friction.sides import static
 
 __all__ = ["Bristles", "Dry", "Elastic", "Fading", "TwoSided"]
 
@@ -23,7 +24,17 @@ class TwoSided(Law):
     f_minus: float | None = field(metadata=F_MINUS)
 
     def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
+        for side in ("plus", "minus"):
+            f, mu = getattr(self, f"f_{side}"), getattr(self, f"mu_{side}")
+            try:
+                good = f is None or everywhere(f >= mu)
+            except (TypeError, ValueError):  # a number that was already reported, or shapes that the robot reports
+                continue
+            if not good:
+                problems.add(
+                    f"f_{side} = {describe(f)} is below mu_{side} = {describe(mu)}; allowed is f_{side} >= mu_{side} "
+                    f"(static friction is not below kinetic friction); type f_{side}=None for equal ones"
+                )
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N] (of Coulomb: Eq. 2.4, fourth line)."""
