@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import LARGEST, is_array, number
+from stickslip.fields import checked_number, is_array, number
 from stickslip.maths import cos, pi
 
 __all__ = ["Switch", "SwitchingFlow", "is_flow", "knows_mode", "unknown_mode"]
@@ -276,13 +276,8 @@ def _checked_numbers(problems: Problems, numbers: Any) -> dict[str, Any]:
         if not (isinstance(name, str) and name.isidentifier()) or name in ("t", "mode"):
             problems.add(f"numbers has {name!r}; allowed are names that can be typed after n., other than t and mode")
             continue
-        try:
-            found[name] = number(value)
-        except ValueError as error:
-            problems.add(f"numbers[{name!r}]: {error}; allowed is a number, or an array of one for each case")
-            continue
-        if not np.all(abs(np.asarray(found[name], float)) < LARGEST):
-            problems.add(f"numbers[{name!r}] = {value!r}; allowed are finite numbers")
+        allowed = "a number, or an array of one for each case"
+        found[name] = checked_number(f"numbers[{name!r}]", value, problems, None, allowed, f"numbers={{{name!r}: 0.8}}")
     return found
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
@@ -248,9 +249,7 @@ class FlowRun(Drawn):
 
 def polynomials(coefficients: Array, theta: Array) -> Array:
     """Values (pieces, states) of polynomials (pieces, states, powers) at one place of each piece."""
-    value = coefficients[..., -1].copy()
-    for k in range(coefficients.shape[-1] - 2, -1, -1):
-        value = value * theta[:, None] + coefficients[..., k]
+    value: Array = polyval(theta[:, None], np.moveaxis(coefficients, -1, 0), tensor=False)
     return value
 
 

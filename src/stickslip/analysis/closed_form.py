@@ -16,6 +16,7 @@ import numpy as np
 
 from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
+from stickslip.maths import bisected
 from stickslip.sealing import sealed
 
 __all__ = [
@@ -123,11 +124,7 @@ def long_slide(plus: Array, minus: Array) -> Array:
 
 def _root(f: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Where a falling f is zero, by halving to the last bit."""
-    low, high = np.array(low, float), np.array(high, float)
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        above = f(middle) > 0
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    low, high = bisected(lambda a: f(a) > 0, np.array(low, float), np.array(high, float), 80)
     return 0.5 * (low + high)
 
 
