@@ -65,7 +65,7 @@ class BangBang(PeriodicDrive):
             "t2": lambda t: t * (self.a1 + self.a2) / self.a1,
         }
         a2 = a1 if a2 is None else a2
-        completed(self, _EXAMPLE, ("a1",), ways, "s", a1=a1, a2=a2, period=period, frequency=frequency, stroke=stroke, t1=t1, t2=t2)
+        completed(self, _EXAMPLE, ("a1",), ways, a1=a1, a2=a2, period=period, frequency=frequency, stroke=stroke, t1=t1, t2=t2)
 
     @property
     def t1(self) -> float:

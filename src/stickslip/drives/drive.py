@@ -150,13 +150,12 @@ def taken(record: Any, **fields: Any) -> None:
     record.__post_init__()
 
 
-def completed(drive: Any, example: str, needed: tuple[str, ...], ways: dict[str, Callable[[Any], Any]], unit: str, **given: Any) -> None:
+def completed(drive: Any, example: str, needed: tuple[str, ...], ways: dict[str, Callable[[Any], Any]], **given: Any) -> None:
     """The numbers of a drive, the last of them from whatever was given for it.
 
     `ways` says how it follows from each, once the drive has its other numbers, by the name of what is given; its first name is its own.
-    Nothing given, or things that contradict each other, are reported.
     """
-    problems, wanted = Problems(type(drive).__name__), next(iter(ways))
+    problems = Problems(type(drive).__name__)
     known = given_numbers(problems, example, **given)
     for name in needed:
         if given[name] is None:
@@ -164,21 +163,27 @@ def completed(drive: Any, example: str, needed: tuple[str, ...], ways: dict[str,
     problems.check()
     for field in dataclasses.fields(drive):
         object.__setattr__(drive, field.name, known.get(field.name))
-    found = {name: way(known[name]) for name, way in ways.items() if name in known}
+    last = _resolved(problems, known, ways, example)
+    problems.check()
+    taken(drive, **last)
+
+
+def _resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], example: str) -> dict[str, Any]:
+    """One number by its name; nothing given for it, or things that contradict each other, are noted."""
+    found, wanted = {name: way(known[name]) for name, way in ways.items() if name in known}, next(iter(ways))
     if not found:
         *most, last = ways
         problems.add(f"{wanted} is missing; allowed is {', '.join(most)} or {last}; type for example {example}")
-        problems.check()
+        return {}
     (name, value), *others = found.items()
     for other, different in others:
         if not agree(different, value):
             problems.add(
-                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for "
-                f"{wanted} = {shown(different)}, not {shown(value)} {unit}; allowed is a motion that closes; give one of them; "
+                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for {wanted} = "
+                f"{shown(different)}, not {shown(value)} {_UNITS[wanted]}; allowed is a motion that closes; give one of them; "
                 f"type for example {example}"
             )
-    problems.check()
-    taken(drive, **{wanted: value})
+    return {wanted: value}
 
 
 def shown(value: Any) -> str:

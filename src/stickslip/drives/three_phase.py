@@ -64,7 +64,7 @@ class ThreePhase(PeriodicDrive):
             "stroke": lambda L: sqrt(2 * L / (1 / self.w1 + 1 / self.w2)),
             "u3": lambda u: u * sqrt((1 / self.w2 + 1 / self.w3) / (1 / self.w1 + 1 / self.w2)),
         }
-        completed(self, _EXAMPLE, ("w1", "w2", "w3"), ways, "m/s", u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
+        completed(self, _EXAMPLE, ("w1", "w2", "w3"), ways, u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
 
     def _check(self, problems: Problems) -> None:
         if not problems.found and not everywhere(self._turned > self._pushed):

@@ -63,7 +63,7 @@ class Trapezoid(PeriodicDrive):
     def __init__(self, u1: Any = None, u2: Any = None, ramp: Any = None, period: Any = None, frequency: Any = None, stroke: Any = None):
         ways = {"period": lambda T: T, "frequency": lambda f: 1 / f, "stroke": self._period_of}
         given = {"period": period, "frequency": frequency, "stroke": stroke}
-        completed(self, _EXAMPLE, ("u1", "u2", "ramp"), ways, "s", u1=u1, u2=u2, ramp=ramp, **given)
+        completed(self, _EXAMPLE, ("u1", "u2", "ramp"), ways, u1=u1, u2=u2, ramp=ramp, **given)
 
     def _check(self, problems: Problems) -> None:
         if problems.found:
