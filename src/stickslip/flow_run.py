@@ -13,12 +13,12 @@ from numpy.polynomial.polynomial import polyval
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Drawn
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
 __all__ = ["FlowRun", "ModeChange", "extremes", "polynomials"]
 
-Array = Any
 _LOOKS = 33  # at a polynomial on one step; its extremes are refined from there
 _FREE = 10  # of a flow without a period: this many times `samples` instants in all
 

@@ -20,6 +20,7 @@ __all__ = [
     "wrapped",
 ]  # fmt: skip
 
+Array = Any  # of NumPy: annotations say which numbers are arrays
 pi = math.pi
 
 LARGEST = 690.0  # where exp, sinh and cosh stop growing: a float holds up to exp(709.78)

@@ -117,27 +117,23 @@ def _model_attributes(model: Any) -> dict[str, str]:
     if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"
         raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
-    if lists_parts(model):
-        return _machine_attributes(model)
+    if lists_parts(model):  # the name of its class where that is a user's own
+        own = {} if type(model) in MECHANISMS.values() else {"machine": type(model).__name__}
+        return {"robot": _toml(model), **own}
     law = model.friction
-    try:
-        if type(law) in LAWS.values():
-            return {"robot": model.to_toml()}
-        kept = {"robot": dataclasses.replace(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
-    except InputError as error:
-        raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
+    if type(law) in LAWS.values():
+        return {"robot": _toml(model)}
     numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
-    return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})}
+    told = json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})
+    return {"robot": _toml(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)), "law": told}
 
 
-def _machine_attributes(model: Any) -> dict[str, str]:
-    """A machine that lists its parts as TOML; the name of its class where that is a user's own."""
+def _toml(model: Any, **changes: Any) -> str:
+    """The model as TOML, changed where it has to be."""
     try:
-        text = model.to_toml()
+        return str((dataclasses.replace(model, **changes) if changes else model).to_toml())
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
-    own = {} if type(model) in MECHANISMS.values() else {"machine": type(model).__name__}
-    return {"robot": text, **own}
 
 
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
-from stickslip.maths import bisected
+from stickslip.maths import Array, bisected
 from stickslip.sealing import sealed
 
 __all__ = [
@@ -35,7 +34,6 @@ __all__ = [
     "two_phase",
 ]
 
-Array = Any
 _PERIODS = 100_000  # at most; only with static friction, or next to frictionless, are more than ten needed
 _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory
 

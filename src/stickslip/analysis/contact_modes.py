@@ -10,11 +10,10 @@ import numpy as np
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
 from stickslip.machine_adapter import machine_of
-from stickslip.maths import bisected
+from stickslip.maths import Array, bisected
 
 __all__ = ["FLIGHT", "PRESSED", "Stretch", "contact_modes", "hits", "landings", "pressed_stops", "stop_rows", "watched_contacts"]
 
-Array = Any
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50

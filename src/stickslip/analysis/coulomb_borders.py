@@ -10,11 +10,11 @@ import numpy as np
 from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
 from stickslip.arguments import Grid, explains_arguments
 from stickslip.errors import InputError
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 
 __all__ = ["BORDERS", "Border", "border_functions", "coulomb_borders"]
 
-Array = Any
 #: The types on both sides of each border, and the formula that it comes from.
 BORDERS: dict[tuple[str, str], str] = {
     ("rest", "II"): "min(α+, α-) = 1",

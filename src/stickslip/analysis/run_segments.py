@@ -11,7 +11,7 @@ from stickslip.forces import columns, offered_force, slip_ratio_of
 from stickslip.friction.law_adapter import LawAdapter, law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
-from stickslip.maths import bisected
+from stickslip.maths import Array, bisected
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
@@ -24,7 +24,6 @@ __all__ = [
     "shares",
 ]
 
-Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
 
 

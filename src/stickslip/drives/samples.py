@@ -9,6 +9,7 @@ from typing import Any
 
 from stickslip.errors import Problems
 from stickslip.fields import describe
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 
 __all__ = ["MOST", "Samples", "checked", "fitted"]
@@ -21,8 +22,6 @@ _JUMP = 3.0  # a step from the last sample to the first this many times as large
 _SAME = 1e-9  # part of a period: instants that lie no further apart are one
 _ROUNDING = 1e-6  # of a number of samples in a period, whose instants are rounded
 _CHUNK = 1 << 14  # samples at a time
-
-Array = Any
 
 
 @sealed
