@@ -103,7 +103,7 @@ def save(run: Any, path: str | Path) -> Path:
 
     data, kept = trajectory_dataset(run).assign_attrs(attrs), run.pieces.arrays()
     texts = {name: array for name, array in kept.items() if isinstance(array, str)}
-    arrays = {name: (tuple(f"n{size}" for size in array.shape), array) for name, array in kept.items() if name not in texts}
+    arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in kept.items() if name not in texts}
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "_FillValue": None}
     with moved_into_place(path, unwritable("save")) as beside:
         data.to_netcdf(beside, engine="h5netcdf", encoding={str(name): packed for name in data.variables if name not in names_of(run)})

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.errors import Problems
+from stickslip.errors import Problems, is_number
 from stickslip.fields import describe
 from stickslip.maths import Array
 from stickslip.sealing import sealed
@@ -63,9 +63,9 @@ def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: A
     names = [name for name, values in given.items() if values is not None]
     if len(names) != 1:
         problems.add(f"give exactly one of position, velocity and acceleration; got {', '.join(names) or 'none'}; {example}")
-    if not _is_number(period) or not period > 0:
+    if not is_number(period) or not period > 0:
         problems.add(f"period = {period!r}; allowed is the period of the record [s], which is not guessed; {example}")
-    if not _is_number(tolerance) or not 0 < tolerance < 1:
+    if not is_number(tolerance) or not 0 < tolerance < 1:
         problems.add(f"tolerance = {tolerance!r}; allowed is a part of the r.m.s. between 0 and 1; type for example tolerance=1e-3")
     if order is not None:
         problems.whole("order", order, 1, example=10)
@@ -81,10 +81,6 @@ def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: A
     _check_repetition(record, problems)
     problems.check()
     return record
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < float("inf")
 
 
 def _numbers(name: str, values: Any, problems: Problems, example: str) -> Array:
