@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.friction.law_adapter import TINY
+from stickslip.maths import Array
 from stickslip.mechanics import Mechanics
 
 __all__ = ["columns_of_parts", "held_by_controllers"]
 
-Array = Any
 _CLOSED = 1e-10  # of the velocity scale: how still the gap of a closed stop is
 
 

@@ -4,43 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import accumulate, pairwise
-from typing import Any, Protocol
+from typing import Any
 
-__all__ = ["NEEDS", "NO_CONTROLLERS", "Controller", "Controllers"]
+__all__ = ["NEEDS", "NO_CONTROLLERS", "Controllers"]
 
 Named = Mapping[str, Any]
-#: What a controller has to say.
+#: What a controller of a machine has to say. Positions x and velocities v come by the names of the bodies, z are its own states; all may
+#: be floats, arrays of cases, or symbols while equations are traced. ``states`` are the names of its states, ``scales`` a typical size of
+#: each, positive; ``sample`` is the time between its samples, which are at 0, dt, 2 dt, … [s], or None where it acts continuously;
+#: ``start(t, x, v)`` are its states when it is switched on, a sample at that instant included, ``rates(t, x, v, z)`` their rates between
+#: samples (0 where a state is held), ``sampled(t, x, v, z)`` the states after a sample, ``forces(t, x, v, z)`` forces on bodies by name.
 NEEDS = ("states", "sample", "scales", "start", "rates", "sampled", "forces")
-
-
-class Controller(Protocol):
-    """What a controller of a machine says. Positions x and velocities v come by the names of the bodies, z are its own states.
-
-    Numbers may be floats, arrays of cases, or symbols while equations are traced. Between samples a state changes by its rate; one that is
-    held has the rate 0.
-    """
-
-    states: tuple[str, ...]  # names of its states
-
-    @property
-    def sample(self) -> Any:
-        """Time between its samples, which are at 0, dt, 2 dt, … [s]; None where it acts continuously."""
-
-    @property
-    def scales(self) -> tuple[Any, ...]:
-        """A typical size of each state, positive."""
-
-    def start(self, t: Any, x: Named, v: Named) -> tuple[Any, ...]:
-        """Its states when it is switched on, a sample at that instant included."""
-
-    def rates(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
-        """Rates of its states between samples."""
-
-    def sampled(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
-        """Its states after a sample at t, from those before it."""
-
-    def forces(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> Named:
-        """Forces on bodies by their names [N], or torques [N m]."""
 
 
 class Controllers:

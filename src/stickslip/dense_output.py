@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.layout import StateLayout
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 
 __all__ = ["HarmonicArcs", "Pieces", "PolynomialPieces", "inner_rates", "kind_of", "pieces_from_arrays"]
@@ -17,39 +18,15 @@ __all__ = ["HarmonicArcs", "Pieces", "PolynomialPieces", "inner_rates", "kind_of
 _ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 
-Array = Any  # numpy.ndarray
 
-
-class Pieces(Protocol):
-    """What a dense output offers. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
+class Pieces:
+    """Base of the dense outputs. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
 
     `mode` (pieces, contacts) is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
-    `memory` (pieces, memories) are the whole numbers that laws remember, `layout` says what the states are.
+    `memory` (pieces, memories) are the whole numbers that laws remember, `layout` says what the states are. ``evaluate(t, index)`` gives
+    x (time, body), v (time, body) and z (time, contact, state), NaN where a law has fewer, at times that lie on the given pieces;
+    ``until(end)`` the same pieces up to a time. The fields are the arrays that are kept, and the layout, which is kept as text.
     """
-
-    t: Array
-    mode: Array
-
-    @property
-    def memory(self) -> Array:
-        """Whole numbers that laws remember on each piece."""
-
-    @property
-    def layout(self) -> StateLayout:
-        """Bodies and contacts, and which states are theirs."""
-
-    def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
-        """x (time, body), v (time, body) and z (time, contact, state), NaN where a law has fewer, at times that lie on the given pieces."""
-
-    def arrays(self) -> dict[str, Any]:
-        """All that is needed to make these pieces again."""
-
-    def until(self, end: float) -> Any:
-        """The same pieces up to a time."""
-
-
-class _Arrays:
-    """Pieces whose fields are the arrays that are kept, and the layout, which is kept as text."""
 
     def arrays(self) -> dict[str, Any]:
         """All that is needed to make these pieces again, by name; what is empty is left out."""
@@ -74,7 +51,7 @@ def _columns(array: Array) -> Array:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class PolynomialPieces(_Arrays):
+class PolynomialPieces(Pieces):
     r"""Polynomials on each step, what an integrator gives.
 
     With :math:`\theta = (t - t_i)/h_i`, every state of the bodies and contacts is :math:`\sum_k c_k \theta^k`. A way is the integral of
@@ -219,7 +196,7 @@ def _horner(c: Array, index: Array, theta: Array) -> Array:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class HarmonicArcs(_Arrays):
+class HarmonicArcs(Pieces):
     r"""Closed arcs of a body with Coulomb friction under a harmonic drive: exact, no interpolation.
 
     While it slides, :math:`\dot v = a\sin\omega t - r` with r = `resist_plus` forwards and -`resist_minus` backwards; while stuck v = 0.

@@ -85,7 +85,8 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
         shapes = ", ".join(f"{name} {shape}" for name, shape in lengths.items())
         problems.add(f"the columns have the shapes {shapes}; allowed are flat ones of the same length, from one value on")
     problems.check()
-    return Design(dim, {name: _plain(a) for name, a in arrays.items()}, {"design": "zipped"})
+    columns = {name: a.astype(float) if a.dtype.kind in "iuf" else a for name, a in arrays.items()}
+    return Design(dim, columns, {"design": "zipped"})
 
 
 @explains_arguments
@@ -234,8 +235,3 @@ def _bounds(name: str, value: Any, problems: Problems) -> Any:
     if log:
         return lambda u: low * (high / low) ** u
     return lambda u: low + (high - low) * u
-
-
-def _plain(array: Any) -> Any:
-    """Numbers as floats; everything else as it is."""
-    return array.astype(float) if array.dtype.kind in "iuf" else array

@@ -10,7 +10,6 @@ import numpy as np
 
 __all__ = ["ALLOWED", "Distribution", "distribution_of"]
 
-Array = Any
 #: What may be typed for an uncertain number.
 ALLOWED = '("normal", mean, standard deviation), ("uniform", low, high) or (value, "1%")'
 _WIDE = 8.0  # standard deviations within which a number with a normal distribution is looked for
@@ -58,7 +57,7 @@ class Distribution:
         low, high = self.a - _WIDE * self.b, self.a + _WIDE * self.b
         return (max(low, 1e-3 * self.a) if self.a > 0 else low), (min(high, 1e-3 * self.a) if self.a < 0 else high)
 
-    def at(self, u: Array) -> Array:
+    def at(self, u: Any) -> Any:
         """The numbers below which a part u of the distribution lies."""
         from scipy.special import ndtri
 

@@ -7,7 +7,7 @@ import errno
 import math
 import operator
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -19,7 +19,6 @@ __all__ = [
     "StickslipError",
     "as_path",
     "did_you_mean",
-    "gather",
     "is_number",
     "is_one_of",
     "is_whole",
@@ -181,18 +180,6 @@ def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
                 return path  # what may not be looked at is told where it is opened
     shown = value if not isinstance(text, str) or len(text) < 200 else f"{text[:60]}... of {len(text)} characters"
     raise InputError(what, [f"{shown!r} is not a path of a file; type for example {example!r}"])
-
-
-def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:
-    """Call every maker and return the results by name; report the problems of all of them at once."""
-    problems, made = Problems(what), {}
-    for name, make in makers.items():
-        try:
-            made[name] = make()
-        except InputError as error:
-            problems.include(error, f"{name}: ")
-    problems.check()
-    return made
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Event", "aloft_of", "events_of", "flights_of", "hits_of", "nodes_at"]
+from stickslip.maths import Array
 
-Array = Any  # numpy.ndarray
+__all__ = ["Event", "aloft_of", "events_of", "flights_of", "hits_of", "nodes_at"]
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import LARGEST, is_array, number
+from stickslip.fields import checked_number, is_array, number
 from stickslip.maths import cos, pi
 
 __all__ = ["Switch", "SwitchingFlow", "is_flow", "knows_mode", "unknown_mode"]
@@ -117,15 +117,9 @@ class SwitchingFlow:
         _check_scales(problems, scales, states)
         _check_period(problems, period, numbers)
         problems.check()
-        given = (
-            dict(fields),
-            dict(switches),
-            period,
-            numbers,
-            None if states is None else tuple(states),
-            None if scales is None else tuple(scales),
-        )
-        for name, value in zip(("fields", "switches", "forcing", "numbers", "states", "scales"), given, strict=True):
+        names, sizes = (None if given is None else tuple(given) for given in (states, scales))
+        own = {"fields": dict(fields), "switches": dict(switches), "forcing": period, "numbers": numbers, "states": names, "scales": sizes}
+        for name, value in own.items():
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -158,10 +152,15 @@ class SwitchingFlow:
             raise InputError(
                 "SwitchingFlow.of_map", [f"f = {f!r}; allowed is a function; type for example lambda y, n: (n.r * y[0] * (1 - y[0]),)"]
             )
-        known = ("n",) if numbers else ()
-        still = _taking(known, lambda y, *n: tuple(0.0 * value for value in y))
-        clock = lambda sign: _timed(known, lambda t: sign * cos(2 * pi * t))  # noqa: E731
-        switches = {"before": (Switch(clock(1.0), "after", _taking(known, f)),), "after": (Switch(clock(-1.0), "before"),)}
+
+        def still(t: Any, y: Any, *n: Any) -> Any:
+            return tuple(0.0 * value for value in y)
+
+        def clock(sign: float) -> Callable[..., Any]:
+            return lambda t, y, *n: sign * cos(2 * pi * t)
+
+        first = Switch(clock(1.0), "after", lambda t, y, *n: f(y, *n))
+        switches = {"before": (first,), "after": (Switch(clock(-1.0), "before"),)}
         return cls({"before": still, "after": still}, switches, 1.0, numbers, states, scales)
 
     @property
@@ -232,16 +231,6 @@ def _with_numbers(f: Callable[..., Any], n: Any) -> Callable[[Any, Any], Any]:
     return lambda t, y: f(t, y, n)
 
 
-def _taking(numbers: tuple[str, ...], f: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of the state as one of time and state; with numbers it gets them too."""
-    return (lambda t, y, n: f(y, n)) if numbers else (lambda t, y: f(y))
-
-
-def _timed(numbers: tuple[str, ...], g: Callable[[Any], Any]) -> Callable[..., Any]:
-    """A function of time as one of time and state; with numbers too."""
-    return (lambda t, y, n: g(t)) if numbers else (lambda t, y: g(t))
-
-
 # ---- checks ----
 def _check_fields(problems: Problems, fields: Any) -> None:
     if not isinstance(fields, Mapping) or not fields:
@@ -276,13 +265,8 @@ def _checked_numbers(problems: Problems, numbers: Any) -> dict[str, Any]:
         if not (isinstance(name, str) and name.isidentifier()) or name in ("t", "mode"):
             problems.add(f"numbers has {name!r}; allowed are names that can be typed after n., other than t and mode")
             continue
-        try:
-            found[name] = number(value)
-        except ValueError as error:
-            problems.add(f"numbers[{name!r}]: {error}; allowed is a number, or an array of one for each case")
-            continue
-        if not np.all(abs(np.asarray(found[name], float)) < LARGEST):
-            problems.add(f"numbers[{name!r}] = {value!r}; allowed are finite numbers")
+        allowed = "a number, or an array of one for each case"
+        found[name] = checked_number(f"numbers[{name!r}]", value, problems, None, allowed, f"numbers={{{name!r}: 0.8}}")
     return found
 
 

@@ -8,16 +8,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Drawn
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
 __all__ = ["FlowRun", "ModeChange", "extremes", "polynomials"]
 
-Array = Any
 _LOOKS = 33  # at a polynomial on one step; its extremes are refined from there
 _FREE = 10  # of a flow without a period: this many times `samples` instants in all
 
@@ -248,9 +249,7 @@ class FlowRun(Drawn):
 
 def polynomials(coefficients: Array, theta: Array) -> Array:
     """Values (pieces, states) of polynomials (pieces, states, powers) at one place of each piece."""
-    value = coefficients[..., -1].copy()
-    for k in range(coefficients.shape[-1] - 2, -1, -1):
-        value = value * theta[:, None] + coefficients[..., k]
+    value: Array = polyval(theta[:, None], np.moveaxis(coefficients, -1, 0), tensor=False)
     return value
 
 

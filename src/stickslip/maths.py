@@ -11,6 +11,7 @@ multiplied by a factor of ordinary size.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "wrapped",
 ]  # fmt: skip
 
+Array = Any  # of NumPy: annotations say which numbers are arrays
 pi = math.pi
 
 LARGEST = 690.0  # where exp, sinh and cosh stop growing: a float holds up to exp(709.78)
@@ -201,3 +203,19 @@ def wrapped(t: Any, period: Any) -> Any:
     before = where(t < -period, t + 2.0 * period, t + period)
     after = where(t < 2.0 * period, t - period, t - 2.0 * period)
     return where(t < 0.0, before, where(t < period, t, after))
+
+
+def bisected(lies_beyond: Callable[[Any], Any], low: Any, high: Any, halvings: int) -> tuple[Any, Any]:
+    """What is left of the interval from `low` to `high` around a place of which `lies_beyond` says whether it is beyond another.
+
+    Examples
+    --------
+    >>> low, high = bisected(lambda x: x * x < 2.0, 1.0, 2.0, 40)
+    >>> round(low, 9), round(high, 9)
+    (1.414213562, 1.414213562)
+    """
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        beyond = lies_beyond(middle)
+        low, high = where(beyond, middle, low), where(beyond, high, middle)
+    return low, high

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.arguments import Model, explains_arguments
@@ -127,16 +128,7 @@ class DimensionlessRobot(Frozen):
     velocity_scale: ClassVar[float] = 1.0
     total_mass: ClassVar[float] = 1.0
     notes: ClassVar[tuple[str, ...]] = ()
-
-    @property
-    def inner_mass(self) -> float:
-        """The inner mass in units of the whole mass [-]."""
-        return self.mu
-
-    @property
-    def free_velocity(self) -> float:
-        """mu, the velocity amplitude without friction [-]."""
-        return self.mu
+    inner_mass = free_velocity = property(attrgetter("mu"), doc="The mass ratio: also the inner mass and its free velocity.")
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact."""
@@ -204,7 +196,7 @@ def dimensionless(robot: Model) -> DimensionlessRobot:
         if not isinstance(part, kind):
             problems.add(f"{name} is a {type(part).__name__}; Eq. 5.1 is written for {kind.__name__}")
     problems.check()
-    if not _nonzero(robot.drive.amplitude):
+    if not everywhere(robot.drive.amplitude != 0):
         raise InputError("dimensionless", ["amplitude = 0 leaves nothing to measure lengths with; give a positive amplitude"])
     law, A, omega, mass = robot.friction, robot.drive.amplitude, robot.drive.omega, robot.total_mass
     k1, k2, k3 = static(law.f_plus, law.mu_plus) / law.mu_plus, static(law.f_minus, law.mu_minus) / law.mu_minus, law.mu_minus / law.mu_plus
@@ -242,11 +234,6 @@ def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
     return True
 
 
-def _nonzero(amplitude: Any) -> bool:
-    good = amplitude != 0
-    return bool(good.all()) if hasattr(good, "all") else bool(good)
-
-
 def ratios(mu0: Any, f0: Any, tilt: Any) -> tuple[Any, Any, Any]:
     """k1, k2 and k3 of a folded incline from isotropic coefficients: Eq. 5.2 with the right k3.
 
@@ -258,7 +245,5 @@ def ratios(mu0: Any, f0: Any, tilt: Any) -> tuple[Any, Any, Any]:
     >>> round(k3, 6)
     1.394880
     """
-    from stickslip.maths import cos, sin
-
     slope = sin(tilt) / cos(tilt)
     return (f0 - slope) / (mu0 - slope), (f0 + slope) / (mu0 + slope), (mu0 + slope) / (mu0 - slope)

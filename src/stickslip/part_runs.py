@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.errors import InputError, did_you_mean
 from stickslip.variables import VARIABLES
@@ -11,17 +11,40 @@ from stickslip.variables import VARIABLES
 __all__ = ["BodyRun", "ContactRun", "ControllerRun"]
 
 
+def _own(name: str, about: str) -> property:
+    """What the run has of all parts, of this one."""
+    return property(lambda part: part.run._part(getattr(part.run, name), part.number), doc=about)
+
+
 def _column(name: str) -> property:
     variable = VARIABLES[name]
-
-    def column(self: Any) -> Any:
-        return self.run._part(getattr(self.run, name), self.number)
-
-    return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+    return _own(name, f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BodyRun:
+class _PartRun:
+    """One part of a run."""
+
+    run: Any
+    number: int
+
+    _kind: ClassVar[tuple[str, str]]  # of one part, of all
+
+    @property
+    def _states(self) -> Any:
+        """Which states are its own."""
+        return getattr(self.run.pieces.layout, self._kind[1])[self.number]
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return str(self._states.name)
+
+    def __repr__(self) -> str:
+        return f"<{self._kind[0]} {self.name!r} of a run>"
+
+
+class BodyRun(_PartRun):
     """One body of a run: its columns are arrays (time,), strobe points (strobe times,).
 
     Examples
@@ -32,34 +55,16 @@ class BodyRun:
     ({'body': <body 'body' of a run>}, True)
     """
 
-    run: Any
-    number: int
+    _kind = ("body", "bodies")
 
     x = _column("x")
     v = _column("v")
     acceleration = _column("acceleration")
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return str(self.run.pieces.layout.bodies[self.number].name)
-
-    @property
-    def strobe_x(self) -> Any:
-        """Position at the strobe times [m]."""
-        return self.run._part(self.run.strobe_x, self.number)
-
-    @property
-    def strobe_v(self) -> Any:
-        """Velocity at the strobe times [m/s]."""
-        return self.run._part(self.run.strobe_v, self.number)
-
-    def __repr__(self) -> str:
-        return f"<body {self.name!r} of a run>"
+    strobe_x = _own("strobe_x", "Position at the strobe times [m].")
+    strobe_v = _own("strobe_v", "Velocity at the strobe times [m/s].")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ContactRun:
+class ContactRun(_PartRun):
     """One contact of a run: its columns are arrays (time,); `z` is (time, states), or (time,) if there is one, or None.
 
     Examples
@@ -70,18 +75,12 @@ class ContactRun:
     ({'contact': <contact 'contact' of a run>}, True, None)
     """
 
-    run: Any
-    number: int
+    _kind = ("contact", "contacts")
 
     mode = _column("mode")
     friction_force = _column("friction_force")
     slip = _column("slip")
     load = _column("load")
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return str(self.run.pieces.layout.contacts[self.number].name)
 
     @property
     def z(self) -> Any:
@@ -95,7 +94,7 @@ class ContactRun:
 
     def _inner(self, z: Any) -> Any:
         """Its own inner states, without those that only other laws have."""
-        count = len(self.run.pieces.layout.contacts[self.number].inner)
+        count = len(self._states.inner)
         if z is None or not count:
             return None
         own = self.run._part(z, self.number)
@@ -106,12 +105,8 @@ class ContactRun:
         """Its events, in order."""
         return [event for event in self.run.events if event.part == self.name]
 
-    def __repr__(self) -> str:
-        return f"<contact {self.name!r} of a run>"
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ControllerRun:
+class ControllerRun(_PartRun):
     """One controller of a run: what it holds, by the names of its states.
 
     Examples
@@ -124,13 +119,12 @@ class ControllerRun:
     True
     """
 
-    run: Any
-    number: int
+    _kind = ("controller", "controllers")
 
     @property
     def states(self) -> tuple[str, ...]:
         """What its states are called."""
-        return tuple(self.run.pieces.layout.controllers[self.number].states)
+        return tuple(self._states.states)
 
     def __getitem__(self, state: str) -> Any:
         """The column (time,) of one of its states; `InputError` for a name that is none of them."""
@@ -139,6 +133,3 @@ class ControllerRun:
             raise InputError("run.controllers", [f"{state!r} is not a state of {self!r}{told}"])
         z = self.run._held[:, len(self.run.pieces.layout.contacts) + self.number]
         return z[:, self.states.index(state)]
-
-    def __repr__(self) -> str:
-        return f"<controller {self.run.pieces.layout.controllers[self.number].name!r} of a run>"

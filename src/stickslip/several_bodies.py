@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property, reduce
+from operator import add, attrgetter
 from typing import Any
 
 from stickslip.controllers import Controllers
@@ -11,7 +13,7 @@ from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.maths import maximum, minimum, pi, sqrt
 from stickslip.mechanics import Mechanics, Numbers, signed_less
 
-__all__ = ["SeveralBodies", "Stopper"]
+__all__ = ["SeveralBodies", "Stopper", "several"]
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
@@ -21,16 +23,13 @@ _LEAST = 1e-3  # of the velocity that a force as large as the load gives: the sc
 class Stopper:
     """A stop between two bodies or a body and the ground: its gap is h q + d(t), and it is open while that is positive."""
 
+    restitution = property(attrgetter("part.restitution"), doc="Restitution of a hit; None of an elastic stop.")
+
     def __init__(self, mechanics: SeveralBodies, ends: tuple[str, str | None], part: Any):
         self.mechanics, self.ends, self.part = mechanics, ends, part
         self.name = "-".join(end for end in ends if end is not None)
         row = mechanics.row(*ends)
         self.direction = tuple(-part.side * g for g in row)  # of the gap
-
-    @property
-    def restitution(self) -> Any:
-        """Velocity of parting over velocity of approach."""
-        return self.part.restitution
 
     def gap(self, t: Any, q: Numbers) -> Any:
         """What is left until they touch [m]."""
@@ -60,10 +59,10 @@ class SeveralBodies(Mechanics):
         self.bodies, self.joints = tuple(self.parts), dict(model.contacts())
         self.contacts = tuple(self.joints)
         self.controllers = Controllers(model.controllers())
-        links = {ends: _several(link) for ends, link in model.links().items()}
+        links = {ends: several(link) for ends, link in model.links().items()}
         self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
         self.prescribed = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
-        walls = [(ends, stop) for ends, each in model.stops().items() for stop in _several(each)]
+        walls = [(ends, stop) for ends, each in model.stops().items() for stop in several(each)]
         self.elastic_stops = [(ends, stop) for ends, stop in walls if stop.restitution is None]
         self.elastic += self.elastic_stops
         self.groups, self.arms = _groups(self.bodies, self.prescribed)
@@ -170,9 +169,9 @@ class SeveralBodies(Mechanics):
         time = self.time_scale
         time = 1.0 if time is None else time
         start, still = self.start, (0.0,) * len(self.groups)
-        largest = _sum([])
-        for q, mass in zip(self.loads(0.0, start), self._masses_of_contacts, strict=True):
-            largest = maximum(largest, _LEAST * abs(q) / mass * time)
+        largest: Any = 0.0
+        for q, contact in zip(self.loads(0.0, start), self.joints.values(), strict=True):
+            largest = maximum(largest, _LEAST * abs(q) / self.masses[self.coordinate[contact.body]] * time)
         for k in range(_LOOKS if self.period is not None else 1):
             t = time * (k / _LOOKS)
             for a in self.accelerations(t, start, still, (0.0,) * len(self.contacts)):
@@ -180,10 +179,6 @@ class SeveralBodies(Mechanics):
             for b in self.offsets(t):
                 largest = maximum(largest, abs(b))
         return largest
-
-    @property
-    def _masses_of_contacts(self) -> tuple[Any, ...]:
-        return tuple(self.masses[self.coordinate[c.body]] for c in self.joints.values())
 
     def _middle(self, group: tuple[str, ...], values: dict[str, Any]) -> Any:
         """What the bodies of a coordinate have, weighted with their masses."""
@@ -307,7 +302,8 @@ def _is_elastic(link: Any) -> bool:
     return callable(getattr(link, "force", None))
 
 
-def _several(parts: Any) -> tuple[Any, ...]:
+def several(parts: Any) -> tuple[Any, ...]:
+    """Links or stops between two bodies: one or more."""
     return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
 
 
@@ -325,11 +321,8 @@ def _acceleration(on: Any, t: Any) -> Any:
     return on.acceleration(t) if callable(getattr(on, "acceleration", None)) else 0.0
 
 
-def _sum(terms: Any) -> Any:
-    total: Any = 0.0
-    for term in terms:
-        total = total + term
-    return total
+def _sum(terms: Iterable[Any]) -> Any:
+    return reduce(add, terms, 0.0)
 
 
 def _plus(value: Any, arm: Any) -> Any:

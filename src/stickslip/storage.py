@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import hdf5
-from stickslip.datasets import attributes, dims_of, explained_columns, flat_columns, names_of, trajectory_columns, write_csv
+from stickslip.datasets import attributes, explained_columns, flat_columns, names_of, trajectory_columns, trajectory_dataset, write_csv
 from stickslip.dense_output import kind_of, pieces_from_arrays
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
@@ -32,7 +32,7 @@ from stickslip.mechanisms import MECHANISMS
 from stickslip.robot import Robot
 from stickslip.tables import document_of
 from stickslip.unpacking import Allowance
-from stickslip.variables import VARIABLES, unit_of
+from stickslip.variables import unit_of
 from stickslip.workbooks import write_workbook
 
 __all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_excel", "to_mat", "unwritable"]
@@ -99,36 +99,17 @@ def save(run: Any, path: str | Path) -> Path:
         allowed = f"{', '.join(_NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
     attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
-    columns, names = trajectory_columns(run), names_of(run)
-    import h5netcdf
-    import h5py
+    import xarray as xr
 
-    with moved_into_place(path, unwritable("save")) as beside, h5netcdf.File(beside, "w") as file:
-        file.attrs.update(attrs)
-        file.dimensions = {"time": len(run.t), **{dim: len(of) for dim, of in names.items()}}
-        for dim, of in names.items():
-            file.create_variable(dim, (dim,), data=np.array(of, dtype=h5py.string_dtype()))
-        for name, column in columns.items():
-            sizes = zip(dims_of(name, column, names), column.shape, strict=True)
-            dims = tuple(dim if dim in file.dimensions else _dimension(file, n) for dim, n in sizes)
-            place = "time" if name == "t" else name
-            made = file.create_variable(place, dims, data=column, compression="gzip", compression_opts=1, shuffle=True)
-            made.attrs.update({"units": unit_of(name, run.model) or "1", "long_name": VARIABLES[name].long_name})
-        group = file.create_group("pieces")
-        group.attrs["kind"] = kind_of(run.pieces)
-        for name, kept in run.pieces.arrays().items():
-            if isinstance(kept, str):
-                group.attrs[name] = kept
-            else:
-                group.create_variable(name, tuple(_dimension(group, n) for n in kept.shape), data=kept)
+    data, kept = trajectory_dataset(run).assign_attrs(attrs), run.pieces.arrays()
+    texts = {name: array for name, array in kept.items() if isinstance(array, str)}
+    arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in kept.items() if name not in texts}
+    packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "_FillValue": None}
+    with moved_into_place(path, unwritable("save")) as beside:
+        data.to_netcdf(beside, engine="h5netcdf", encoding={str(name): packed for name in data.variables if name not in names_of(run)})
+        pieces = xr.Dataset(arrays, attrs={"kind": kind_of(run.pieces), **texts})
+        pieces.to_netcdf(beside, mode="a", group="pieces", engine="h5netcdf", encoding={name: {"_FillValue": None} for name in arrays})
     return path
-
-
-def _dimension(group: Any, size: int) -> str:
-    name = f"n{size}"
-    if name not in group.dimensions:
-        group.dimensions[name] = size
-    return name
 
 
 def _model_attributes(model: Any) -> dict[str, str]:
@@ -136,27 +117,23 @@ def _model_attributes(model: Any) -> dict[str, str]:
     if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"
         raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
-    if lists_parts(model):
-        return _machine_attributes(model)
+    if lists_parts(model):  # the name of its class where that is a user's own
+        own = {} if type(model) in MECHANISMS.values() else {"machine": type(model).__name__}
+        return {"robot": _toml(model), **own}
     law = model.friction
-    try:
-        if type(law) in LAWS.values():
-            return {"robot": model.to_toml()}
-        kept = {"robot": dataclasses.replace(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
-    except InputError as error:
-        raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
+    if type(law) in LAWS.values():
+        return {"robot": _toml(model)}
     numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
-    return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})}
+    told = json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})
+    return {"robot": _toml(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)), "law": told}
 
 
-def _machine_attributes(model: Any) -> dict[str, str]:
-    """A machine that lists its parts as TOML; the name of its class where that is a user's own."""
+def _toml(model: Any, **changes: Any) -> str:
+    """The model as TOML, changed where it has to be."""
     try:
-        text = model.to_toml()
+        return str((dataclasses.replace(model, **changes) if changes else model).to_toml())
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
-    own = {} if type(model) in MECHANISMS.values() else {"machine": type(model).__name__}
-    return {"robot": text, **own}
 
 
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'

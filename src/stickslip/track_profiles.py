@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, everywhere
@@ -45,15 +45,10 @@ class _Placed(AroundTrack):
         """Factor on the friction by time, of the track inside; None where there is none."""
         return getattr(self.track, "grip", None)
 
-    def grip_at(self, x: Any) -> Any:
+    def grip_at(self: Any, x: Any) -> Any:
         """Factor on the friction at a place [-]."""
         inner, own = place_grip_of(self.track), self._own(x)
         return own if inner is None else own * inner(x)
-
-    if TYPE_CHECKING:
-
-        def _own(self, x: Any) -> Any:
-            """Its own factor at a place [-]."""
 
 
 @dataclass(frozen=True, eq=False)

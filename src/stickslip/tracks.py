@@ -187,10 +187,7 @@ def without_its_law(track: Any) -> Any:
     return Level(folded=track.folded, lost=True) if inside is None else track.replace(track=without_its_law(inside))
 
 
-TRACKS = {
-    "level": Level, "incline": Incline, "varyingfriction": VaryingFriction, "frictionpatches": FrictionPatches,
-    "frictionwave": FrictionWave, "frictionprofile": FrictionProfile,
-}  # fmt: skip
+TRACKS = {cls.__name__.lower(): cls for cls in (Level, Incline, VaryingFriction, FrictionPatches, FrictionWave, FrictionProfile)}
 
 
 def fold(coefficient: Any, tilt: Any) -> tuple[Any, Any]:

@@ -25,23 +25,6 @@ _BASE: dict[str, tuple[float, tuple[int, ...]]] = {
     "Hz": (1.0, (0, 0, -1, 0, 0)),
     "rad": (1.0, (0, 0, 0, 0, 1)),
 }
-_QUANTITIES: dict[tuple[int, ...], str] = {
-    (0, 0, 1, 0, 0): "time",
-    (1, 0, -1, 0, 0): "velocity",
-    (1, 0, 0, 0, 0): "position",
-    (1, 0, -2, 0, 0): "acceleration",
-    (1, 1, -2, 0, 0): "force",
-    (-1, 1, -2, 0, 0): "pressure",
-    (2, 1, -3, -1, 0): "voltage",
-    (0, 0, -1, 0, 0): "frequency",
-    (0, 0, 0, 0, 0): "ratio",
-    (0, 1, 0, 0, 0): "mass",
-    (2, 1, -2, 0, 0): "torque",
-    (0, 0, 0, 0, 1): "angle",
-    (0, 0, -1, 0, 1): "angular velocity",
-    (0, 0, -2, 0, 1): "angular acceleration",
-    (0, 0, 0, 1, 0): "current",
-}
 #: The SI unit of what units measure here.
 SI = {
     "time": "s", "velocity": "m/s", "position": "m", "acceleration": "m/s²", "force": "N", "pressure": "Pa", "voltage": "V",
@@ -141,6 +124,10 @@ def _long(word: str) -> tuple[float, tuple[int, ...]] | None:
     if len(word) < 3:
         return None
     return WORDS.get(word) or (WORDS.get(word.removesuffix("s")) if len(word) > 4 else None)
+
+
+#: What a unit with these powers measures.
+_QUANTITIES = {unit.powers: name for name, text in SI.items() if (unit := unit_of(text))}
 
 
 def quantity_of(text: str | None) -> str | None:

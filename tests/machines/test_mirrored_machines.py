@@ -124,6 +124,30 @@ def _named(part, machine):
     return f"{second}-{first}" if dash else part
 
 
+@dataclass(frozen=True, eq=False)
+class Stage(ss.Machine):
+    """A mass on a table that a sawtooth moves."""
+
+    table: Any
+    friction: Any
+
+    @property
+    def period(self):
+        return self.table.period
+
+    def bodies(self):
+        return {"mass": ss.Body(0.1)}
+
+    def contacts(self):
+        return {"mass": ss.Contact("mass", self.friction, on=self.table)}
+
+
+def test_jumps_of_what_a_contact_rubs_on_are_in_the_mirror_too():
+    stage = Stage(ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3), ss.Coulomb(0.2, 0.3))
+    there, back = (ss.mean_velocity(ss.solve(each, periods=30)) for each in (stage, ss.mirrored(stage)))
+    assert there > 0 and back == pytest.approx(-there, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", with_bodies)
 def test_what_is_mirrored_twice_is_the_machine_again(name):
     machine = every_machine[name][0]

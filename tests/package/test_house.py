@@ -80,7 +80,7 @@ def test_the_import_contracts_hold():
 #: Modules that still import one another, all inside functions: what adds up to a sum, and what chooses among all methods.
 CIRCLES = [
     {"drives.force", "drives.harmonic_force"},
-    {"friction.law", "friction.stribeck", "friction.sum", "friction.viscous"},
+    {"friction.law", "friction.stribeck", "friction.sum", "friction.two_sided", "friction.viscous"},
     {"identifying.fit", "identifying.uncertainty"},
     {"machines.machine", "machines.mirrored"},
     {"sweeps.following", "sweeps.planning", "sweeps.solving"},

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
+from stickslip.maths import Array, bisected
 from stickslip.sealing import sealed
 
 __all__ = [
@@ -34,7 +34,6 @@ __all__ = [
     "two_phase",
 ]
 
-Array = Any
 _PERIODS = 100_000  # at most; only with static friction, or next to frictionless, are more than ten needed
 _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory
 
@@ -123,11 +122,7 @@ def long_slide(plus: Array, minus: Array) -> Array:
 
 def _root(f: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Where a falling f is zero, by halving to the last bit."""
-    low, high = np.array(low, float), np.array(high, float)
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        above = f(middle) > 0
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    low, high = bisected(lambda a: f(a) > 0, np.array(low, float), np.array(high, float), 80)
     return 0.5 * (low + high)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
 from stickslip.machine_adapter import machine_of
+from stickslip.maths import Array, bisected
 
 __all__ = ["FLIGHT", "PRESSED", "Stretch", "contact_modes", "hits", "landings", "pressed_stops", "stop_rows", "watched_contacts"]
 
-Array = Any
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50
@@ -104,11 +104,8 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
     t = np.union1d(np.linspace(start, end, _GRID), nodes[(nodes > start) & (nodes < end)])
     closed = is_closed(t)
     turns = np.flatnonzero(closed[1:] != closed[:-1])
-    low, high, before = t[turns], t[turns + 1], closed[turns]
-    for _ in range(_HALVINGS if len(turns) else 0):
-        middle = 0.5 * (low + high)
-        same = is_closed(middle) == before
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    before = closed[turns]
+    _, high = bisected(lambda middle: is_closed(middle) == before, t[turns], t[turns + 1], _HALVINGS if len(turns) else 0)
     edges = np.concatenate([[start] if closed[0] else [], high, [end] if closed[-1] else []])
     return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
 

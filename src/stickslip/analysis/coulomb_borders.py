@@ -10,19 +10,11 @@ import numpy as np
 from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
 from stickslip.arguments import Grid, explains_arguments
 from stickslip.errors import InputError
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 
-__all__ = ["BORDERS", "Border", "border_functions", "coulomb_borders"]
+__all__ = ["Border", "border_functions", "coulomb_borders"]
 
-Array = Any
-#: The types on both sides of each border, and the formula that it comes from.
-BORDERS: dict[tuple[str, str], str] = {
-    ("rest", "II"): "min(α+, α-) = 1",
-    ("II", "I"): "max(α+, α-) = 1",
-    ("II", "III"): "√(1-α+²) - √(1-α-²) = α+(2π - asin α- - asin α+)",
-    ("I", "III"): "√(1-α+²) + √(1-α-²) = α+(π + asin α- - asin α+)",
-    ("III", "IV"): "α+ = sin δ/√(δ² + (1 - δ cot δ)²), δ = πα-/(α+ + α-)",
-}
 _FINE = 601  # points of each axis of the field on which curves are traced
 
 
@@ -45,7 +37,11 @@ class Border:
 
 
 def border_functions(alpha_plus: Array, alpha_minus: Array) -> dict[tuple[str, str], Array]:
-    """For each border a function of the alphas that is zero on it, and NaN where the border is none (the formulas of `BORDERS`).
+    """For each border a function of the alphas that is zero on it, and NaN where the border is none.
+
+    Of a+ and a-, the smaller and the larger of the two: rest to II where a+ = 1; II to I where a- = 1;
+    II to III where √(1-a+²) - √(1-a-²) = a+(2π - asin a- - asin a+); I to III where √(1-a+²) + √(1-a-²) = a+(π + asin a- - asin a+);
+    III to IV where a+ = sin δ/√(δ² + (1 - δ cot δ)²), δ = πa-/(a+ + a-).
 
     Examples
     --------

@@ -6,11 +6,12 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, intervals_of, raw_segments, type_of
+from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
@@ -19,6 +20,7 @@ from stickslip.fields import everywhere
 from stickslip.friction import Coulomb
 from stickslip.friction.law_adapter import adapted, law_of
 from stickslip.machine_adapter import machine_of
+from stickslip.segments import intervals_of, type_of
 from stickslip.summary import Summary
 
 __all__ = ["DWELL", "SLIP_RATIO", "Motion", "Motions", "coulomb_twin", "motion", "threshold_table"]
@@ -215,6 +217,8 @@ def _never_moves(run: Any, watched: Watched, found: Motion) -> bool:
 class _One:
     """How far the only body goes in a motion period, and its velocity."""
 
+    column: Any = property(attrgetter("run.v"), doc="Velocity at the instants of the columns [m/s].")
+
     def __init__(self, run: Any):
         self.run = run
 
@@ -222,11 +226,6 @@ class _One:
         """Way over the last `count` drive periods [m]."""
         x = self.run.strobe_x
         return float(x[-1] - x[max(len(x) - 1 - count, 0)])
-
-    @property
-    def column(self) -> Any:
-        """Velocity at the instants of the columns [m/s]."""
-        return self.run.v
 
 
 class _Slip(_One):
@@ -256,14 +255,8 @@ def _motion(run: Any, watched: Watched, moved: _One, slip_ratio: float, dwell: f
     told = _typed(run, raw, period, dwell, watched, moved)
     dynamic, single = watched.law.dynamic, machine_of(run.model).is_single
     return Motion(
-        type=str(told["motion_type"][0]),
-        pattern=str(told["pattern"][0]),
+        **told,
         period=period,
-        direction=int(told["direction"][0]),
-        margin=float(told["margin"][0]),
-        stick_fraction=float(told["stick_fraction"][0]),
-        forward_fraction=float(told["forward_fraction"][0]),
-        backward_fraction=float(told["backward_fraction"][0]),
         intervals=_intervals(raw, dwell),
         slip_ratio=slip_ratio if dynamic else None,
         dwell=dwell if dynamic else None,
@@ -289,7 +282,8 @@ def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: W
     floor = (float(run.rtol) if dynamic else 1e-12) * speed * run.period_time * count
     v = moved.column[run.t >= run.pieces.t[-1] - count * run.period_time]
     moving = np.ptp(v) > (0.0 if dynamic else 1e-9 * speed)
-    return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
+    found = type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
+    return {name.removeprefix("motion_"): column[0].item() for name, column in found.items()}
 
 
 def _intervals(raw: Segments, dwell: float) -> tuple[tuple[float, float, int], ...]:
@@ -362,5 +356,5 @@ def threshold_table(
         raw = raw_segments(run, period or 1, slip_ratio)
         for dwell in dwells:
             told = _typed(run, raw, period, dwell, Watched(run), _One(run))
-            rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": str(told["motion_type"][0]), "pattern": str(told["pattern"][0])})
+            rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": told["type"], "pattern": told["pattern"]})
     return rows

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.maths import Array
 
 __all__ = ["belt_period", "den_hartog_amplitude"]
 
-Array = Any
 _PHASES = 400  # of a half-cycle, at which the velocity must keep its sign
 
 

@@ -11,24 +11,19 @@ from stickslip.forces import columns, offered_force, slip_ratio_of
 from stickslip.friction.law_adapter import LawAdapter, law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
+from stickslip.maths import Array, bisected
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
-from stickslip.segments import Intervals, intervals_of, type_of
 
 __all__ = [
-    "Intervals",
     "Segments",
     "Watched",
     "WatchedOf",
     "elastic_segments",
-    "intervals_of",
     "raw_segments",
     "shares",
-    "slip_ratio_at",
-    "type_of",
 ]
 
-Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
 
 
@@ -59,7 +54,8 @@ class Watched:
 
     def slip_ratio(self, t: Array, index: Array) -> Array:
         """Elastic part of the friction over its steady sliding value."""
-        return slip_ratio_at(self.run, t, index)
+        x, v, z = self.run._states_at(t, index)
+        return slip_ratio_of(self.run.model, self.modes[index], t, x, v, z, tuple(self.run.pieces.memory[index].T))
 
     def offered(self, t: Array) -> Array:
         """Friction force that would hold the contact [N]."""
@@ -69,8 +65,11 @@ class Watched:
     def limits(self, t: Array) -> tuple[Array, Array]:
         """Static friction limits backwards and forwards [N]."""
         x = self.run._states_at(t, self.run._index(t))[0]
-        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(normal_load(self.run.model, t, x)))
+        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._load(t, x)))
         return low, high
+
+    def _load(self, t: Array, x: Array) -> Array:
+        return normal_load(self.run.model, t, x)
 
 
 class WatchedOf(Watched):
@@ -98,12 +97,8 @@ class WatchedOf(Watched):
         """Friction force that would hold the contact while the others do what they do [N]."""
         return self._held(t)["friction_force"][:, self.number]
 
-    def limits(self, t: Array) -> tuple[Array, Array]:
-        """Static friction limits backwards and forwards [N]."""
-        x = self.run._states_at(t, self.run._index(t))[0]
-        load = self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
-        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(load))
-        return low, high
+    def _load(self, t: Array, x: Array) -> Array:
+        return self.mechanics.loads(t, self.mechanics.coordinates_of(tuple(x.T)))[self.number]
 
     def _held(self, t: Array) -> dict[str, Array]:
         """The forces if this contact rests."""
@@ -145,12 +140,6 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 
 
 # ---- dynamic laws: where does the bristle yield? ----
-def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
-    """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
-    x, v, z = run._states_at(t, index)
-    return slip_ratio_of(run.model, run._modes[index], t, x, v, z, tuple(run.pieces.memory[index].T))
-
-
 def elastic_segments(watched: Watched, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
     """Ends and codes of the segments within a span: +2, -2 slipping, +1, -1 elastic."""
     edges, index = clipped(watched.run.pieces, start, end)
@@ -171,10 +160,7 @@ def _bisected(watched: Watched, low: Array, high: Array, index: Array, above_low
     """Where the slip ratio crosses its threshold, to the last bit of t."""
     if len(low) == 0:
         return low
-    for _ in range(52):
-        middle = 0.5 * (low + high)
-        same = (watched.slip_ratio(middle, index) >= slip_ratio) == above_low
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    low, high = bisected(lambda t: (watched.slip_ratio(t, index) >= slip_ratio) == above_low, low, high, 52)
     return 0.5 * (low + high)
 
 

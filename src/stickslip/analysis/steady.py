@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory
 
 __all__ = [
-    "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance",
+    "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity",
     "velocity_range",
 ]  # fmt: skip
 
@@ -158,11 +158,6 @@ def needs_run(what: str, run: Any, why: str) -> Any:
 def _settled_count(run: Any) -> int:
     """Drive periods in the window after settling."""
     return max(len(run.strobe_times) - 1 - int(run.settle), min(1, len(run.strobe_times) - 1))
-
-
-def strobe_tolerance(run: Any) -> float:
-    """How close the strobe points of a run must come to count as one, in their scales: by its method and its rtol."""
-    return steadiness.strobe_tolerance(run.method, run.rtol)
 
 
 def period_number(run: Any) -> int | None:

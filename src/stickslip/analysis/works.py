@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.contact_forces import held_by_controllers
+from stickslip.maths import Array
 
 __all__ = ["at_landings", "kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers"]
-
-Array = Any
 
 
 def kinetic(mechanics: Any, v: Array) -> Array:

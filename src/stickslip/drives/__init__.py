@@ -4,13 +4,13 @@ from typing import Any
 
 from stickslip.contracts import Drive
 from stickslip.drives.bang_bang import BangBang
-from stickslip.drives.cantilever import cantilever_eigenvalues
+from stickslip.drives.cantilever import cantilever_eigenvalues as cantilever_eigenvalues
 from stickslip.drives.force import ForceSum
 from stickslip.drives.harmonic import Harmonic
 from stickslip.drives.harmonic_force import HarmonicForce
 from stickslip.drives.multi_harmonic import MultiHarmonic
 from stickslip.drives.pieces import Pieces
-from stickslip.drives.piezo_beam import PiezoBeam
+from stickslip.drives.piezo_beam import PiezoBeam as PiezoBeam
 from stickslip.drives.pulses import Pulses
 from stickslip.drives.recorded import Recorded
 from stickslip.drives.recorded_force import RecordedForce
@@ -20,28 +20,6 @@ from stickslip.drives.trapezoid import Trapezoid
 from stickslip.drives.turned import Reversed
 from stickslip.drives.two_phase import TwoPhase
 from stickslip.drives.vertical import VerticalVibration
-
-__all__ = [
-    "DRIVES",
-    "FORCES",
-    "BangBang",
-    "ForceSum",
-    "Harmonic",
-    "HarmonicForce",
-    "MultiHarmonic",
-    "Pieces",
-    "PiezoBeam",
-    "Pulses",
-    "Recorded",
-    "RecordedForce",
-    "Reversed",
-    "Sawtooth",
-    "ThreePhase",
-    "Trapezoid",
-    "TwoPhase",
-    "VerticalVibration",
-    "cantilever_eigenvalues",
-]
 
 _ALL = (Harmonic, MultiHarmonic, TwoPhase, ThreePhase, BangBang, Trapezoid, Pieces, Sawtooth, Recorded, VerticalVibration, Reversed)
 _KEEPING_THE_CONTRACT: tuple[type[Drive], ...] = _ALL  # mypy compares their methods

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
-from stickslip.errors import Problems
+from stickslip.drives.drive import PeriodicDrive, completed
 from stickslip.maths import sqrt, where, within
 from stickslip.quantities import PERIOD, positive, quantity
 
 __all__ = ["BangBang"]
 
-_EXAMPLE = "type for example BangBang(a1=20.0, a2=40.0, period=0.03)"
+_EXAMPLE = "BangBang(a1=20.0, a2=40.0, period=0.03)"
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -58,18 +57,15 @@ class BangBang(PeriodicDrive):
         t1: Any = None,
         t2: Any = None,
     ):
-        problems = Problems("BangBang")
+        ways = {
+            "period": lambda T: T,
+            "frequency": lambda f: 1 / f,
+            "stroke": lambda L: sqrt(8 * L * (1 / self.a1 + 1 / self.a2)),
+            "t1": lambda t: t * (self.a1 + self.a2) / self.a2,
+            "t2": lambda t: t * (self.a1 + self.a2) / self.a1,
+        }
         a2 = a1 if a2 is None else a2
-        allowed = f"a positive number; {_EXAMPLE}"
-        known = given_numbers(problems, allowed, a1=a1, a2=a2, period=period, frequency=frequency, stroke=stroke, t1=t1, t2=t2)
-        if a1 is None:
-            problems.add(f"a1 is missing; {_EXAMPLE}")
-        problems.check()
-        object.__setattr__(self, "a1", known["a1"])
-        object.__setattr__(self, "a2", known["a2"])
-        object.__setattr__(self, "period", _period(known, problems))
-        problems.check()
-        self.__post_init__()
+        completed(self, _EXAMPLE, ("a1",), ways, a1=a1, a2=a2, period=period, frequency=frequency, stroke=stroke, t1=t1, t2=t2)
 
     @property
     def t1(self) -> float:
@@ -110,16 +106,3 @@ class BangBang(PeriodicDrive):
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration [m/s^2]."""
         return where(within(t, self.period) < self.t1, self.a1, -self.a2)
-
-
-def _period(known: dict[str, Any], problems: Problems) -> Any:
-    """The period from what was given for it."""
-    a1, a2 = known["a1"], known["a2"]
-    ways = {
-        "period": lambda T: T,
-        "frequency": lambda f: 1 / f,
-        "stroke": lambda L: sqrt(8 * L * (1 / a1 + 1 / a2)),
-        "t1": lambda t: t * (a1 + a2) / a2,
-        "t2": lambda t: t * (a1 + a2) / a1,
-    }
-    return resolved(problems, known, ways, "s", _EXAMPLE)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import describe, everywhere, is_array, number
+from stickslip.fields import checked_number, describe, everywhere, is_array, number
 from stickslip.quantities import between
 
 __all__ = ["given", "record", "take_damping", "together"]
@@ -32,20 +32,11 @@ def take_damping(beam: Any, problems: Problems) -> None:
 
 def given(voltage: Any, frequency: Any) -> tuple[Any, Any]:
     """Voltage and frequency as numbers; what is wrong with both at once."""
-    problems, taken = Problems("PiezoBeam"), []
-    for name, value, rule, allowed, example, unit in (
-        ("voltage", voltage, between(0.0, 1e9), "zero or more [V], up to 1e9", "60", "V"),
-        ("frequency", frequency, between(1e-9, 1e12), "a positive frequency [Hz], 1e-9 to 1e12", "32.7", "Hz"),
-    ):
-        try:
-            x = number(value, unit)
-            if not (everywhere(rule(x)) and everywhere(x < float("inf"))):
-                problems.add(f"{name} = {describe(x)}; allowed is {allowed}; type for example {name}={example}")
-            taken.append(x)
-        except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {name}={example}")
+    problems, hertz = Problems("PiezoBeam"), "a positive frequency [Hz], 1e-9 to 1e12"
+    voltage = checked_number("voltage", voltage, problems, between(0.0, 1e9), "zero or more [V], up to 1e9", "voltage=60", "V")
+    frequency = checked_number("frequency", frequency, problems, between(1e-9, 1e12), hertz, "frequency=32.7", "Hz")
     problems.check()
-    return taken[0], taken[1]
+    return voltage, frequency
 
 
 def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:

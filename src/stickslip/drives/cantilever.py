@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import Problems
-from stickslip.fields import describe, everywhere, number
+from stickslip.fields import checked_number
+from stickslip.quantities import at_least
 
 if TYPE_CHECKING:
     import numpy as np
@@ -90,14 +91,9 @@ def _roots(ratio: Any, n: int) -> Any:
 
 def _checked(tip_mass_ratio: Any, n: Any) -> Any:
     """The ratio as a number; what is wrong with both arguments at once."""
-    problems, ratio = Problems("cantilever_eigenvalues"), 0.0
-    try:
-        ratio = number(tip_mass_ratio)
-        if not (everywhere(ratio >= 0) and everywhere(ratio < float("inf"))):
-            given = describe(ratio)
-            problems.add(f"tip_mass_ratio = {given}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
-    except ValueError as error:
-        problems.add(f"tip_mass_ratio: {error}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
+    problems = Problems("cantilever_eigenvalues")
+    allowed, typed = "a finite number, zero or more", "tip_mass_ratio=1.2"
+    ratio = checked_number("tip_mass_ratio", tip_mass_ratio, problems, at_least(0.0), allowed, typed)
     problems.whole("n", n, 1, example=5, most=10_000)
     problems.check()
     return ratio

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import LARGEST, Frozen, describe, everywhere, example_in, is_array, number
+from stickslip.fields import Frozen, checked_number, describe, everywhere, example_in, is_array, number
 from stickslip.maths import pi
+from stickslip.quantities import positive
 
 __all__ = [
-    "Drive", "OfFrequency", "OfPeriod", "PeriodicDrive", "Remarked", "agree", "angular_frequency", "given_numbers", "resolved", "shown",
+    "Drive", "OfFrequency", "OfPeriod", "PeriodicDrive", "Remarked", "agree", "angular_frequency", "completed", "given_numbers", "shown",
+    "taken",
 ]  # fmt: skip
 
 
@@ -26,14 +29,8 @@ class Drive(Frozen):
         """The drive with the examples of its fields."""
         return example_in(cls)
 
-    if TYPE_CHECKING:
-
-        @property
-        def velocity_scale(self) -> Any:
-            """A typical relative velocity [m/s]."""
-
     @property
-    def specific_energy(self) -> Any:
+    def specific_energy(self: Any) -> Any:
         """Largest kinetic energy of the relative motion for each kilogram of the inner mass [J/kg]."""
         return 0.5 * self.velocity_scale**2
 
@@ -41,16 +38,13 @@ class Drive(Frozen):
 class OfPeriod:
     """Base of the drives that are given by their period."""
 
-    if TYPE_CHECKING:
-        period: Any
-
     @property
-    def omega(self) -> float:
+    def omega(self: Any) -> float:
         """Angular frequency 2 pi / T [rad/s]."""
         return 2 * pi / self.period
 
     @property
-    def frequency(self) -> float:
+    def frequency(self: Any) -> float:
         """Frequency 1/T [Hz]."""
         return 1 / self.period
 
@@ -58,22 +52,26 @@ class OfPeriod:
 class OfFrequency:
     """Base of the drives that are given by their angular frequency (of the first harmonic)."""
 
-    if TYPE_CHECKING:
-        omega: Any
-
     @property
-    def period(self) -> float:
+    def period(self: Any) -> float:
         """Period T = 2 pi / omega [s]."""
         return 2 * pi / self.omega
 
     @property
-    def frequency(self) -> float:
+    def frequency(self: Any) -> float:
         """Frequency omega / (2 pi) [Hz]."""
         return self.omega / (2 * pi)
 
 
 class Remarked(Frozen):
     """Base of the parts that have remarks on the source of their numbers."""
+
+    notes: Any
+
+    def __post_init__(self) -> None:
+        if self.notes is not None:
+            object.__setattr__(self, "notes", tuple(self.notes))
+        super().__post_init__()
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed, without the remarks on the old ones."""
@@ -122,21 +120,15 @@ _UNITS = {**dict.fromkeys(("u1", "u2", "u3"), "m/s"), **dict.fromkeys(("a1", "a2
           **dict.fromkeys(("t1", "t2", "period", "ramp"), "s"), "frequency": "Hz"}  # fmt: skip
 
 
-def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, Any]:
+def given_numbers(problems: Problems, typed: str, **values: Any) -> dict[str, Any]:
     """Those of a constructor's numbers that were given, each positive and finite; what is wrong with the others is noted."""
-    taken = {}
+    taken: dict[str, Any] = {}
     for name, value in values.items():
-        if value is None:
-            continue
-        try:
-            x = number(value, _UNITS.get(name))
-        except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is {allowed}")
-            continue
-        if not everywhere((x > 0) & (x < LARGEST)):
-            problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
-        else:
-            taken[name] = x
+        if value is not None:
+            own = Problems(problems.what)
+            x = checked_number(name, value, own, positive, "a positive number", typed, _UNITS.get(name))
+            problems.found += own.found
+            taken |= {} if own.found else {name: x}
     _check_fit(problems, taken)
     return taken
 
@@ -151,26 +143,47 @@ def _check_fit(problems: Problems, taken: dict[str, Any]) -> None:
         problems.check()
 
 
-def resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
-    """One number from whatever was given for it; `ways` says how, by the name of what is given, and its first name is the number's.
+def taken(record: Any, **fields: Any) -> None:
+    """The fields of a record whose constructor takes something else besides; then they are checked."""
+    for name, value in fields.items():
+        object.__setattr__(record, name, value)
+    record.__post_init__()
 
-    Nothing given, or things that contradict each other, are noted.
+
+def completed(drive: Any, example: str, needed: tuple[str, ...], ways: dict[str, Callable[[Any], Any]], **given: Any) -> None:
+    """The numbers of a drive, the last of them from whatever was given for it.
+
+    `ways` says how it follows from each, once the drive has its other numbers, by the name of what is given; its first name is its own.
     """
-    wanted = next(iter(ways))
-    found = {name: way(known[name]) for name, way in ways.items() if name in known}
+    problems = Problems(type(drive).__name__)
+    known = given_numbers(problems, example, **given)
+    for name in needed:
+        if given[name] is None:
+            problems.add(f"{name} is missing; type for example {example}")
+    problems.check()
+    for field in dataclasses.fields(drive):
+        object.__setattr__(drive, field.name, known.get(field.name))
+    last = _resolved(problems, known, ways, example)
+    problems.check()
+    taken(drive, **last)
+
+
+def _resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], example: str) -> dict[str, Any]:
+    """One number by its name; nothing given for it, or things that contradict each other, are noted."""
+    found, wanted = {name: way(known[name]) for name, way in ways.items() if name in known}, next(iter(ways))
     if not found:
         *most, last = ways
-        problems.add(f"{wanted} is missing; allowed is {', '.join(most)} or {last}; {example}")
-        return 1.0
+        problems.add(f"{wanted} is missing; allowed is {', '.join(most)} or {last}; type for example {example}")
+        return {}
     (name, value), *others = found.items()
     for other, different in others:
         if not agree(different, value):
             problems.add(
-                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for "
-                f"{wanted} = {shown(different)}, not {shown(value)} {unit}; allowed is a motion that closes; give one of them; "
-                f"{example}"
+                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for {wanted} = "
+                f"{shown(different)}, not {shown(value)} {_UNITS[wanted]}; allowed is a motion that closes; give one of them; "
+                f"type for example {example}"
             )
-    return value
+    return {wanted: value}
 
 
 def shown(value: Any) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +14,11 @@ __all__ = ["MISTAKEN", "NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of
 #: What a drive has to say; the rest has its default in `DriveAdapter`.
 NEEDS = ("position", "velocity", "acceleration", "period")
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
+
+
+def _said(name: str, otherwise: Any, about: str) -> Any:
+    """A property of a drive that it may leave out."""
+    return property(lambda self: getattr(self.drive, name, otherwise), doc=about)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,25 +35,11 @@ class DriveAdapter:
 
     drive: Any
 
-    @property
-    def breaks(self) -> Any:
-        """Instants in (0, period) at which its acceleration is not smooth [s]."""
-        return getattr(self.drive, "breaks", ())
-
-    @property
-    def jumps(self) -> Any:
-        """Jumps of the relative velocity: (instant in [0, period) [s], jump [m/s])."""
-        return getattr(self.drive, "jumps", ())
-
-    @property
-    def smooth(self) -> bool:
-        """Whether its equations are one formula for all times, and not for one period only; of a drive that does not say, False."""
-        return bool(getattr(self.drive, "smooth", False))
-
-    @property
-    def vertical_acceleration(self) -> Callable[[Any], Any] | None:
-        """Relative acceleration of the inner mass across the track [m/s^2], as a function of time; None where it moves along only."""
-        return getattr(self.drive, "vertical_acceleration", None)
+    breaks = _said("breaks", (), "Instants in (0, period) at which its acceleration is not smooth [s].")
+    jumps = _said("jumps", (), "Jumps of the relative velocity: (instant in [0, period) [s], jump [m/s]).")
+    smooth = _said("smooth", False, "Whether its equations are one formula for all times, and not for one period only.")
+    vertical_acceleration = _said("vertical_acceleration", None, "Relative acceleration of the inner mass across the track [m/s^2].")
+    stroke = _said("stroke", None, "From end to end [m].")
 
     @property
     def velocity_scale(self) -> float:
@@ -64,11 +54,6 @@ class DriveAdapter:
         for k in range(1, _SAMPLES):
             largest = maximum(largest, abs(self.drive.velocity(self.drive.period * (k / _SAMPLES))))
         return largest
-
-    @property
-    def stroke(self) -> Any:
-        """From end to end [m], where it says so itself; None where it does not."""
-        return getattr(self.drive, "stroke", None)
 
     @property
     def specific_energy(self) -> Any:

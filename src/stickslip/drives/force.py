@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of
@@ -32,6 +32,10 @@ class Force(Frozen):
     """Base of our forces, which add up with +. A force of your own is a frozen dataclass with a `period` [s] and `at(t)` [N]."""
 
     breaks: ClassVar[Any] = ()  # instants in (0, period) at which it is not smooth [s]
+
+    def mirrored(self: Any) -> Any:
+        """The force the other way round."""
+        return replace(self, amplitude=-self.amplitude)
 
     def __add__(self, other: Any) -> ForceSum:
         return ForceSum((*_parts(self), *_parts(other)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from stickslip.drives.drive import Drive
 from stickslip.errors import Problems
+from stickslip.fields import Frozen
 from stickslip.maths import cos, maximum, sin, sqrt
 
-__all__ = ["FourierDrive", "check_coefficients", "extremes", "harmonics", "series"]
+__all__ = ["FourierDrive", "OfCoefficients", "extremes", "harmonics", "series"]
 
 _POINTS = 32  # of the grid for each harmonic; more only take longer
 _NEWTON = 5  # steps from half a step of the grid at most, where three reach rounding
@@ -38,10 +39,18 @@ def series(angle: Any, cosines: Coefficients, sines: Coefficients) -> Any:
     return sum(a * c + b * s for a, b, (c, s) in zip(cosines, sines, harmonics(angle, len(sines)), strict=True))
 
 
-def check_coefficients(cosines: Any, sines: Any, typed: str, problems: Problems) -> None:
-    """Note a sum of harmonics that has not as many sines as cosines, or none; what is no tuple is reported as a field."""
-    if isinstance(cosines, tuple) and isinstance(sines, tuple) and (len(cosines) != len(sines) or not cosines):
-        problems.add(f"{len(cosines)} cosines and {len(sines)} sines; allowed is the same number of each, at least one; {typed}")
+class OfCoefficients(Frozen):
+    """Base of the records that hold the cosines and sines of a periodic function themselves, and say in `_typed` what to type for one."""
+
+    def _check(self: Any, problems: Problems) -> None:
+        cosines, sines = self.cosines, self.sines
+        if isinstance(cosines, tuple) and isinstance(sines, tuple) and (len(cosines) != len(sines) or not cosines):
+            problems.add(f"{len(cosines)} cosines and {len(sines)} sines; allowed is the same number of each, at least one; {self._typed}")
+
+    @property
+    def coefficients(self: Any) -> tuple[Coefficients, Coefficients]:
+        """Coefficients of cos(k omega t) and of sin(k omega t)."""
+        return self.cosines, self.sines
 
 
 def _derivative(cosines: Coefficients, sines: Coefficients) -> tuple[list[Any], list[Any]]:
@@ -54,43 +63,36 @@ class FourierDrive(Drive):
 
     smooth: ClassVar[bool] = True
 
-    if TYPE_CHECKING:
-        omega: Any
-
-        @property
-        def coefficients(self) -> tuple[Coefficients, Coefficients]:
-            """Coefficients of the relative position: those of cos(k omega t) and of sin(k omega t) [m]."""
-
     @property
-    def order(self) -> int:
+    def order(self: Any) -> int:
         """The highest harmonic."""
         return len(self.coefficients[1])
 
-    def position(self, t: Any) -> Any:
+    def position(self: Any, t: Any) -> Any:
         """Relative position [m]; its mean is zero."""
         return series(self.omega * t, *self.coefficients)
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self: Any, t: Any) -> Any:
         """Relative velocity [m/s]."""
         return self.omega * series(self.omega * t, *_derivative(*self.coefficients))
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self: Any, t: Any) -> Any:
         """Relative acceleration [m/s^2]."""
         return self.omega**2 * series(self.omega * t, *_derivative(*_derivative(*self.coefficients)))
 
     @property
-    def velocity_scale(self) -> float:
+    def velocity_scale(self: Any) -> float:
         """Root of 2 times the r.m.s. of the relative velocity: A omega if there is one harmonic [m/s]."""
         return self.omega * sqrt(sum(k**2 * (a**2 + b**2) for k, (a, b) in enumerate(zip(*self.coefficients, strict=True), 1)))
 
     @property
-    def stroke(self) -> float:
+    def stroke(self: Any) -> float:
         """From end to end [m]."""
         low, high = extremes(*self.coefficients)
         return high - low
 
     @property
-    def specific_energy(self) -> Any:
+    def specific_energy(self: Any) -> Any:
         """Largest kinetic energy of the relative motion for each kilogram of the inner mass [J/kg]."""
         low, high = extremes(*_derivative(*self.coefficients))
         return 0.5 * self.omega**2 * maximum(-low, high) ** 2

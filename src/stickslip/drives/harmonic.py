@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import Drive, OfFrequency, Remarked, angular_frequency
+from stickslip.drives.drive import Drive, OfFrequency, Remarked, angular_frequency, taken
 from stickslip.maths import cos, pi, sin
 from stickslip.quantities import AMPLITUDE, OMEGA, PHASE
 
@@ -47,11 +47,8 @@ class Harmonic(OfFrequency, Remarked, Drive):
     smooth: ClassVar[bool] = True
 
     def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None, phase: Any = None):
-        object.__setattr__(self, "amplitude", amplitude)
-        object.__setattr__(self, "omega", angular_frequency("Harmonic", omega, frequency, "type for example omega=205.46"))
-        object.__setattr__(self, "notes", None if notes is None else tuple(notes))
-        object.__setattr__(self, "phase", phase)
-        self.__post_init__()
+        omega = angular_frequency("Harmonic", omega, frequency, "type for example omega=205.46")
+        taken(self, amplitude=amplitude, omega=omega, notes=notes, phase=phase)
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; its remarks are about what it keeps of the old ones."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import OfFrequency, angular_frequency
+from stickslip.drives.drive import OfFrequency, angular_frequency, taken
 from stickslip.drives.force import Force
 from stickslip.maths import pi, sin
 from stickslip.quantities import OMEGA, PHASE, quantity
@@ -40,18 +40,12 @@ class HarmonicForce(OfFrequency, Force):
     phase: float = field(default=0.0, metadata=PHASE | {"label": "phase of the force"})
 
     def __init__(self, amplitude: Any, omega: Any = None, phase: Any = 0.0, frequency: Any = None):
-        object.__setattr__(self, "amplitude", amplitude)
-        object.__setattr__(self, "omega", angular_frequency("HarmonicForce", omega, frequency, "type for example omega=104.72"))
-        object.__setattr__(self, "phase", phase)
-        self.__post_init__()
+        omega = angular_frequency("HarmonicForce", omega, frequency, "type for example omega=104.72")
+        taken(self, amplitude=amplitude, omega=omega, phase=phase)
 
     def at(self, t: Any) -> Any:
         """The force [N]."""
         return self.amplitude * sin(self.omega * t + self.phase)
-
-    def mirrored(self) -> HarmonicForce:
-        """The reversed force."""
-        return replace(self, amplitude=-self.amplitude)
 
     @classmethod
     def example(cls) -> HarmonicForce:

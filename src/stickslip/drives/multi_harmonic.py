@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import OfFrequency, angular_frequency
+from stickslip.drives.drive import OfFrequency, angular_frequency, taken
 from stickslip.drives.fourier import FourierDrive
 from stickslip.errors import InputError, Problems
 from stickslip.maths import cos, pi, sin
@@ -48,11 +48,8 @@ class MultiHarmonic(OfFrequency, FourierDrive):
         omega = angular_frequency("MultiHarmonic", omega, frequency, _EXAMPLE)
         if amplitudes is None:
             raise InputError("MultiHarmonic", [f"amplitudes is missing; {_EXAMPLE}"])
-        object.__setattr__(self, "omega", omega)
-        object.__setattr__(self, "amplitudes", amplitudes)
         zeros = (0.0,) * len(amplitudes) if hasattr(amplitudes, "__len__") else ()  # what is not a tuple is reported
-        object.__setattr__(self, "phases", zeros if phases is None else phases)
-        self.__post_init__()
+        taken(self, omega=omega, amplitudes=amplitudes, phases=zeros if phases is None else phases)
 
     def _check(self, problems: Problems) -> None:
         amplitudes, phases = self.amplitudes, self.phases

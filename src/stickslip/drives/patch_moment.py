@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.drives.cantilever import cantilever_eigenvalues, modal_mass, mode_shape
 
-__all__ = ["modal_amplitudes", "static_tip", "tip_by_modes", "tip_in_closed_form", "tip_participation"]
+__all__ = ["modal_amplitudes", "tip_by_modes", "tip_in_closed_form", "tip_participation"]
 
 
 def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
@@ -20,21 +20,10 @@ def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
     Examples
     --------
     >>> b = cantilever_eigenvalues(1.0, 40)
-    >>> round(float((tip_participation(b, 1.0, 0.4) / b**4).sum()), 5), round(static_tip(0.4), 5)
-    (0.32, 0.32)
+    >>> round(float((tip_participation(b, 1.0, 0.4) / b**4).sum()), 5)  # the static deflection, end (1 - end/2)
+    0.32
     """
     return mode_shape(b, 1.0) * mode_shape(b, end, derivative=1) / modal_mass(b, tip_mass_ratio)
-
-
-def static_tip(end: Any) -> Any:
-    """Static deflection of the tip for a unit couple on 0 < s < `end`: end (1 - end/2) [-].
-
-    Examples
-    --------
-    >>> static_tip(1.0)
-    0.5
-    """
-    return end * (1 - end / 2)
 
 
 def modal_amplitudes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damping: Any = 0.0) -> Any:

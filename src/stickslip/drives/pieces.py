@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import reduce
+from itertools import accumulate
 from typing import Any
 
 from stickslip.drives.drive import PeriodicDrive, given_numbers
@@ -71,11 +73,7 @@ class Pieces(PeriodicDrive):
     @property
     def _ends(self) -> tuple[Any, ...]:
         """When each piece ends [s]."""
-        found, end = [], 0.0
-        for d in self.durations:
-            end = end + d
-            found.append(end)
-        return tuple(found)
+        return tuple(accumulate(self.durations))
 
     @property
     def _begins(self) -> list[tuple[Any, Any, Any]]:
@@ -107,10 +105,7 @@ class Pieces(PeriodicDrive):
     @property
     def velocity_scale(self) -> float:
         """The largest relative speed, which is where a piece begins [m/s]."""
-        largest: Any = 0.0
-        for _, _, v in self._begins:
-            largest = maximum(largest, abs(v))
-        return largest
+        return reduce(maximum, (abs(v) for _, _, v in self._begins), 0.0)
 
     @property
     def stroke(self) -> float:
@@ -184,7 +179,7 @@ class Pieces(PeriodicDrive):
         """
         problems = Problems("Pieces.verge")
         given = {"acceleration": acceleration, "stroke": stroke, "mass_ratio": mass_ratio, "mu_plus": mu_plus, "mu_minus": mu_minus}
-        given_numbers(problems, "a positive number; type Pieces.verge(60.0, 0.01, 0.13, 0.15, 0.25)", **given, gravity=gravity)
+        given_numbers(problems, "Pieces.verge(60.0, 0.01, 0.13, 0.15, 0.25)", **given, gravity=gravity)
         problems.check()
         W, mu, up, down = acceleration, mass_ratio, mu_plus * gravity, mu_minus * gravity
         if not everywhere(mu * W > maximum(up, down)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.drives.force import Force
@@ -55,10 +55,6 @@ class Pulses(Force):
     def at(self, t: Any) -> Any:
         """The force [N]; at a switching instant the value after it."""
         return where(within(t, self.period) < self.duty * self.period, self.amplitude, 0.0)
-
-    def mirrored(self) -> Pulses:
-        """The reversed force."""
-        return replace(self, amplitude=-self.amplitude)
 
     @classmethod
     def example(cls) -> Pulses:

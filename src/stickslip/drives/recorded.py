@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.drives.drive import OfPeriod, Remarked
-from stickslip.drives.fourier import FourierDrive, check_coefficients
+from stickslip.drives.fourier import FourierDrive, OfCoefficients
 from stickslip.drives.samples import checked, fitted
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError
 from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["Recorded"]
 
-_EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
 
-
-@dataclass(frozen=True, eq=False, init=False)
-class Recorded(OfPeriod, Remarked, FourierDrive):
+@dataclass(frozen=True, eq=False)
+class Recorded(OfPeriod, Remarked, OfCoefficients, FourierDrive):
     r"""A periodic record as a sum of harmonics; `from_samples` makes it from the record.
 
     .. math:: \xi(t) = \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -46,19 +44,7 @@ class Recorded(OfPeriod, Remarked, FourierDrive):
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "m", "b", example=(5e-4, 0.0)))
     notes: tuple[str, ...] | None = None
 
-    def __init__(self, period: Any, cosines: Any, sines: Any, notes: Any = None):
-        for name, value in (("period", period), ("cosines", cosines), ("sines", sines)):
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "notes", None if notes is None else tuple(notes))
-        self.__post_init__()
-
-    def _check(self, problems: Problems) -> None:
-        check_coefficients(self.cosines, self.sines, _EXAMPLE, problems)
-
-    @property
-    def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Coefficients of cos(k omega t) and of sin(k omega t) [m]."""
-        return self.cosines, self.sines
+    _typed: ClassVar[str] = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
 
     @classmethod
     def from_samples(
@@ -100,7 +86,7 @@ class Recorded(OfPeriod, Remarked, FourierDrive):
             Records with gaps, of less than a period, that do not repeat, or of a velocity or acceleration that has a mean.
         """
         given = {"position": position, "velocity": velocity, "acceleration": acceleration}
-        record = checked(t, given, period, tolerance, order)
+        record = checked(t, given, period, tolerance, order, cls.__name__, cls._typed)
         a, b, _, remark = fitted(record, tolerance, order)
         return cls(record.period, *_position(a, b, 2 * math.pi / record.period, record.derivatives), notes=(remark,))
 

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.drives.drive import Remarked
 from stickslip.drives.force import Force
-from stickslip.drives.fourier import check_coefficients, series
+from stickslip.drives.fourier import OfCoefficients, series
 from stickslip.drives.samples import checked, fitted
-from stickslip.errors import Problems
 from stickslip.maths import pi
 from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["RecordedForce"]
 
-_EXAMPLE = "type for example ss.RecordedForce.from_samples(t, force=F, period=0.06)"
 
-
-@dataclass(frozen=True, eq=False, init=False)
-class RecordedForce(Remarked, Force):
+@dataclass(frozen=True, eq=False)
+class RecordedForce(Remarked, OfCoefficients, Force):
     r"""A periodic record of the force on the inner mass of a `Forced` drive as a sum of harmonics, which `from_samples` makes.
 
     .. math:: F(t) = F_0 + \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -50,14 +47,7 @@ class RecordedForce(Remarked, Force):
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "N", "b", example=(1.0, 0.0)))
     notes: tuple[str, ...] | None = None
 
-    def __init__(self, period: Any, mean: Any, cosines: Any, sines: Any, notes: Any = None):
-        for name, value in (("period", period), ("mean", mean), ("cosines", cosines), ("sines", sines)):
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "notes", None if notes is None else tuple(notes))
-        self.__post_init__()
-
-    def _check(self, problems: Problems) -> None:
-        check_coefficients(self.cosines, self.sines, _EXAMPLE, problems)
+    _typed: ClassVar[str] = "type for example ss.RecordedForce.from_samples(t, force=F, period=0.06)"
 
     def at(self, t: Any) -> Any:
         """The force [N]."""
@@ -95,7 +85,7 @@ class RecordedForce(Remarked, Force):
         InputError
             Records with gaps, of less than a period, or that do not repeat.
         """
-        record = checked(t, {"force": force}, period, tolerance, order, "RecordedForce", _EXAMPLE)
+        record = checked(t, {"force": force}, period, tolerance, order, cls.__name__, cls._typed)
         a, b, mean, remark = fitted(record, tolerance, order)
         return cls(record.period, mean, tuple(map(float, a)), tuple(map(float, b)), notes=(remark,))
 

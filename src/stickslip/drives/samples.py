@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.errors import Problems
+from stickslip.errors import Problems, is_number
 from stickslip.fields import describe
+from stickslip.maths import Array
 from stickslip.sealing import sealed
 
 __all__ = ["MOST", "Samples", "checked", "fitted"]
@@ -21,9 +22,6 @@ _JUMP = 3.0  # a step from the last sample to the first this many times as large
 _SAME = 1e-9  # part of a period: instants that lie no further apart are one
 _ROUNDING = 1e-6  # of a number of samples in a period, whose instants are rounded
 _CHUNK = 1 << 14  # samples at a time
-_EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
-
-Array = Any
 
 
 @sealed
@@ -59,17 +57,15 @@ class Samples:
         return float(self.values.std())
 
 
-def checked(
-    t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str = "Recorded", example: str = _EXAMPLE
-) -> Samples:
+def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str, example: str) -> Samples:
     """The record, or everything that is wrong with it, with what to type for example."""
     problems = Problems(what)
     names = [name for name, values in given.items() if values is not None]
     if len(names) != 1:
         problems.add(f"give exactly one of position, velocity and acceleration; got {', '.join(names) or 'none'}; {example}")
-    if not _is_number(period) or not period > 0:
+    if not is_number(period) or not period > 0:
         problems.add(f"period = {period!r}; allowed is the period of the record [s], which is not guessed; {example}")
-    if not _is_number(tolerance) or not 0 < tolerance < 1:
+    if not is_number(tolerance) or not 0 < tolerance < 1:
         problems.add(f"tolerance = {tolerance!r}; allowed is a part of the r.m.s. between 0 and 1; type for example tolerance=1e-3")
     if order is not None:
         problems.whole("order", order, 1, example=10)
@@ -85,10 +81,6 @@ def checked(
     _check_repetition(record, problems)
     problems.check()
     return record
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < float("inf")
 
 
 def _numbers(name: str, values: Any, problems: Problems, example: str) -> Array:

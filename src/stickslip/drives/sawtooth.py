@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 from stickslip.drives.two_phase import Wedge
 from stickslip.quantities import STROKE, positive, quantity
@@ -39,6 +40,9 @@ class Sawtooth(Wedge):
         metadata=quantity("duration of the fall", "s", "t_{f}", example=0.025, rule=positive, range=(0.005, 0.5), shown="ms")
     )
 
+    t1 = property(attrgetter("rise"), doc="Duration of the rise [s].")
+    t2 = property(attrgetter("fall"), doc="Duration of the fall [s].")
+
     @property
     def u1(self) -> float:
         """Speed forwards [m/s]."""
@@ -48,16 +52,6 @@ class Sawtooth(Wedge):
     def u2(self) -> float:
         """Speed back [m/s]."""
         return self.stroke / self.fall
-
-    @property
-    def t1(self) -> float:
-        """Duration of the rise [s]."""
-        return self.rise
-
-    @property
-    def t2(self) -> float:
-        """Duration of the fall [s]."""
-        return self.fall
 
     @classmethod
     def example(cls) -> Sawtooth:

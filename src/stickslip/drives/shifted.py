@@ -64,17 +64,8 @@ class Shifted(Around):
         lift = drive_of(self.drive).vertical_acceleration
         return None if lift is None else lambda t: lift(self._time(t))
 
-    def position(self, t: Any) -> Any:
-        """Relative position [m]."""
-        return self.drive.position(self._time(t))
-
-    def velocity(self, t: Any) -> Any:
-        """Relative velocity [m/s]."""
-        return self.drive.velocity(self._time(t))
-
-    def acceleration(self, t: Any) -> Any:
-        """Relative acceleration [m/s^2]."""
-        return self.drive.acceleration(self._time(t))
+    def _of(self, what: str, t: Any) -> Any:
+        return super()._of(what, self._time(t))
 
     @classmethod
     def example(cls) -> Shifted:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
+from stickslip.drives.drive import PeriodicDrive, completed
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere
 from stickslip.maths import maximum, sqrt, where, within
@@ -13,7 +13,7 @@ from stickslip.quantities import positive, quantity
 
 __all__ = ["ThreePhase"]
 
-_EXAMPLE = "type for example ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0)"
+_EXAMPLE = "ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0)"
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -59,17 +59,12 @@ class ThreePhase(PeriodicDrive):
     )
 
     def __init__(self, u1: Any = None, w1: Any = None, w2: Any = None, w3: Any = None, stroke: Any = None, u3: Any = None):
-        problems = Problems("ThreePhase")
-        known = given_numbers(problems, f"a positive number; {_EXAMPLE}", u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
-        for name, value in (("w1", w1), ("w2", w2), ("w3", w3)):
-            if value is None:
-                problems.add(f"{name} is missing; {_EXAMPLE}")
-        problems.check()
-        object.__setattr__(self, "u1", _push(known, problems))
-        for name in ("w1", "w2", "w3"):
-            object.__setattr__(self, name, known[name])
-        problems.check()
-        self.__post_init__()
+        ways = {
+            "u1": lambda u: u,
+            "stroke": lambda L: sqrt(2 * L / (1 / self.w1 + 1 / self.w2)),
+            "u3": lambda u: u * sqrt((1 / self.w2 + 1 / self.w3) / (1 / self.w1 + 1 / self.w2)),
+        }
+        completed(self, _EXAMPLE, ("w1", "w2", "w3"), ways, u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
 
     def _check(self, problems: Problems) -> None:
         if not problems.found and not everywhere(self._turned > self._pushed):
@@ -132,10 +127,3 @@ class ThreePhase(PeriodicDrive):
         """Relative acceleration [m/s^2]; at a break it is that of the phase that begins."""
         s = within(t, self.period)
         return where(s < self._pushed, self.w1, where(s < self._turned, -self._return, self.w3))
-
-
-def _push(known: dict[str, Any], problems: Problems) -> Any:
-    """u1 from what was given for it."""
-    first, last = 1 / known["w1"] + 1 / known["w2"], 1 / known["w2"] + 1 / known["w3"]
-    ways = {"u1": lambda u: u, "stroke": lambda L: sqrt(2 * L / first), "u3": lambda u: u * sqrt(last / first)}
-    return resolved(problems, known, ways, "m/s", _EXAMPLE)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from operator import add
 from typing import Any
 
 from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of, times
@@ -45,11 +47,11 @@ class Together:
     @property
     def mass(self) -> Any:
         """All inner masses together [kg]."""
-        return _sum(self.masses)
+        return reduce(add, self.masses)
 
     def _mean(self, values: Sequence[Any]) -> Any:
         """The mean of what each mass has, weighted with the masses."""
-        return _sum([m * value for m, value in zip(self.masses, values, strict=True)]) / self.mass
+        return reduce(add, [m * value for m, value in zip(self.masses, values, strict=True)]) / self.mass
 
     def _each(self, t: Any, what: str) -> list[Any]:
         """What each drive says at a time."""
@@ -126,13 +128,6 @@ def _lift(drive: Any, t: Any, count: int) -> Any:
     return 0.0 if lift is None else lift(_own_time(drive, t, count))
 
 
-def _sum(values: Sequence[Any]) -> Any:
-    total = values[0]
-    for value in values[1:]:
-        total = total + value
-    return total
-
-
 def common_cycles(periods: Sequence[Any], problems: Problems) -> tuple[int, ...] | None:
     """How many periods of each drive make the smallest common one; what keeps them from having one is noted.
 
@@ -152,5 +147,4 @@ def common_cycles(periods: Sequence[Any], problems: Problems) -> tuple[int, ...]
             f"the drives have the periods {told}, and no common period of at most {MOST_REPEATS} of one of them; allowed are periods in a "
             f"ratio of small whole numbers{ask}; type for example omega=400.0 beside omega=200.0"
         )
-        return None
     return found

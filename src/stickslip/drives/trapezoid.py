@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved, shown
+from stickslip.drives.drive import PeriodicDrive, completed, shown
 from stickslip.errors import Problems
 from stickslip.fields import everywhere
-from stickslip.maths import maximum, where, within
+from stickslip.maths import bisected, maximum, where, within
 from stickslip.quantities import PERIOD, positive, quantity
 
 __all__ = ["Trapezoid"]
 
-_EXAMPLE = "type for example Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)"
+_EXAMPLE = "Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)"
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -61,19 +61,9 @@ class Trapezoid(PeriodicDrive):
     period: float = field(metadata=PERIOD | {"example": 0.25, "range": (0.05, 0.6)})
 
     def __init__(self, u1: Any = None, u2: Any = None, ramp: Any = None, period: Any = None, frequency: Any = None, stroke: Any = None):
-        problems = Problems("Trapezoid")
-        allowed = f"a positive number; {_EXAMPLE}"
-        known = given_numbers(problems, allowed, u1=u1, u2=u2, ramp=ramp, period=period, frequency=frequency, stroke=stroke)
-        for name, value in (("u1", u1), ("u2", u2), ("ramp", ramp)):
-            if value is None:
-                problems.add(f"{name} is missing; {_EXAMPLE}")
-        problems.check()
-        for name in ("u1", "u2", "ramp"):
-            object.__setattr__(self, name, known[name])
         ways = {"period": lambda T: T, "frequency": lambda f: 1 / f, "stroke": self._period_of}
-        object.__setattr__(self, "period", resolved(problems, known, ways, "s", _EXAMPLE))
-        problems.check()
-        self.__post_init__()
+        given = {"period": period, "frequency": frequency, "stroke": stroke}
+        completed(self, _EXAMPLE, ("u1", "u2", "ramp"), ways, u1=u1, u2=u2, ramp=ramp, **given)
 
     def _check(self, problems: Problems) -> None:
         if problems.found:
@@ -167,9 +157,5 @@ def _slope(sigma: Any) -> Any:
 
 def _inverse(level: Any) -> Any:
     """Where `_rise` reaches a level between 0 and 1, by halving [-]."""
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        below = _rise(middle) < level
-        low, high = where(below, middle, low), where(below, high, middle)
+    low, high = bisected(lambda sigma: _rise(sigma) < level, 0.0, 1.0, 60)
     return 0.5 * (low + high)

@@ -36,22 +36,8 @@ class Reversed(Around):
         """Jumps of the relative velocity: (instant [s], jump [m/s])."""
         return tuple((instant, -jump) for instant, jump in drive_of(self.drive).jumps)
 
-    @property
-    def vertical_acceleration(self) -> Any:
-        """Vertical acceleration of the drive, or None if it has none."""
-        return drive_of(self.drive).vertical_acceleration
-
-    def position(self, t: Any) -> Any:
-        """Relative position [m]."""
-        return -self.drive.position(t)
-
-    def velocity(self, t: Any) -> Any:
-        """Relative velocity [m/s]."""
-        return -self.drive.velocity(t)
-
-    def acceleration(self, t: Any) -> Any:
-        """Relative acceleration [m/s^2]."""
-        return -self.drive.acceleration(t)
+    def _of(self, what: str, t: Any) -> Any:
+        return -super()._of(what, t)
 
     @classmethod
     def example(cls) -> Reversed:

@@ -3,53 +3,48 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from stickslip.drives.drive import PeriodicDrive, agree, given_numbers, shown
+from stickslip.drives.drive import PeriodicDrive, agree, given_numbers, shown, taken
 from stickslip.errors import Problems
 from stickslip.maths import maximum, where, within
 from stickslip.quantities import STROKE, positive, quantity
 
 __all__ = ["TwoPhase", "Wedge"]
 
-_EXAMPLE = "type for example TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
+_EXAMPLE = "TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
+_TYPED = f"type for example {_EXAMPLE}"
 
 
 class Wedge(PeriodicDrive):
     """Base of the motions with two speeds: they have a stroke, the speeds u1 and u2, and their durations t1 and t2."""
 
-    if TYPE_CHECKING:
-        u1: Any
-        u2: Any
-        t1: Any
-        t2: Any
-
     @property
-    def period(self) -> float:
+    def period(self: Any) -> float:
         """Both phases together [s]."""
         return self.t1 + self.t2
 
     @property
-    def jumps(self) -> tuple[tuple[Any, Any], ...]:
+    def jumps(self: Any) -> tuple[tuple[Any, Any], ...]:
         """The two jumps of the relative velocity: (instant [s], jump [m/s])."""
         both = self.u1 + self.u2
         return ((0.0, both), (self.t1, -both))
 
     @property
-    def velocity_scale(self) -> float:
+    def velocity_scale(self: Any) -> float:
         """The larger of the two speeds [m/s]."""
         return maximum(self.u1, self.u2)
 
-    def position(self, t: Any) -> Any:
+    def position(self: Any, t: Any) -> Any:
         """Relative position, from 0 to the stroke and back [m]."""
         s = within(t, self.period)
         return where(s < self.t1, self.u1 * s, self.u2 * (self.period - s))
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self: Any, t: Any) -> Any:
         """Relative velocity [m/s]; at a jump it is the velocity after it."""
         return where(within(t, self.period) < self.t1, self.u1, -self.u2)
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self: Any, t: Any) -> Any:
         """Relative acceleration between the jumps: zero [m/s^2]."""
         return 0.0 * t
 
@@ -91,12 +86,11 @@ class TwoPhase(Wedge):
 
     def __init__(self, stroke: Any = None, u1: Any = None, u2: Any = None, t1: Any = None, t2: Any = None):
         problems = Problems("TwoPhase")
-        known = given_numbers(problems, f"a positive number; {_EXAMPLE}", stroke=stroke, u1=u1, u2=u2, t1=t1, t2=t2)
+        known = given_numbers(problems, _EXAMPLE, stroke=stroke, u1=u1, u2=u2, t1=t1, t2=t2)
         problems.check()
-        for name, value in _completed(known, problems).items():
-            object.__setattr__(self, name, value)
+        own = _completed(known, problems)
         problems.check()
-        self.__post_init__()
+        taken(self, **own)
 
     @property
     def t1(self) -> float:
@@ -118,7 +112,7 @@ def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:
     missing = [name for name in ("stroke", "u1", "u2") if name not in known]
     if missing:
         names = ", ".join(known) or "what was given"
-        problems.add(f"{names} does not settle {', '.join(missing)}; allowed is any three that do, as stroke = u1 t1 = u2 t2; {_EXAMPLE}")
+        problems.add(f"{names} does not settle {', '.join(missing)}; allowed is any three that do, as stroke = u1 t1 = u2 t2; {_TYPED}")
     return {name: known[name] for name in ("stroke", "u1", "u2") if name in known}
 
 
@@ -126,7 +120,7 @@ def _complete_phase(known: dict[str, Any], u: str, t: str, problems: Problems) -
     if u in known and t in known and "stroke" in known:
         if not agree(known[u] * known[t], known["stroke"]):
             way = shown(known[u] * known[t])
-            problems.add(f"{u} {t} = {way} m and stroke = {shown(known['stroke'])} m; allowed is one stroke for both phases; {_EXAMPLE}")
+            problems.add(f"{u} {t} = {way} m and stroke = {shown(known['stroke'])} m; allowed is one stroke for both phases; {_TYPED}")
             del known[t]
     elif u in known and t in known:
         known["stroke"] = known[u] * known[t]

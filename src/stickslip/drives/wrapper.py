@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any
 
-from stickslip.drives.drive import Drive
+from stickslip.drives.drive import PeriodicDrive
 from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.errors import Problems
-from stickslip.maths import pi
 
 __all__ = ["Around"]
 
 
-class Around(Drive):
+def _adapted(name: str, about: str) -> Any:
+    """A property that the drive inside has, or the default of one that does not say."""
+    return property(lambda self: getattr(drive_of(self.drive), name), doc=about)
+
+
+class Around(PeriodicDrive):
     """Base of the drives that modify one property of another `drive`."""
 
     drive: Any
+
+    period = property(attrgetter("drive.period"), doc="Period of the drive [s].")
+    stroke = property(attrgetter("drive.stroke"), doc="Stroke along the track [m].")
+    breaks = _adapted("breaks", "Where the acceleration is not smooth [s].")
+    jumps = _adapted("jumps", "Jumps of the relative velocity: (instant [s], jump [m/s]).")
+    smooth = _adapted("smooth", "Whether its equations are one formula for all times.")
+    velocity_scale = _adapted("velocity_scale", "A typical relative velocity along the track [m/s].")
+    specific_energy = _adapted("specific_energy", "Largest kinetic energy of the relative motion along the track per inner mass [J/kg].")
+    vertical_acceleration = _adapted("vertical_acceleration", "That of the drive; None if it has none.")
+    notes = _adapted("notes", "Remarks of the drive.")
 
     def _check(self, problems: Problems) -> None:
         if lacking(self.drive):
@@ -24,59 +39,18 @@ class Around(Drive):
                 "type for example drive=ss.Harmonic(amplitude=5e-4, omega=205.46)"
             )
 
-    @property
-    def period(self) -> float:
-        """Period of the drive [s]."""
-        return self.drive.period
-
-    @property
-    def omega(self) -> float:
-        """Angular frequency 2 pi / T [rad/s]."""
-        return 2 * pi / self.drive.period
-
-    @property
-    def breaks(self) -> Any:
-        """Where the acceleration is not smooth [s]."""
-        return drive_of(self.drive).breaks
-
-    @property
-    def smooth(self) -> bool:
-        """Whether its equations are one formula for all times."""
-        return drive_of(self.drive).smooth
-
-    @property
-    def jumps(self) -> Any:
-        """Jumps of the relative velocity: (instant [s], jump [m/s])."""
-        return drive_of(self.drive).jumps
-
-    @property
-    def velocity_scale(self) -> float:
-        """A typical relative velocity along the track [m/s]."""
-        return drive_of(self.drive).velocity_scale
-
-    @property
-    def specific_energy(self) -> Any:
-        """Largest kinetic energy of the relative motion along the track for each kilogram of the inner mass [J/kg]."""
-        return drive_of(self.drive).specific_energy
-
-    @property
-    def stroke(self) -> float:
-        """Stroke along the track [m]."""
-        return self.drive.stroke
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks of the drive."""
-        return drive_of(self.drive).notes
+    def _of(self, what: str, t: Any) -> Any:
+        """Position, velocity or acceleration: of the drive, unless a subclass changes it."""
+        return getattr(self.drive, what)(t)
 
     def position(self, t: Any) -> Any:
         """Relative position along the track [m]."""
-        return self.drive.position(t)
+        return self._of("position", t)
 
     def velocity(self, t: Any) -> Any:
         """Relative velocity along the track [m/s]."""
-        return self.drive.velocity(t)
+        return self._of("velocity", t)
 
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration along the track [m/s^2]."""
-        return self.drive.acceleration(t)
+        return self._of("acceleration", t)

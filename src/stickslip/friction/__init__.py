@@ -13,7 +13,7 @@ from stickslip.friction.lugre import LuGre
 from stickslip.friction.rate_state import RateState
 from stickslip.friction.reset_integrator import ResetIntegrator
 from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.sum import Sum
+from stickslip.friction.sum import Sum as Sum
 from stickslip.friction.tabulated import Tabulated
 from stickslip.friction.tanh_coulomb import TanhCoulomb
 from stickslip.friction.viscous import Viscous
@@ -25,23 +25,3 @@ _ALL = (
 _KEEPING_THE_CONTRACT: tuple[type[Law], ...] = _ALL  # mypy compares their methods
 #: Every law by its name in lower case.
 LAWS = {law.__name__.lower(): law for law in _ALL}
-
-__all__ = [
-    "GMS",
-    "LAWS",
-    "Bristle",
-    "Coulomb",
-    "CoulombViscous",
-    "Dahl",
-    "DeadBand",
-    "ElastoPlastic",
-    "Karnopp",
-    "LuGre",
-    "RateState",
-    "ResetIntegrator",
-    "Stribeck",
-    "Sum",
-    "Tabulated",
-    "TanhCoulomb",
-    "Viscous",
-]  # fmt: skip

@@ -16,7 +16,6 @@ class Approximation(Law):
 
     states: ClassVar[int] = 0
     approximation: ClassVar[str] = ""
-    width: Any
 
     def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
         """There is no inner state."""
@@ -26,7 +25,7 @@ class Approximation(Law):
         """There is no inner state."""
         return ()
 
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self: Any) -> Any:
         """The velocity over which friction changes [m/s]."""
         return self.width
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
@@ -63,20 +64,11 @@ class Bristle(Law):
 
     scalar_only: ClassVar[bool] = True
     random: ClassVar[bool] = True
+    states = modes = property(attrgetter("bristles"), doc="Number of inner states, and of memories.")
 
     def _check(self, problems: Problems) -> None:
         problems.whole("bristles", self.bristles, 1, example=10)
         problems.whole("seed", self.seed, 0, example=0)
-
-    @property
-    def states(self) -> int:
-        """Number of bristles."""
-        return self.bristles
-
-    @property
-    def modes(self) -> int:
-        """Number of memories: how often each bristle has snapped."""
-        return self.bristles
 
     def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Every bristle bends with the body [m/s]."""

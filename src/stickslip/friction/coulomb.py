@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS
-from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, static
+from stickslip.friction.sides import by_side
+from stickslip.friction.two_sided import Dry
 
 __all__ = ["Coulomb"]
 
 
 @dataclass(frozen=True, eq=False)
-class Coulomb(Law):
+class Coulomb(Dry):
     r"""Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
 
     .. math:: R = \mu_+ N \;(v>0), \quad R = -\mu_- N \;(v<0), \quad -f_- N \le R \le f_+ N \;(v=0)
@@ -38,18 +36,6 @@ class Coulomb(Law):
     (-2.1, 1.5)
     """
 
-    mu_plus: float = field(metadata=MU_PLUS)
-    mu_minus: float = field(metadata=MU_MINUS)
-    f_plus: float | None = field(default=None, metadata=F_PLUS)
-    f_minus: float | None = field(default=None, metadata=F_MINUS)
-
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
-
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force R while sliding with velocity v [N] (Eq. 2.4, first two lines)."""
         return by_side(v, self.mu_plus, -self.mu_minus) * load
-
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Static friction limits (backward, forward) [N] (Eq. 2.4, fourth line)."""
-        return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load

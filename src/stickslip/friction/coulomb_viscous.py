@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, QUADRATIC, VISCOUS
-from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, static
+from stickslip.friction.coefficients import QUADRATIC, VISCOUS
+from stickslip.friction.sides import by_side
+from stickslip.friction.two_sided import Dry
 
 __all__ = ["CoulombViscous"]
 
 
 @dataclass(frozen=True, eq=False)
-class CoulombViscous(Law):
+class CoulombViscous(Dry):
     r"""Anisotropic Coulomb friction with static break-away, viscous and quadratic friction: a set-valued law.
 
     .. math:: R = \pm\mu_\pm N + c\,v + d\,v\,|v| \;(v \ne 0), \qquad -f_- N \le R \le f_+ N \;(v = 0)
@@ -48,20 +47,9 @@ class CoulombViscous(Law):
     (-2.1, 1.5)
     """
 
-    mu_plus: float = field(metadata=MU_PLUS)
-    mu_minus: float = field(metadata=MU_MINUS)
-    f_plus: float | None = field(default=None, metadata=F_PLUS)
-    f_minus: float | None = field(default=None, metadata=F_MINUS)
     viscous: float = field(default=0.0, metadata=VISCOUS)
     quadratic: float = field(default=0.0, metadata=QUADRATIC)
-
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
 
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, self.mu_plus, -self.mu_minus) * load + self.viscous * v + self.quadratic * v * abs(v)
-
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Static friction limits (backward, forward) [N]."""
-        return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
-from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, signed_power
+from stickslip.friction.two_sided import Elastic
 from stickslip.quantities import positive, quantity
 
 __all__ = ["Dahl"]
 
 
 @dataclass(frozen=True, eq=False)
-class Dahl(Law):
+class Dahl(Elastic):
     r"""Anisotropic Dahl friction, a dynamic law with one inner state z, the deflection of the contact.
 
     .. math:: R = \sigma_0 z, \qquad \dot z = v\,|u|^i \operatorname{sgn} u, \qquad
@@ -66,10 +66,6 @@ class Dahl(Law):
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""
         return self.sigma0 * z
-
-    def scale(self, load: Any) -> Any:
-        """A typical deflection [m]."""
-        return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
 
     def notes(self, load: Any) -> list[str]:
         """Remarks on this law for the user."""

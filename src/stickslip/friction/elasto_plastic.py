@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1, SIGMA2, V_S
-from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, fading
+from stickslip.friction.coefficients import SIGMA1, SIGMA2, V_S
+from stickslip.friction.sides import by_side, fading
+from stickslip.friction.two_sided import Bristles, Fading
 from stickslip.maths import minimum, pi, sin, where
 from stickslip.quantities import at_least, quantity
 
@@ -23,7 +22,7 @@ _MOST = 0.99  # of the deflection at which it slides: up to there the contact ma
 
 
 @dataclass(frozen=True, eq=False)
-class ElastoPlastic(Law):
+class ElastoPlastic(Fading, Bristles):
     r"""Anisotropic elasto-plastic friction, a dynamic law with one inner state z: LuGre without drift.
 
     .. math:: R = \sigma_0 z + \sigma_1 \dot z + \sigma_2 v, \qquad
@@ -70,19 +69,11 @@ class ElastoPlastic(Law):
     True
     """
 
-    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
-    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
-    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
-    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
-    sigma0: float = field(metadata=SIGMA0)
     sigma1: float = field(metadata=SIGMA1)
     sigma2: float = field(metadata=SIGMA2)
     v_s: float = field(metadata=V_S)
     z_ba: float = field(metadata=_ELASTIC)
     z_ba_minus: float | None = field(default=None, metadata=_ELASTIC | {"example": 3e-7, "symbol": "z_{ba,-}"})
-
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
@@ -95,14 +86,6 @@ class ElastoPlastic(Law):
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""
         return self.sigma0 * z + self.sigma1 * zdot + self.sigma2 * v
-
-    def scale(self, load: Any) -> Any:
-        """A typical deflection [m]."""
-        return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.v_s
 
     def notes(self, load: Any) -> list[str]:
         """Remarks on the numbers, such as an elastic range that ends beyond sliding."""

@@ -7,9 +7,10 @@ from typing import Any
 
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA2, V_S
-from stickslip.friction.law import Law, several
-from stickslip.friction.sides import alone_or_all, by_side, check_static, each, fading
+from stickslip.friction.coefficients import SIGMA2, V_S
+from stickslip.friction.law import several
+from stickslip.friction.sides import alone_or_all, by_side, each, fading
+from stickslip.friction.two_sided import Bristles, Fading
 from stickslip.maths import where
 from stickslip.quantities import positive, quantity
 
@@ -25,7 +26,7 @@ def _shares(of: str, symbol: str, default: tuple[float, ...]) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class GMS(Law):
+class GMS(Fading, Bristles):
     r"""Anisotropic generalised Maxwell slip, a dynamic law of n elements with deflections z_i that stick or slip.
 
     .. math:: R = \sum_i k_i z_i + \sigma_2 v, \qquad k_i = \kappa_i \sigma_0
@@ -74,11 +75,6 @@ class GMS(Law):
     (0.001, 0.001, 0.001, 0.001)
     """
 
-    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
-    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
-    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
-    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
-    sigma0: float = field(metadata=SIGMA0)
     v_s: float = field(metadata=V_S)
     attraction: float = field(
         metadata=quantity("attraction to the Stribeck curve", "N/s", "C", example=100.0, rule=positive, range=(5.0, 500.0))
@@ -88,7 +84,7 @@ class GMS(Law):
     weights: tuple[float, ...] = _shares("friction force", r"\alpha", (0.1, 0.2, 0.3, 0.4))
 
     def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
+        super()._check(problems)
         shares = {name: several(getattr(self, name)) for name in ("stiffness", "weights")}
         for name, values in shares.items():
             total = sum(values)
@@ -136,9 +132,5 @@ class GMS(Law):
 
     def scale(self, load: Any) -> Any:
         """Typical deflections: where each element begins to slip [m]."""
-        whole = 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
+        whole = super().scale(load)
         return alone_or_all(tuple(alpha / kappa * whole for kappa, alpha in zip(self.stiffness, self.weights, strict=True)))
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.v_s

@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.errors import Problems
 from stickslip.friction.approximation import Approximation
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, WIDTH
-from stickslip.friction.sides import by_side, check_static, static
+from stickslip.friction.coefficients import WIDTH
+from stickslip.friction.sides import by_side
+from stickslip.friction.two_sided import TwoSided
 from stickslip.maths import where
 
 __all__ = ["Karnopp"]
 
 
 @dataclass(frozen=True, eq=False)
-class Karnopp(Approximation):
+class Karnopp(Approximation, TwoSided):
     r"""Anisotropic Karnopp friction: in a band around v = 0 the body is held as long as static friction can: an approximation.
 
     .. math:: R = \pm\mu_\pm N \;(|v| > w), \qquad R = \min(\max(R_0, -f_- N), f_+ N) \;(|v| \le w)
@@ -45,22 +45,15 @@ class Karnopp(Approximation):
     [0.1, 0.18, -0.24]
     """
 
-    mu_plus: float = field(metadata=MU_PLUS)
-    mu_minus: float = field(metadata=MU_MINUS)
-    f_plus: float | None = field(metadata=F_PLUS)
-    f_minus: float | None = field(metadata=F_MINUS)
     width: float = field(metadata=WIDTH)
 
     approximation: ClassVar[str] = (
         "Karnopp's model does not bring the body to rest: inside the band it keeps the velocity with which it came in, up to width"
     )
 
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
-
     def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
         """Friction force R; `applied` is the one that would keep v constant [N]."""
-        forward, backward = static(self.f_plus, self.mu_plus) * load, -static(self.f_minus, self.mu_minus) * load
+        backward, forward = self.breakaway(load)
         held = where(applied > forward, forward, where(applied < backward, backward, applied))
         sliding = by_side(v, self.mu_plus, -self.mu_minus) * load
         return where(v > self.width, sliding, where(v < -self.width, sliding, held))

@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1, SIGMA2, V_S
-from stickslip.friction.law import Law
-from stickslip.friction.sides import check_static, fading, static
+from stickslip.friction.coefficients import SIGMA1, SIGMA2, V_S
+from stickslip.friction.sides import fading, static
+from stickslip.friction.two_sided import Bristles, Fading
 
 __all__ = ["LuGre"]
 
 
 @dataclass(frozen=True, eq=False)
-class LuGre(Law):
+class LuGre(Fading, Bristles):
     r"""Anisotropic LuGre friction, a dynamic law with one inner state z: Eqs 2.5 and 2.6 of the paper.
 
     .. math:: R = \sigma_0 z + \sigma_1 \dot z + \sigma_2 v, \qquad
@@ -53,17 +52,9 @@ class LuGre(Law):
     0.04
     """
 
-    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
-    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
-    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
-    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
-    sigma0: float = field(metadata=SIGMA0)
     sigma1: float = field(metadata=SIGMA1)
     sigma2: float = field(metadata=SIGMA2)
     v_s: float = field(metadata=V_S)
-
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
 
     def coefficient(self, v: Any) -> Any:
         """Steady friction coefficient g(v) without the viscous part [-] (the bracket of Eq. 2.6)."""
@@ -76,14 +67,6 @@ class LuGre(Law):
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N] (Eq. 2.5)."""
         return self.sigma0 * z + self.sigma1 * zdot + self.sigma2 * v
-
-    def scale(self, load: Any) -> Any:
-        """A typical bristle deflection, against which the error of z is measured [m]."""
-        return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes, which limits the steps near v = 0 [m/s]."""
-        return self.v_s
 
     def notes(self, load: Any) -> list[str]:
         """Remarks on the numbers: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""

@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1
-from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, static
+from stickslip.friction.coefficients import SIGMA1
+from stickslip.friction.sides import by_side, static
+from stickslip.friction.two_sided import Bristles
 from stickslip.maths import where
 
 __all__ = ["ResetIntegrator"]
 
 
 @dataclass(frozen=True, eq=False)
-class ResetIntegrator(Law):
+class ResetIntegrator(Bristles):
     r"""Anisotropic reset integrator, a dynamic law with one inner state z and one memory: it sticks or slides.
 
     .. math:: \text{sticks:}\; \dot z = v, \; R = \frac{f_s}{\mu_s}\sigma_0 z + \sigma_1 v, \qquad
@@ -49,17 +48,9 @@ class ResetIntegrator(Law):
     [0.18, 0.15]
     """
 
-    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
-    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
-    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
-    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
-    sigma0: float = field(metadata=SIGMA0)
     sigma1: float = field(metadata=SIGMA1)
 
     modes: ClassVar[int] = 1
-
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
 
     def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
@@ -82,7 +73,3 @@ class ResetIntegrator(Law):
             (resting[0], (1,), forward),
             (resting[1], (-1,), -backward),
         ]
-
-    def scale(self, load: Any) -> Any:
-        """A typical deflection [m]."""
-        return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0

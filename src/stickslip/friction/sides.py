@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.fields import describe, everywhere
 from stickslip.maths import exp, log, where
 
-__all__ = ["alone_or_all", "by_side", "check_static", "each", "fading", "power", "signed_power", "static", "stribeck"]
+__all__ = ["alone_or_all", "by_side", "each", "fading", "power", "signed_power", "static", "stribeck"]
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this, so that it has a slope there
 
@@ -63,18 +61,3 @@ def alone_or_all(values: tuple[Any, ...]) -> Any:
 def _is(number: Any, value: float) -> Any:
     """Whether a number of the case is this one (a symbol cannot be asked with ==)."""
     return abs(number - value) < 1e-12
-
-
-def check_static(law: Any, problems: Problems) -> None:
-    """Static friction below kinetic friction has no meaning in these laws."""
-    for side in ("plus", "minus"):
-        f, mu = getattr(law, f"f_{side}"), getattr(law, f"mu_{side}")
-        try:
-            good = f is None or everywhere(f >= mu)
-        except (TypeError, ValueError):  # a number that was already reported, or shapes that the robot reports
-            continue
-        if not good:
-            problems.add(
-                f"f_{side} = {describe(f)} is below mu_{side} = {describe(mu)}; allowed is f_{side} >= mu_{side} "
-                f"(static friction is not below kinetic friction); type f_{side}=None for equal ones"
-            )

@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, V_S, VISCOUS
-from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, fading, static
+from stickslip.friction.coefficients import V_S, VISCOUS
+from stickslip.friction.sides import by_side, fading
+from stickslip.friction.two_sided import Fading, TwoSided
 from stickslip.quantities import positive, quantity
 
 __all__ = ["Stribeck"]
 
 
 @dataclass(frozen=True, eq=False)
-class Stribeck(Law):
+class Stribeck(Fading, TwoSided):
     r"""Anisotropic Stribeck friction, a set-valued law: friction falls from f at rest to mu at speed.
 
     .. math:: R = \pm N\left(\mu_\pm + (f_\pm-\mu_\pm)\,e^{-|v/v_s|^\delta}\right) + c\,v \;(v \ne 0), \qquad
@@ -52,10 +51,6 @@ class Stribeck(Law):
     (-0.24, 0.18)
     """
 
-    mu_plus: float = field(metadata=MU_PLUS)
-    mu_minus: float = field(metadata=MU_MINUS)
-    f_plus: float | None = field(metadata=F_PLUS)
-    f_minus: float | None = field(metadata=F_MINUS)
     v_s: float = field(metadata=V_S)
     exponent: float = field(
         default=2.0,
@@ -71,9 +66,6 @@ class Stribeck(Law):
     )
     viscous: float = field(default=0.0, metadata=VISCOUS)
 
-    def _check(self, problems: Problems) -> None:
-        check_static(self, problems)
-
     def coefficient(self, v: Any) -> Any:
         """Steady friction coefficient without the viscous part, positive both ways [-]."""
         return fading(self, v, self.exponent)
@@ -81,11 +73,3 @@ class Stribeck(Law):
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, 1.0, -1.0) * self.coefficient(v) * load + self.viscous * v
-
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Static friction limits (backward, forward) [N]."""
-        return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.v_s

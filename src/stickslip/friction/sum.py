@@ -88,6 +88,10 @@ class SlidingSum(Sum):
         return sum(low for low, _ in held), sum(high for _, high in held)
 
 
+#: What a sum says as its law with inner states says it, where that says it at all.
+_OF_THE_STATES = ("states", "modes", "rate", "switches", "scale", "start", "scalar_only", "random")
+
+
 class DynamicSum(Sum):
     """The sum of a dynamic law and one without static friction."""
 
@@ -95,34 +99,10 @@ class DynamicSum(Sum):
         one, two = adapted(self.first), adapted(self.second)
         return (self.first, self.second) if _remembers(one) or not two.dynamic else (self.second, self.first)
 
-    @property
-    def states(self) -> int:
-        """Number of inner states."""
-        return adapted(self._parts()[0]).states
-
-    @property
-    def scalar_only(self) -> bool:
-        """Whether the law cannot be compiled."""
-        return not adapted(self._parts()[0]).compiles
-
-    @property
-    def random(self) -> bool:
-        """Whether the law draws by chance."""
-        return adapted(self._parts()[0]).random
-
-    @property
-    def scale(self) -> Any:
-        """Typical size of the inner states; absent where the dynamic law has none."""
-        return self._parts()[0].scale
-
-    @property
-    def start(self) -> Any:
-        """Inner states of a contact that nobody has moved; absent where the dynamic law has none of its own."""
-        return self._parts()[0].start
-
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
-        """Rates of the inner states."""
-        return self._parts()[0].rate(v, z, load)
+    def __getattr__(self, name: str) -> Any:
+        if name in _OF_THE_STATES:
+            return getattr(self._parts()[0], name)
+        raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""
@@ -133,23 +113,10 @@ class DynamicSum(Sum):
 class ModalSum(DynamicSum):
     """The same where the dynamic law has discrete memory."""
 
-    @property
-    def modes(self) -> int:
-        """Number of memories."""
-        return adapted(self._parts()[0]).modes
-
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
-        """Rates of the inner states."""
-        return self._parts()[0].rate(v, z, load, mode)
-
     def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
         """Friction force R [N]."""
         dynamic, other = self._parts()
         return dynamic.force(v, z, zdot, load, mode) + _moving(other, v, load)
-
-    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
-        """A switch that ends a mode."""
-        return self._parts()[0].switches(v, z, load, mode)
 
 
 def _moving(law: Any, v: Any, load: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any, ClassVar
 
 from stickslip.drives.drive_adapter import drive_of
@@ -111,14 +112,14 @@ class Chain(Machine):
     @property
     def velocity_scale(self) -> Any:
         """The largest velocity scale of the drives [m/s]; for a chain without drives that of its parts."""
-        return _largest(drive_of(drive).velocity_scale for drive in self._driven.values()) if self._driven else None
+        return reduce(maximum, [drive_of(drive).velocity_scale for drive in self._driven.values()]) if self._driven else None
 
     @property
     def free_velocity(self) -> Any:
         """The largest velocity that a drive would give a body without friction [m/s]."""
         gaits = [drive_of(drive).velocity_scale for name, drive in self._driven.items() if name.startswith("link")]
         found = [machine_of(module).free_velocity for module in self._robots] + gaits
-        return _largest(found) if found else None
+        return reduce(maximum, found) if found else None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -217,11 +218,3 @@ def _body(module: Any, place: Any) -> Body:
 
 def _contact(name: str, module: Any) -> Contact:
     return Contact(name, module.friction, load=lambda t, x: normal_load(module, t, x))
-
-
-def _largest(values: Any) -> Any:
-    found = list(values)
-    largest = found[0]
-    for value in found[1:]:
-        largest = maximum(largest, value)
-    return largest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.drives import FORCES
@@ -61,6 +62,7 @@ class Forced(Frozen):
     stops: Any = ()
     reaction: bool = True
 
+    period = property(attrgetter("force.period"), doc="Period of the force [s].")
     part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"force": FORCES, "stops": {"stop": Stop}}
 
     def __getattr__(self, name: str) -> Any:
@@ -80,11 +82,6 @@ class Forced(Frozen):
         else:
             listed = "this is a list, and several stops are given as a tuple; " if isinstance(self.stops, list) else ""
             problems.add(f"stops = {self.stops!r}; {listed}allowed is a tuple of stops; {_STOP}")
-
-    @property
-    def period(self) -> Any:
-        """Period of the force [s]."""
-        return self.force.period
 
     @property
     def breaks(self) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -15,14 +14,11 @@ from stickslip.friction.law_adapter import adapted
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact, Stop
 from stickslip.machines.periodic_inputs import (
+    TakesInput,
     breaks_of,
-    check_input,
     common_count,
-    given_input,
     in_period,
     most_times,
-    period_of,
-    torque_at,
 )
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.machines.pid import PID, Loop
@@ -37,7 +33,7 @@ _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a 
 
 
 @dataclass(frozen=True, eq=False)
-class Joint(Machine):
+class Joint(TakesInput, Machine):
     r"""A joint of a robot: an inertia about an axis under a torque, or under a controller, with friction.
 
     .. math:: J\ddot q = n\,\tau - G\sin q - R(\dot q, N), \qquad N = N_0 + \lambda\,|G\sin q|
@@ -108,7 +104,7 @@ class Joint(Machine):
 
     inertia: float = field(metadata=quantity("moment of inertia of the joint", "kg m^2", "J", example=0.01, rule=positive))
     friction: Any
-    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5) | _APPLIED)
+    torque: float | Any | None = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5) | _APPLIED)
     gravity_torque: float = field(default=0.0, metadata=quantity("torque of gravity", "N m", "G", example=0.2))
     gear_ratio: float = field(
         default=1.0,
@@ -139,12 +135,9 @@ class Joint(Machine):
 
     kind: ClassVar[str] = "joint"
     principal: ClassVar[str | None] = "joint"
+    _input: ClassVar[tuple[str, tuple[str, ...], str]] = ("torque", ("at",), _TORQUE)
     rotary: ClassVar[bool] = True  # angles and torques, not ways and forces
     holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, **FORCES}
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "torque", given_input(self.torque))
-        super().__post_init__()
 
     def _complete(self) -> None:
         """Fill in what follows from the rest: the gear of a joint with backlash, and the common period."""
@@ -153,15 +146,6 @@ class Joint(Machine):
         if self.gear_stiffness is not None and self.motor_inertia is None:
             object.__setattr__(self, "motor_inertia", self.inertia / self.gear_ratio**2)
         object.__setattr__(self, "cycles", self._common())
-
-    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
-        """A torque that is not a number is checked for what a force has."""
-        if field.name == "torque" and self.torque is None:
-            return
-        if field.name == "torque" and (is_record(self.torque) or hasattr(self.torque, "at")):
-            check_input("torque", self.torque, ("at",), _TORQUE, problems)
-        else:
-            super()._take(field, problems)
 
     def _check(self, problems: Problems) -> None:
         check_law(self.friction, problems)
@@ -183,7 +167,7 @@ class Joint(Machine):
     def _inputs(self) -> list[Any]:
         """Torque and target, where they are functions of time with a period."""
         found = [self.torque, self.control.target if self.control is not None else None]
-        return [each for each in found if is_record(each) and period_of(each) is not None]
+        return [each for each in found if is_record(each) and getattr(each, "period", None) is not None]
 
     def _common(self) -> tuple[int, ...]:
         """Periods of each input in one of the joint."""
@@ -265,7 +249,9 @@ class Joint(Machine):
         """The applied torque, referred to the joint [N m]."""
         if self.torque is None:
             return {}
-        return {self._driven: self.gear_ratio * torque_at(self.torque, in_period(t, self.torque, self._count(self.torque)))}
+        torque: Any = self.torque
+        applied = torque.at(in_period(t, torque, self._count(torque))) if is_record(torque) else torque
+        return {self._driven: self.gear_ratio * applied}
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from stickslip.batch import check_shape, shape_of
+from stickslip.batch import check_shape
 from stickslip.errors import InputError, OneContactNeeded, Problems
-from stickslip.fields import Frozen
 from stickslip.machines.checks import check_parts
+from stickslip.machines.filed import Filed
 from stickslip.several_bodies import SeveralBodies
-from stickslip.tables import from_toml, record_html, to_toml
 
 __all__ = ["Machine"]
 
@@ -18,7 +17,7 @@ __all__ = ["Machine"]
 _OF_ONE = ("friction", "load", "acceleration", "contact_velocity", "total_mass", "velocity_scale", "drive", "track")
 
 
-class Machine(Frozen):
+class Machine(Filed):
     r"""Base of the machines: a subclass is a frozen dataclass of numbers that lists its parts in four methods.
 
     .. math:: M\ddot q = F(t, q, \dot q) - \sum_i g_i R_i(w_i, N_i, z_i), \qquad w_i = g_i\cdot\dot q + b_i(t)
@@ -60,9 +59,6 @@ class Machine(Frozen):
     >>> pair.mechanics.bodies, pair.mechanics.loads(0.0, (0.0, 0.0))[0]
     (('head', 'tail'), 0.9810000000000001)
     """
-
-    #: Its name in a study file; "" of a class of one's own, which a study file cannot name.
-    kind: ClassVar[str] = ""
 
     #: The body whose motion is the machine's: ``run.x``, ``run.v`` and columns of datasets are its own, and those of its first contact,
     #: without axes for bodies and contacts; others are in ``run.bodies[name]``. None: columns have an axis for all bodies.
@@ -115,28 +111,3 @@ class Machine(Frozen):
     def mechanics(self) -> SeveralBodies:
         """Its equations of motion, as functions of plain numbers."""
         return SeveralBodies(self)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch; () for a single machine."""
-        return shape_of(self)
-
-    def to_toml(self) -> str:
-        """The machine as TOML text, every digit kept; `from_toml` of its class reads it back.
-
-        A study file holds what `stickslip` knows by name, such as a `Chain`; of a class of your own it names the function that makes it.
-        """
-        return to_toml(self, self._table())
-
-    @classmethod
-    def from_toml(cls, text: str) -> Any:
-        """A machine of this kind from the TOML text of `to_toml`."""
-        return from_toml(cls, text, cls._table())
-
-    @classmethod
-    def _table(cls) -> str:
-        """What its table in TOML is called."""
-        return "mechanism" if cls.kind else "machine"
-
-    def _repr_html_(self) -> str:
-        return record_html(self)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
+from stickslip.drives.turned import Reversed
+from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.friction.law_adapter import mirrored as mirrored_law
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact
+from stickslip.several_bodies import several
 
 __all__ = ["Turned"]
 
@@ -36,21 +40,14 @@ class Turned(Machine):
 
     machine: Any
 
+    period = property(attrgetter("machine.period"), doc="That of the machine [s].")
+    principal = property(attrgetter("machine.principal"), doc="That of the machine.")
+
     def __getattr__(self, name: str) -> Any:
         """What else the machine says of itself, such as its gravity or its velocity scale."""
         if name.startswith("_") or name == "machine":
             raise AttributeError(name)
         return getattr(self.machine, name)
-
-    @property
-    def period(self) -> Any:
-        """That of the machine [s]."""
-        return self.machine.period
-
-    @property
-    def principal(self) -> str | None:  # type: ignore[override]
-        """That of the machine."""
-        return self.machine.principal
 
     def mirrored(self) -> Any:
         """The machine itself."""
@@ -66,11 +63,11 @@ class Turned(Machine):
 
     def links(self) -> Mapping[Ends, Any]:
         """The links, whose ends change places; those to the ground are turned themselves."""
-        return {_ends(ends): _links(ends, link) for ends, link in self.machine.links().items()}
+        return {_ends(ends): _turned(ends, link, _TurnedLink) for ends, link in self.machine.links().items()}
 
     def stops(self) -> Mapping[Ends, Any]:
         """The stops likewise."""
-        return {_ends(ends): _stops(ends, stop) for ends, stop in self.machine.stops().items()}
+        return {_ends(ends): _turned(ends, stop, lambda each: each.replace(side=-each.side)) for ends, stop in self.machine.stops().items()}
 
     def controllers(self) -> Mapping[str, Any]:
         """The controllers, which see the machine as it is and act the other way round here; what they hold stays."""
@@ -87,20 +84,9 @@ class _TurnedController:
 
     part: Any
 
-    @property
-    def states(self) -> tuple[str, ...]:
-        """Names of its states."""
-        return self.part.states
-
-    @property
-    def sample(self) -> Any:
-        """Time between its samples [s]."""
-        return self.part.sample
-
-    @property
-    def scales(self) -> tuple[Any, ...]:
-        """Sizes of its states."""
-        return self.part.scales
+    states = property(attrgetter("part.states"), doc="Names of its states.")
+    sample = property(attrgetter("part.sample"), doc="Time between its samples [s].")
+    scales = property(attrgetter("part.scales"), doc="Sizes of its states.")
 
     def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
         """Its states when it is switched on."""
@@ -139,28 +125,11 @@ class _TurnedLink(Frozen):
         return -self.link.force(-distance, -rate)
 
 
-@dataclass(frozen=True, eq=False)
-class _TurnedMotion(Frozen):
-    """A motion in the mirror."""
+class _TurnedMotion(Reversed):
+    """A motion in the mirror, which need not repeat as a drive does."""
 
-    motion: Any
-
-    @property
-    def breaks(self) -> Any:
-        """Where it is not smooth [s]."""
-        return getattr(self.motion, "breaks", ())
-
-    def position(self, t: Any) -> Any:
-        """Its position, turned round [m]."""
-        return -self.motion.position(t)
-
-    def velocity(self, t: Any) -> Any:
-        """Its velocity, turned round [m/s]."""
-        return -self.motion.velocity(t)
-
-    def acceleration(self, t: Any) -> Any:
-        """Its acceleration, turned round [m/s^2]."""
-        return -self.motion.acceleration(t)
+    def _check(self, problems: Problems) -> None:
+        """Whatever has a velocity may be one."""
 
 
 def _body(body: Any) -> Body:
@@ -190,14 +159,6 @@ def _ends(ends: Ends) -> Any:
     return ends if ends[1] is None else (ends[1], ends[0])
 
 
-def _links(ends: Ends, link: Any) -> Any:
-    if ends[1] is not None:
-        return link
-    return tuple(map(_TurnedLink, link)) if isinstance(link, tuple) else _TurnedLink(link)
-
-
-def _stops(ends: Ends, stop: Any) -> Any:
-    if ends[1] is not None:
-        return stop
-    turned = [each.replace(side=-each.side) for each in (stop if isinstance(stop, tuple) else (stop,))]
-    return tuple(turned) if isinstance(stop, tuple) else turned[0]
+def _turned(ends: Ends, parts: Any, one: Callable[[Any], Any]) -> Any:
+    """Links or stops: between two bodies it is the ends that change places, on the ground each part is turned round."""
+    return parts if ends[1] is not None else tuple(map(one, several(parts)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking
@@ -82,6 +83,7 @@ class MovingTrack(Machine):
 
     kind: ClassVar[str] = "moving_track"  # its name in a study file
     principal: ClassVar[str | None] = "mass"
+    period = property(attrgetter("along.period"), doc="Period of the motion of the track [s].")
 
     def _check(self, problems: Problems) -> None:
         for name in ("along", "across"):
@@ -108,11 +110,6 @@ class MovingTrack(Machine):
                 "across jumps in velocity, which needs an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
                 "ss.Pieces, whose acceleration jumps"
             )
-
-    @property
-    def period(self) -> Any:
-        """Period of the track's motion [s]."""
-        return self.along.period
 
     @property
     def breaks(self) -> Any:

@@ -164,16 +164,10 @@ class Rigid(Frozen):
     """
 
     def position(self, t: Any) -> Any:
-        """Change of the distance since the start [m]."""
+        """Change of the distance since the start [m], and its rates."""
         return 0.0
 
-    def velocity(self, t: Any) -> Any:
-        """Rate of the distance [m/s]."""
-        return 0.0
-
-    def acceleration(self, t: Any) -> Any:
-        """Its rate [m/s^2]."""
-        return 0.0
+    velocity = acceleration = position
 
 
 @dataclass(frozen=True, eq=False)

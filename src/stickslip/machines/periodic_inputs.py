@@ -2,54 +2,53 @@
 
 from __future__ import annotations
 
+import dataclasses
 from fractions import Fraction
 from math import lcm
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.drives.common import own_time, repeated
 from stickslip.errors import Problems
-from stickslip.fields import is_record
+from stickslip.fields import Frozen, is_record
 from stickslip.machines.periodic_record import PeriodicRecord
 
-__all__ = ["breaks_of", "check_input", "common_count", "given_input", "in_period", "most_times", "period_of", "torque_at"]
+__all__ = ["TakesInput", "breaks_of", "common_count", "in_period", "most_times"]
 
 MOST = 64  # periods of an input that one period of the machine may be
 _SAME = 1e-12  # of a period: how exactly a time must divide it
 
 
-def given_input(value: Any) -> Any:
-    """An input as it is kept: a record (times, values) becomes a sum of harmonics."""
-    is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(hasattr(each, "__len__") for each in value)
-    return PeriodicRecord.from_samples(*value) if is_pair else value
+class TakesInput(Frozen):
+    """Base of the records one of whose fields is a number or a periodic function of time; (times, values) become a sum of harmonics."""
 
+    _input: ClassVar[tuple[str, tuple[str, ...], str]]  # its name, what a function of time has to say, and what is allowed
 
-def check_input(name: str, value: Any, needs: tuple[str, ...], allowed: str, problems: Problems) -> None:
-    """Note an input that is neither a number nor what it must be."""
-    if isinstance(value, type) or not is_record(value):
-        problems.add(f"{name} = {value!r}; allowed is {allowed}")
-    elif lacking := [each for each in ("period", *needs) if not hasattr(value, each)]:
-        problems.add(f"{name} = {value!r} has no {' and no '.join(lacking)}; allowed is {allowed}")
+    def __post_init__(self) -> None:
+        value = getattr(self, self._input[0])
+        is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(hasattr(each, "__len__") for each in value)
+        object.__setattr__(self, self._input[0], PeriodicRecord.from_samples(*value) if is_pair else value)
+        super().__post_init__()
 
-
-def torque_at(torque: Any, t: Any) -> Any:
-    """An applied torque [N m]: a number, or what has `at(t)`; none is 0."""
-    return 0.0 if torque is None else torque.at(t) if is_record(torque) else torque
-
-
-def period_of(value: Any) -> Any:
-    """Period of an input [s]; None of a number, and of what has none."""
-    return getattr(value, "period", None)
+    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
+        name, needs, allowed = self._input
+        value = getattr(self, name)
+        if field.name != name or not (is_record(value) or hasattr(value, needs[0])):
+            super()._take(field, problems)
+        elif isinstance(value, type) or not is_record(value):
+            problems.add(f"{name} = {value!r}; allowed is {allowed}")
+        elif lacking := [each for each in ("period", *needs) if not hasattr(value, each)]:
+            problems.add(f"{name} = {value!r} has no {' and no '.join(lacking)}; allowed is {allowed}")
 
 
 def in_period(t: Any, value: Any, count: int) -> Any:
     """A time in `count` periods of an input, put into the first of them [s]."""
-    period = period_of(value)
+    period = getattr(value, "period", None)
     return t if period is None else own_time(t, period, count)
 
 
 def breaks_of(value: Any, count: int) -> list[Any]:
     """Instants of `count` periods of an input at which it is not smooth [s], the borders of the periods among them."""
-    period = period_of(value)
+    period = getattr(value, "period", None)
     if period is None:
         return []
     jumps = [instant for instant, _ in getattr(value, "jumps", None) or () if not (isinstance(instant, float) and instant == 0.0)]

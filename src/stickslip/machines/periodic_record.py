@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.drives.drive import OfPeriod
-from stickslip.drives.fourier import FourierDrive, check_coefficients
+from stickslip.drives.fourier import FourierDrive, OfCoefficients
 from stickslip.drives.samples import checked, fitted
-from stickslip.errors import Problems
 from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["PeriodicRecord"]
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicRecord(OfPeriod, FourierDrive):
+class PeriodicRecord(OfPeriod, OfCoefficients, FourierDrive):
     r"""One period of a record as a sum of harmonics about its mean; `from_samples` makes it.
 
     .. math:: x(t) = \bar x + \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -43,13 +42,7 @@ class PeriodicRecord(OfPeriod, FourierDrive):
     cosines: tuple[float, ...] = field(metadata=quantity("coefficients of the cosines", "1", "a", example=(0.0, 0.01)))
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "1", "b", example=(0.1, 0.0)))
 
-    def _check(self, problems: Problems) -> None:
-        check_coefficients(self.cosines, self.sines, "type for example ss.PeriodicRecord.from_samples(t, values)", problems)
-
-    @property
-    def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        """Coefficients of cos(k omega t) and of sin(k omega t)."""
-        return self.cosines, self.sines
+    _typed: ClassVar[str] = "type for example ss.PeriodicRecord.from_samples(t, values)"
 
     def position(self, t: Any) -> Any:
         """Value at a time, its mean included [rad or N m]."""

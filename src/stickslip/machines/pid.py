@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.drives import DRIVES
 from stickslip.errors import Problems, is_one_of
-from stickslip.fields import Frozen, is_record
-from stickslip.machines.periodic_inputs import check_input, given_input, in_period
+from stickslip.fields import is_record
+from stickslip.machines.periodic_inputs import TakesInput, in_period
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.maths import where
 from stickslip.quantities import at_least, holding, positive, quantity
@@ -22,7 +22,7 @@ _TARGET = "an angle [rad], a motion such as ss.Harmonic(amplitude=0.3, frequency
 
 
 @dataclass(frozen=True, eq=False)
-class PID(Frozen):
+class PID(TakesInput):
     r"""A PID controller: the torque of a motor from the error e = target - angle.
 
     Continuously,
@@ -86,19 +86,8 @@ class PID(Frozen):
     feedback: str = "joint"
 
     kind: ClassVar[str] = "pid"
+    _input: ClassVar[tuple[str, tuple[str, ...], str]] = ("target", ("position", "velocity"), _TARGET)
     holds: ClassVar[dict[str, Any]] = {**DRIVES, "record": PeriodicRecord}
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "target", given_input(self.target))
-        super().__post_init__()
-
-    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
-        """A target that is not a number is checked for what a motion has."""
-        motion = field.name == "target" and (is_record(self.target) or hasattr(self.target, "position"))
-        if motion:
-            check_input("target", self.target, ("position", "velocity"), _TARGET, problems)
-        else:
-            super()._take(field, problems)
 
     def _check(self, problems: Problems) -> None:
         if not is_one_of(self.feedback, ("joint", "motor")):
@@ -137,10 +126,7 @@ class Loop:
     torque: Any
     angle: Any
 
-    @property
-    def sample(self) -> Any:
-        """Time between samples [s]; None where it acts continuously."""
-        return self.pid.sample
+    sample = property(attrgetter("pid.sample"), doc="Time between samples [s]; None where it acts continuously.")
 
     @property
     def states(self) -> tuple[str, ...]:

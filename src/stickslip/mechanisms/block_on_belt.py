@@ -57,14 +57,6 @@ class BlockOnBelt(SpringMass):
         """Acceleration of the block [m/s^2]."""
         return (-self.stiffness * x - self.damping * v - R) / self.mass
 
-    def potential(self, t: Any, x: Any) -> Any:
-        """Energy in the spring [J]."""
-        return 0.5 * self.stiffness * x**2
-
     def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Power that the motor of the belt delivers [W]."""
         return -R * self.speed
-
-    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power dissipated by the damping [W]."""
-        return self.damping * v**2

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.maths import pi, sin
-from stickslip.mechanisms.mechanism import Mechanism
+from stickslip.mechanisms.mechanism import Sprung
 from stickslip.quantities import DAMPING, LOAD, MASS, OMEGA, STIFFNESS, quantity
 
 __all__ = ["ForcedOscillator"]
 
 
 @dataclass(frozen=True, eq=False)
-class ForcedOscillator(Mechanism):
+class ForcedOscillator(Sprung):
     r"""A harmonically forced oscillator with dry friction: the problem of Den Hartog and Shaw.
 
     .. math:: m\ddot x + c\,\dot x + k x + R = F \sin\omega t + F_0
@@ -82,14 +82,6 @@ class ForcedOscillator(Mechanism):
         """Acceleration of the mass [m/s^2]."""
         return (self.given_force(t) - self.stiffness * x - self.damping * v - R) / self.mass
 
-    def potential(self, t: Any, x: Any) -> Any:
-        """Energy in the spring [J]."""
-        return 0.5 * self.stiffness * x**2
-
     def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Power of the external force [W]."""
         return self.given_force(t) * v
-
-    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power dissipated by the damping [W]."""
-        return self.damping * v**2

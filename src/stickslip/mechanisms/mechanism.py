@@ -3,73 +3,60 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Any, ClassVar
 
-from stickslip.batch import check_shape, shape_of
+from stickslip.batch import check_shape
 from stickslip.errors import Problems
-from stickslip.fields import Frozen
 from stickslip.forces import check_law
 from stickslip.friction.law_adapter import law_of, mirrored as mirrored_law
+from stickslip.machines.filed import Filed
 from stickslip.maths import pi, sqrt
 from stickslip.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
-from stickslip.tables import from_toml, record_html, to_toml
 
-__all__ = ["Mechanism", "SpringMass"]
+__all__ = ["Mechanism", "SpringMass", "Sprung"]
 
 
-class Mechanism(Frozen):
+class Mechanism(Filed):
     """Base of the mechanisms: a mass with one contact. A subclass adds its fields, `acceleration` and where its energy goes."""
 
-    kind: ClassVar[str] = ""  # its name in a study file
     _turns: ClassVar[tuple[str, ...]] = ()  # numbers that change their sign in the mirror
     period: Any = None  # nothing repeats by itself: a run is so many seconds long
-    mass: Any
-    friction: Any
-    load: Any
+    total_mass: Any = property(attrgetter("mass"), doc="The mass that moves [kg].")
 
-    def _check(self, problems: Problems) -> None:
+    def _check(self: Any, problems: Problems) -> None:
         check_law(self.friction, problems)
         check_shape(self, problems)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch that this mechanism is; () for one."""
-        return shape_of(self)
-
-    @property
-    def total_mass(self) -> float:
-        """The mass that moves [kg]."""
-        return self.mass
-
-    def contact_velocity(self, v: Any) -> Any:
+    def contact_velocity(self: Any, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
         return v
 
-    def mirrored(self) -> Any:
+    def mirrored(self: Any) -> Any:
         """The mechanism with forwards and backwards exchanged."""
         numbers = {name: 0.0 - getattr(self, name) for name in self._turns}
-        return replace(self, friction=mirrored_law(self.friction), **numbers)  # type: ignore[type-var]
+        return replace(self, friction=mirrored_law(self.friction), **numbers)
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self: Any) -> list[str]:
         """Remarks on these numbers that are not errors, such as a LuGre law that is not passive."""
         return law_of(self).notes(self.load)
 
-    def to_toml(self) -> str:
-        """The mechanism as TOML text, every digit kept; `from_toml` reads it back."""
-        return to_toml(self, "mechanism")
 
-    @classmethod
-    def from_toml(cls, text: str) -> Any:
-        """A mechanism of this kind from the TOML text of `to_toml`."""
-        return from_toml(cls, text, "mechanism")
+class Sprung(Mechanism):
+    """A mass on a spring and a damper that are fixed at their other end."""
 
-    def _repr_html_(self) -> str:
-        return record_html(self)
+    def potential(self: Any, t: Any, x: Any) -> Any:
+        """Energy in the spring [J]."""
+        return 0.5 * self.stiffness * x**2
+
+    def damping_power(self: Any, t: Any, x: Any, v: Any) -> Any:
+        """Power dissipated by the damping [W]."""
+        return self.damping * v**2
 
 
 @dataclass(frozen=True, eq=False)
-class SpringMass(Mechanism):
+class SpringMass(Sprung):
     """Base of the mechanisms in which something that moves steadily stretches a spring."""
 
     mass: float = field(metadata=MASS | {"example": 1.0})

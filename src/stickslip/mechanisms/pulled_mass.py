@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.mechanisms.mechanism import SpringMass
@@ -48,10 +49,7 @@ class PulledMass(SpringMass):
 
     kind: ClassVar[str] = "pulled_mass"
 
-    @property
-    def far_end_velocity(self) -> float:
-        """Velocity of the spring's far end [m/s], from which nothing depends on time."""
-        return self.speed
+    far_end_velocity = property(attrgetter("speed"), doc="Velocity of the far end of the spring [m/s].")
 
     def spring_force(self, t: Any, x: Any, v: Any) -> Any:
         """Force of the spring on the mass [N]."""
