@@ -56,7 +56,6 @@ class Quantity:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a figure: a name and two arrays of one length, in the units of its experiment."""
 
@@ -66,7 +65,6 @@ class Curve:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Experiment:
     """One experiment on one law.
 
@@ -109,7 +107,6 @@ class Experiment:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Bench(Drawn):
     """The behaviour of one law by itself; `print` shows the table, `stickslip.plot.bench` the figure.
 
@@ -206,7 +203,6 @@ class Bench(Drawn):
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Benches(Drawn):
     """Several laws on the same bench, side by side; `print` shows one row for each law.
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError
 from stickslip.jsontext import plain
 from stickslip.optional import library
@@ -22,8 +23,6 @@ from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Column, Space
 
 __all__ = ["connected", "from_message", "message", "tiles_from", "work"]
-
-Array = Any
 
 
 def _distributed() -> Any:

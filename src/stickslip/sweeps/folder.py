@@ -15,6 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError, as_path
 from stickslip.sweeps.labelling import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
@@ -24,7 +25,6 @@ from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
 __all__ = ["COMMAND", "MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
 
-Array = Any
 MANIFEST = "manifest.json"
 #: What was typed in the shell to begin the study.
 COMMAND = "command.json"

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import spread
+from stickslip.contracts import Array
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
@@ -25,8 +26,6 @@ from stickslip.sweeps.result_columns import END, empty
 from stickslip.sweeps.solving import columns_of_group
 
 __all__ = ["followed", "solve_to_end", "unfollowed"]
-
-Array = Any
 
 
 def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.fields import field_description
 from stickslip.jsontext import plain
@@ -25,7 +26,6 @@ from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
 
-Array = Any
 WAYS = np.array(["up", "down"])
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import point_by_point
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.fields import leaves
 from stickslip.machine_adapter import is_machine
@@ -15,8 +16,6 @@ from stickslip.robot import Robot
 from stickslip.sweeps.space import START, Space
 
 __all__ = ["Group", "groups_of", "refusals", "shared_numbers"]
-
-Array = Any
 
 
 class Group:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, shape_of, some_of, spread
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import checked, parted
@@ -20,7 +21,6 @@ from stickslip.variables import VARIABLES
 
 __all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
 
-Array = Any
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
 from stickslip.pool import Cancelled
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["map"]
 
-Array = Any
 _CHUNK = 16384
 
 

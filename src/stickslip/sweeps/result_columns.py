@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADINESS, UNKNOWN
@@ -38,7 +39,6 @@ __all__ = [
     "words",
 ]  # fmt: skip
 
-Array = Any
 #: What the names of end states begin with, beside the columns of cases that others start from.
 END = "end."
 _CODES = {"status": STATUS, "steadiness": STEADINESS}

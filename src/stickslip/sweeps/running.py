@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["carried_out", "run_plan", "sweep", "tiles_of"]
 
-Array = Any
 Done = tuple[int, dict[str, Array], dict[str, int]]
 
 

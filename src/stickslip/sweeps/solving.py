@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import numbers_by_name, shape_of, some_of
+from stickslip.contracts import Array
 from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
@@ -28,7 +29,6 @@ from stickslip.variables import VARIABLES
 
 __all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
 
-Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that only machines of one body on one contact have.
 OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)

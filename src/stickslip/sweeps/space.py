@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import parameters_of
+from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.fields import leaves, masked_in
@@ -19,7 +20,6 @@ from stickslip.number_names import numbers_meant
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
-Array = Any
 #: Start values that may be axes too.
 START = ("start.x", "start.v", "start.z")
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.result_columns import coded, described, empty, flags, words
@@ -17,7 +18,6 @@ from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 
 __all__ = ["TILES", "file_of", "mark_of", "notes_of", "read_tile", "tile_bytes", "tile_is_good", "written"]
 
-Array = Any
 TILES = "tiles"
 
 

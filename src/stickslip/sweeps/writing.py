@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.optional import library
 from stickslip.status import STATUS
@@ -21,7 +22,6 @@ from stickslip.workbooks import write_workbook
 
 __all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
 
-Array = Any
 _ROWS = 65536  # cases at a time
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +30,6 @@ _ROWS = 24  # of a table in a notebook
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Atlas(Drawn):
     """The motions of a machine over a plane of two numbers, and the borders between them; `plot` draws it.
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
@@ -19,7 +20,6 @@ from stickslip.flow import is_flow
 
 __all__ = ["Border", "FollowedBranch", "Outcome", "PointOfBorder", "followed", "same_place"]
 
-Array = Any
 _TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
 _SAME = 1e-6  # of the plane: special points nearer to one another are one

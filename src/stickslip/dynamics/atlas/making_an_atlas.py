@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
 from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
@@ -31,7 +32,6 @@ from stickslip.sweeps.progress import Watch
 
 __all__ = ["AtlasTime", "atlas", "atlas_time"]
 
-Array = Any
 _TILE = 32  # points of the grid that run together and are kept together
 _PROBED = 16  # points of the grid that an estimate runs
 _ON_IT = 2e-3  # of the plane: a special point so near to a curve of its kind is on it

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -21,7 +21,6 @@ from stickslip.sealing import sealed
 
 __all__ = ["Cell", "Plane", "plane_over"]
 
-Array = Any
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
 _MORE = 4  # times the starts: further ones, where a motion was missed by the first
@@ -29,7 +28,6 @@ _WIDTHS = (2.0, 4.0)  # of the scatter of the starts, in scales, in turn
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Plane:
     """Two numbers, their values, and how machines are made and started there.
 

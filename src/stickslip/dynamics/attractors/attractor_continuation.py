@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, own_attrs, strobe_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["attractors"]
 
-Array = Any
 _STEPS = 8  # smaller steps from value to value where an attractor seems to end
 
 

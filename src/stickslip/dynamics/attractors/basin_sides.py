@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
@@ -17,7 +18,6 @@ from stickslip.variables import unit_of
 
 __all__ = ["NARROW", "OTHER", "Judge", "judge_between", "named_motion", "narrowed"]
 
-Array = Any
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought
 _PARTS = 16  # into so many a segment is cut at once: its inner points are one batch
@@ -25,7 +25,6 @@ _ROUNDS = 4  # how often a start that is on neither motion yet is run on, each t
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Judge:
     """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""
 

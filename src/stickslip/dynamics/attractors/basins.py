@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, state_attrs
 from stickslip.dynamics.attractors.motion_features import numbered_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
@@ -27,13 +27,11 @@ from stickslip.status import Status
 
 __all__ = ["Attractor", "Basins", "basins", "from_rest", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
 
-Array = Any
 _POINTS = 64
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Attractor:
     """A motion that attracts starts.
 
@@ -72,7 +70,6 @@ class Attractor:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Basins(Drawn):
     """Basins of attraction: which initial state leads to which attractor.
 

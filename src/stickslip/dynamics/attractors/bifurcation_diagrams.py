@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "steady_velocity", "strobe_attrs", "whole_motions"]
 
-Array = Any
 DIRECTIONS = ("up", "down")
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.callbacks import Reported, reporting
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.given_states import states_of
@@ -25,7 +25,6 @@ from stickslip.sealing import sealed
 
 __all__ = ["EdgeState", "edge_state"]
 
-Array = Any
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
 _BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit
@@ -39,7 +38,6 @@ _KINDS = {
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class EdgeState(Drawn):
     """The state on the border between the basins of two attractors, and what motion it is.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["chaos_map"]
 
-Array = Any
 _FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
 _POINTS = 64  # ... and at the end
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.callbacks import Reported, reporting
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, state_attrs, strobe_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
@@ -34,11 +35,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Branch", "Special", "continuation"]
 
-Array = Any
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Branch(Drawn):
     """A branch of periodic orbits along a parameter.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from stickslip.callbacks import Reported
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
 from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
@@ -18,7 +19,6 @@ from stickslip.errors import InputError, SolveError
 
 __all__ = ["FollowedCurve", "followed_curve", "settled"]
 
-Array = Any
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken
 _KNOWN = 1e-10  # how well tests are known

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.path_kinds import path_of
@@ -22,7 +23,6 @@ from stickslip.dynamics.periodic.newton import Found
 
 __all__ = ["CONDITIONS", "KNOWN", "has_multiplier", "multiplier_problem"]
 
-Array = Any
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
 _ONE = 1e-3  # how near to 1, -1 or the unit circle a multiplier is that is there: of a double one rounding leaves 1e-5

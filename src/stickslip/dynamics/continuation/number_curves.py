@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, has_multiplier
@@ -26,7 +27,6 @@ from stickslip.errors import InputError, SolveError
 
 __all__ = ["event_problem", "touch_problem"]
 
-Array = Any
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 _KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
 _BESIDE = (1e-2, 1e-3, 1e-4, 1e-5)  # of the branch's range: how far from the special point motions are compared

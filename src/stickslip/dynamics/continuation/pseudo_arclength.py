@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
@@ -25,7 +26,6 @@ from stickslip.sealing import sealed
 
 __all__ = ["Path", "Point", "tangent_of"]
 
-Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
@@ -34,7 +34,6 @@ _JUMPS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)  # how far corners are jumped across
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Point:
     """A point of a branch: where it is in the scaled space (without what the law remembers), its direction there, and the orbit."""
 

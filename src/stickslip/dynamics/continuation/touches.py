@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip.analysis.contact_modes import watched_contacts
+from stickslip.contracts import Array
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
 __all__ = ["BOTH_SIDES", "Touch", "touches"]
 
-Array = Any
 BOTH_SIDES = "slip"  # the kind of touches that motions on either side have
 _GRID = 64  # instants of a stretch between two switches at which it is looked, at least
 _OF_A_PERIOD = 256  # and of a period

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from stickslip import maths
+from stickslip.contracts import Array
 
 __all__ = ["Dual", "slopes_of", "variables"]
-
-Array = Any
 
 
 class Truth:

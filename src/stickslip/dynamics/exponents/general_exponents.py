@@ -7,12 +7,12 @@ The derivative may be given; else the function's own lines are called with numbe
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.flows.user_functions import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, rounded
@@ -22,12 +22,10 @@ from stickslip.sealing import sealed
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
 
-Array = Any
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Lyapunov(Drawn):
     """Lyapunov exponents with their errors and convergence.
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.periodic.closed_orbits import resting
@@ -28,7 +29,6 @@ from stickslip.sweeps.progress import Watch
 
 __all__ = ["checked", "largest_exponents", "lyapunov", "settled"]
 
-Array = Any
 _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from stickslip.arguments import Model, explains_arguments
@@ -20,7 +19,6 @@ __all__ = ["Verdict", "verdict"]
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Verdict(Face):
     """The kind of steady motion of a robot, with the evidence.
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
@@ -16,14 +16,12 @@ from stickslip.sealing import sealed
 
 __all__ = ["Rotation", "rotation_number", "rotation_of_strobe", "rotation_on_curve"]
 
-Array = Any
 _LEAST = 100
 _TURNS, _SEEN = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
 _ROUGH = 0.25  # of the radius: neighbours on a closed curve differ by less, as seen from inside
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Rotation:
     """A rotation number.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
@@ -21,7 +21,6 @@ from stickslip.sealing import sealed
 
 __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
 
-Array = Any
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case
 _APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
@@ -32,7 +31,6 @@ _ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same s
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class FlowOrbit(Repeating):
     """A periodic orbit of a switching flow.
 

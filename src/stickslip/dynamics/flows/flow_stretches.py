@@ -7,12 +7,12 @@ functions cannot be called with symbols is followed by SciPy's integrator on pla
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.flows.judged_flows import judged
 from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.errors import InputError, Problems, is_number, is_one_of
@@ -24,13 +24,11 @@ from stickslip.solvers.flow_engine import followed, unknown
 
 __all__ = ["METHODS", "Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
 
-Array = Any
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Passage:
     """A stretch of a switching flow: where and when it ends, its switches, its derivative by the start, and its extremes.
 

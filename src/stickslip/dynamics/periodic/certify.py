@@ -9,7 +9,6 @@ within its limits, and what follows each switch is what must follow.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,6 @@ __all__ = ["Certificate", "certify"]
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Certificate:
     """Proved properties of a periodic motion.
 

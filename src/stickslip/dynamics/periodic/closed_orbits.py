@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.faces import Drawn
 from stickslip.machine_adapter import machine_of
 
 __all__ = ["NEUTRAL", "ClosedMotion", "Repeating", "largest_first", "multipliers_of", "resting", "stability_of"]
 
-Array = Any
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
 __all__ = ["drift"]
 
-Array = Any
 _DRIFTS = 200  # drive periods after which a motion that speeds up for ever does so evenly
 _GROWS, _EVENLY = 1e-3, 1e-3  # of the scale in a period, and of that growth
 

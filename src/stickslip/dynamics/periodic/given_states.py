@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels
+from stickslip.contracts import Array
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, states_of_parts, strobe_states
 from stickslip.errors import InputError, Problems
@@ -17,8 +18,6 @@ from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 
 __all__ = ["states_of"]
-
-Array = Any
 
 
 def states_of(start: Any, model: Any) -> Array:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, largest_first, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
@@ -20,7 +21,6 @@ from stickslip.steadiness import way_of_machine
 
 __all__ = ["LimitCycle", "clock", "limit_cycle"]
 
-Array = Any
 _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for
 _LONGER, _REPEATS = (1, 4, 16), 1e-3  # times that, of machines with slow states; a distance in scales
@@ -30,7 +30,6 @@ _SAMPLES = 1200  # looks at a run of that length, times ten
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class LimitCycle(ClosedMotion):
     """A limit cycle: its turning points, period and multipliers.
 

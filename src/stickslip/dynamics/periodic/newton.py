@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.sealing import sealed
 
 __all__ = ["Found", "newton", "newton_within"]
 
-Array = Any
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
 Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, and their Jacobian
 
@@ -22,7 +22,6 @@ SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went to
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Found:
     """Where Newton's method ended."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, largest_first, multipliers_of, resting
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["PeriodicOrbit", "periodic_orbit"]
 
-Array = Any
 RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
@@ -52,7 +52,6 @@ _SAME = 1e-7  # strobe states closer than this are one
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and its properties. The velocity is periodic, the position drifts.
 

@@ -14,7 +14,6 @@ from stickslip.sweeps.progress import Progress, Watch
 
 __all__ = ["Report", "parts_of", "shared"]
 
-Array = Any
 T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.
 Report = Callable[[Progress], Any] | bool

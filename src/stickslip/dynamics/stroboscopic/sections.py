@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.analysis.steady import is_run, period_number
 from stickslip.arguments import Run, explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.steadiness import way_of_machine
 from stickslip.variables import VARIABLES, unit_of
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
 
-Array = Any
 _WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 

@@ -8,13 +8,13 @@ their positions are coordinates, and the way made is that of their centre of mas
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import cases_of, labels_of, spread
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
@@ -32,7 +32,6 @@ __all__ = [
     "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "state_at", "strobe_map", "strobe_orbit",
 ]  # fmt: skip
 
-Array = Any
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
@@ -41,7 +40,6 @@ _FINEST = 1e-12  # tolerance of series on the slow manifold: below it two sweeps
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Coordinates:
     """The coordinates of a strobe state: their names, and the size against which each is measured.
 
@@ -116,7 +114,6 @@ class Coordinates:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Ends:
     """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period.
 

@@ -16,8 +16,6 @@ from stickslip.position import knows_position
 
 __all__ = ["Order", "needs_one_body", "order_of"]
 
-Array = Any
-
 
 @dataclass(frozen=True)
 class Order:
