@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -106,8 +107,25 @@ class Experiment:
         }
 
 
+class _Tabled(Drawn):
+    """What prints as a table of its rows."""
+
+    table: str
+    _drawn_by = "bench"
+
+    @abstractmethod
+    def rows(self) -> list[tuple[str, ...]]:
+        """Rows of text, the heading first."""
+
+    def __str__(self) -> str:
+        return self.table
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.rows()]
+
+
 @sealed
-class Bench(Drawn):
+class Bench(_Tabled):
     """The behaviour of one law by itself; `print` shows the table, `stickslip.plot.bench` the figure.
 
     Parameters
@@ -184,13 +202,8 @@ class Bench(Drawn):
             "notes": list(self.notes),
         }
 
-    def __str__(self) -> str:
-        return self.table
-
     def __repr__(self) -> str:
         return f"<Bench of {self.name}: {len(self.quantities)} numbers from {len(self.experiments)} experiments>"
-
-    _drawn_by = "bench"
 
     def _figures(self) -> list[Any]:
         return drawn_on(self.plot, (9.8, 4.5) if len(self.experiments) > 3 else (2.45 * (len(self.experiments) + 1), 2.25))
@@ -198,12 +211,9 @@ class Bench(Drawn):
     def _title(self) -> str:
         return f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg"
 
-    def _tables(self) -> list[list[tuple[str, ...]]]:
-        return [self.rows()]
-
 
 @sealed
-class Benches(Drawn):
+class Benches(_Tabled):
     """Several laws on the same bench, side by side; `print` shows one row for each law.
 
     Parameters
@@ -253,22 +263,14 @@ class Benches(Drawn):
         """Everything as plain numbers and text."""
         return {"laws": [found.to_dict() for found in self.benches]}
 
-    def __str__(self) -> str:
-        return self.table
-
     def __repr__(self) -> str:
         return f"<Benches of {', '.join(found.name for found in self.benches)}>"
-
-    _drawn_by = "bench"
 
     def _figures(self) -> list[Any]:
         return drawn_on(self.plot, (1.75 * (len(self.benches[0].experiments) + 0.9), 0.5 + 1.0 * len(self)))
 
     def _title(self) -> str:
         return "Friction laws on the bench"
-
-    def _tables(self) -> list[list[tuple[str, ...]]]:
-        return [self.rows()]
 
 
 def _bare(quantity: Quantity) -> str:

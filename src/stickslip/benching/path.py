@@ -32,15 +32,11 @@ def hysteresis(bench: Setup) -> Experiment:
         (
             Quantity("stiffness", "contact stiffness", stiffness, "N/m", "slope of the force over the displacement of a fresh contact"),
             Quantity("loop_loss", "loss of the loop", marks[2][0] - marks[0][0], "J", f"over +-{reach:.3g} m, slowly"),
-            Quantity("gap", "gap of the inner loop", _gap(bench, marks), "N",
+            Quantity("gap", "gap of the inner loop", marks[5][1] - marks[3][1] if bench.remembers else math.nan, "N",
                      "force after an inner loop minus the force before it; 0 is memory of reversal points"),
         ),
         {"reach": (reach, "m"), "peak velocity": (bench.crawl, "m/s")}, _path_remark(bench),
     )  # fmt: skip
-
-
-def _gap(bench: Setup, marks: list[tuple[float, float]]) -> float:
-    return marks[5][1] - marks[3][1] if bench.remembers else math.nan
 
 
 def _path_remark(bench: Setup) -> str:

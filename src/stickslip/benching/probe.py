@@ -15,10 +15,6 @@ class Probe:
     def __init__(self, law: Any, load: Any):
         self.law, self.load = adapted(law), load
 
-    def rate(self, v: Any, z: tuple[Any, ...], mode: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Rates of the inner states."""
-        return self.law.rate(v, z, self.load, mode)
-
     def force(self, v: Any, z: tuple[Any, ...], mode: tuple[Any, ...], applied: Any = 0.0) -> Any:
         """Friction force [N]."""
         return self.response(v, z, mode, applied)[0]

@@ -120,7 +120,7 @@ class Setup:
             return 0.0
         probe, small = self.probe, 1e-3 * min(self.probe.scale)
         still, fresh = probe.start
-        bent = tuple(small * rate / 1e-12 for rate in probe.rate(1e-12, still, fresh))
+        bent = tuple(small * rate / 1e-12 for rate in probe.response(1e-12, still, fresh)[1])
         return (float(probe.force(0.0, bent, fresh)) - float(probe.force(0.0, still, fresh))) / small
 
     @cached_property

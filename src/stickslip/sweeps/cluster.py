@@ -18,6 +18,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.jsontext import plain
 from stickslip.optional import library
 from stickslip.storage import from_text
+from stickslip.sweeps.models_of_points import starts_at
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Column, Space
@@ -42,7 +43,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
     """A tile without its classes: names, plain values and the rows of its own cases."""
     points = plan.points(k)
     dims = ("case",) if plan.along is None else ("line", plan.along)
-    start = plan.start_at(points)
+    start = starts_at(plan.start, points)
     return {
         "make": _named(plan.make),
         "sizes": dict(zip(dims, points.shape, strict=True)),

@@ -15,7 +15,7 @@ from stickslip.machine_adapter import is_machine
 from stickslip.robot import Robot
 from stickslip.sweeps.space import START, Space
 
-__all__ = ["Group", "groups_of", "refusals", "shared_numbers"]
+__all__ = ["Group", "groups_of", "refusals", "shared_numbers", "starts_at"]
 
 
 class Group:
@@ -37,7 +37,7 @@ def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | No
     for at, words in _by_words(columns, np.flatnonzero(finite)):
         numbers = {n: v for n, v in columns.items() if n not in words}
         for part, robot in _made(make, {**space.fixed, **words}, numbers, at, refused):
-            groups.append(Group(part, robot, {**_at(start, part), **_own_start(columns, space.fixed, part)}))
+            groups.append(Group(part, robot, starts_at(start or {}, part) | _own_start(columns, space.fixed, part)))
     return groups, refused
 
 
@@ -94,9 +94,9 @@ def _batch(make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot
     return point_by_point("sweep", make, fixed, numbers)
 
 
-def _at(start: dict[str, Any] | None, places: Array) -> dict[str, Any]:
+def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
     """Start values at some places; one for all, or one array for each name."""
-    return {name: value if np.ndim(value) == 0 else value[places] for name, value in (start or {}).items()}
+    return {name: value if np.ndim(value) == 0 else value[places] for name, value in start.items()}
 
 
 def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) -> dict[str, Any]:

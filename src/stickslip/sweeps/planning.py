@@ -99,14 +99,10 @@ class Plan:
         grid = [steps[None, :] if d == self.along else index[d][:, None] for d in self.space.dims]
         return np.ravel_multi_index(np.broadcast_arrays(*grid), self.space.shape)
 
-    def start_at(self, points: Array) -> dict[str, Any]:
-        """Start values of some points."""
-        return {name: value if np.ndim(value) == 0 else value[points] for name, value in self.start.items()}
-
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Names of the bodies, contacts and stops of the first machine by dimension; none of one body on one contact."""
-        return {} if self.sample is None else machine_of(self.sample[0]).part_names
+        return {} if self.sample is None else machine_of(self.sample).part_names
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -119,14 +115,10 @@ class Plan:
         return tuple(self.options.get("observe") or ())
 
     @cached_property
-    def sample(self) -> tuple[Any, dict[str, Any]] | None:
-        """The first robot that can be made, and its start values; None if there is none."""
-        for k in range(min(self.tiles, 4)):
-            points = self.points(k).ravel()
-            groups, _ = groups_of(self.make, self.space, points[:1024], self.start_at(points[:1024]))
-            if groups:
-                return groups[0].robot, groups[0].start
-        return None
+    def sample(self) -> Any:
+        """The first robot that can be made; None if there is none."""
+        tried = (groups_of(self.make, self.space, self.points(k).ravel()[:1024], None)[0] for k in range(min(self.tiles, 4)))
+        return next((groups[0].robot for groups in tried if groups), None)
 
 
 def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
@@ -162,7 +154,7 @@ def _tile(plan: Plan) -> int:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
     slow = plan.sample is not None and (
         plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853")
-        or not all(law.compiles for law in machine_of(plan.sample[0]).laws)
+        or not all(law.compiles for law in machine_of(plan.sample).laws)
     )
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 
@@ -200,7 +192,7 @@ def _check_derived(plan: Plan) -> None:
     if plan.start or plan.options["settle"] != "auto":
         raise InputError("sweep", ['derivatives are of the steady motion from rest; leave start out, and settle="auto" as it is'])
     if plan.sample is not None:
-        robot = plan.sample[0]
+        robot = plan.sample
         next(iter(derived.values())).values(some_of(robot, [0]) if shape_of(robot) else robot, 0, derived, 0)
 
 
@@ -214,11 +206,11 @@ def _check_options(plan: Plan) -> None:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
     arguments = solver_arguments(plan.options)
-    request(plan.sample[0], start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+    request(plan.sample, start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
     if plan.along is not None:
         from stickslip.sweeps.following import unfollowed
 
-        why = unfollowed(plan.sample[0], plan.options["method"])
+        why = unfollowed(plan.sample, plan.options["method"])
         if why is not None:
             raise InputError("sweep", [why])
 

@@ -90,7 +90,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     for design in designs:
         _add_design(space, design)
     for name, value in axes.items():
-        _add_axis(space, name, _plain(make, name, value, problems), problems)
+        _add_axis(space, name, in_its_unit(name, value, make, problems), problems)
     problems.check()
     _count(space, make)
     return space
@@ -134,11 +134,6 @@ def _add_design(space: Space, design: Design) -> None:
     for name, values in design.columns.items():
         space.columns[name] = space.coords[name] = Column((dim,), _as_array(values))
     space.attributes.update(design.attributes)
-
-
-def _plain(make: Any, name: str, value: Any, problems: Problems) -> Any:
-    """The value, or values, in the unit in which the maker takes them; words stay what they are."""
-    return in_its_unit(name, value, make, problems)
 
 
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:

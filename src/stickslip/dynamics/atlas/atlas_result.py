@@ -15,7 +15,7 @@ from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.errors import InputError
 from stickslip.faces import Drawn
@@ -131,7 +131,7 @@ class Atlas(Drawn):
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
         told = [{"units": "m/s", "long_name": "mean velocity"}]
         told += [{"units": "1", "long_name": f"share of the starts{part}"} for part in ("", ", 95 % lower bound", ", 95 % upper bound")]
-        told += [strobe_attrs(name) for name in names]
+        told += [state_attrs(name, "on the strobe", self.plane.of_flows) for name in names]
         columns = ("mean_velocity", "share", "share_low", "share_high", *names)
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),

@@ -14,7 +14,7 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
@@ -179,10 +179,7 @@ def _axes(make: Any, over: Any, problems: Problems) -> dict[str, Array]:
 
 def _axis(name: str, value: Any, count: int, problems: Problems) -> Array:
     """The values of one number: those of a list, or evenly between the two of a tuple."""
-    try:
-        given = np.asarray(number(value), float)
-    except (TypeError, ValueError):
-        given = np.empty(0)
+    given = floats(value)
     if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all() or not np.all(np.diff(given) > 0):
         allowed = "a pair (least, largest) or a list of two or more rising finite numbers"
         problems.add(f"over[{name!r}] = {value!r}; allowed is {allowed}; {_TYPE}")

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, own_attrs, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, state_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -258,8 +258,6 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     for name, told in (("begins", _begins), ("ends", _ends)):
         texts = np.array([told(track, values) for track in tracks], dtype=str)
         columns[name] = (("attractor",), texts, {"long_name": f"where the attractor {name}"})
-    columns |= {
-        name: (both, state[..., i], own_attrs(name, "on the strobe") if flow else strobe_attrs(name)) for i, name in enumerate(at.names)
-    }
+    columns |= {name: (both, state[..., i], state_attrs(name, "on the strobe", flow)) for i, name in enumerate(at.names)}
     coords = {parameter: (parameter, values, robots.describe(parameter)), "attractor": np.arange(len(tracks))}
     return xr.Dataset(columns, coords, {"parameter": parameter, "starts": starts})

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, state_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
 from stickslip.dynamics.attractors.motion_features import numbered_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
@@ -19,7 +19,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.faces import Drawn
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
@@ -193,10 +193,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
         if name not in known:
             problems.add(f"{name!r} is not a coordinate of the start; {did_you_mean(name, known)}")
             continue
-        try:
-            axis = np.atleast_1d(np.asarray(number(value), float))
-        except (TypeError, ValueError):
-            axis = np.empty((0, 0))
+        axis = np.atleast_1d(floats(value))
         if axis.ndim != 1 or axis.size == 0 or not np.all(abs(axis) <= LARGEST_START):
             problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
         axes[name] = axis
@@ -282,8 +279,7 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
         ),
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    attrs_of = own_attrs if is_flow(model) else state_attrs
-    coords = {n: (n, a, phase if n == "phase" else attrs_of(n, "at the start")) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", is_flow(model))) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 

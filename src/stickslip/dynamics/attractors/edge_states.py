@@ -304,7 +304,7 @@ def _accuracy(at: Coordinates, orbit: Any) -> float:
 def _jump(judge: Judge, track: list[Array], apart: float, after: float) -> EdgeState:
     told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
     note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
-    return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
+    return _of_track(judge, "jump", track, apart, note)
 
 
 def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
@@ -313,7 +313,9 @@ def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
     period, back = _nearest_return(judge.at, track)
     told = f"nearest: {back:.1e} of the scales after {period}"
     note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
-    apart = float(judge.at.distance(*pair))
-    return EdgeState(
-        judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,)
-    )
+    return _of_track(judge, "not periodic", track, float(judge.at.distance(*pair)), note)
+
+
+def _of_track(judge: Judge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
+    """What is no periodic orbit."""
+    return EdgeState(judge.model, kind, track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))

@@ -18,8 +18,8 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit
-from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.errors import Problems
+from stickslip.fields import floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,10 +111,7 @@ def _is_many(value: Any) -> bool:
 
 def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
     problems = Problems("chaos_map")
-    try:
-        axes = {name: np.asarray(number(value), float) for name, value in arguments.items() if _is_many(value)}
-    except (TypeError, ValueError):
-        raise InputError("chaos_map", ["one of several values of an argument is not a number; allowed are lists of numbers"]) from None
+    axes = {name: floats(value) for name, value in arguments.items() if _is_many(value)}
     if len(axes) not in (1, 2):
         problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
     for name, axis in axes.items():

@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.callbacks import Reported, reporting
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, state_attrs, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -87,9 +87,8 @@ class Branch(Drawn):
         flow = is_flow(self.orbits[0].model)
         single = not flow and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
-        names = self.orbits[0].names
-        told_of = {name: own_attrs(name, "on the strobe") if flow else _of_state(name, self.orbits[0].model.period) for name in names}
-        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits], told_of[name]) for i, name in enumerate(names)}
+        names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
+        columns: dict[str, Any] = {n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, flow)) for i, n in enumerate(names)}
         known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {
             name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known if not flow or name != "pattern"
@@ -299,11 +298,6 @@ def continuation(
 
 def _multiplier(meaning: str) -> dict[str, str]:
     return {"units": "1", "long_name": meaning}
-
-
-def _of_state(name: str, period: Any) -> dict[str, str]:
-    """Unit and name of a coordinate of an orbit's state: at the start of a drive period, or of a cycle where there is no drive."""
-    return state_attrs(name, "at the start of the cycle", f"inner state {name}") if period is None else strobe_attrs(name)
 
 
 def _branch(family: Family, period: int, found: Followed, events: Mapping[str, Event]) -> Branch:

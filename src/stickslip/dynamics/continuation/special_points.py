@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,13 +47,13 @@ def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None =
     """Every special point between a and b, in order; zeros of events of one's own among them."""
     found = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
     if a.fold * b.fold < 0 and not found:
-        test = _unity if a.unity * b.unity < 0 else _fold
+        test = attrgetter("unity" if a.unity * b.unity < 0 else "fold")
         there = root(path, a, b, test)
         if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
             found.append(Located("fold", there, (), _accuracy(path, there, test, b)))
     if a.flip * b.flip < 0:
-        there = root(path, a, b, _flip)
-        found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
+        there = root(path, a, b, attrgetter("flip"))
+        found.append(Located("flip", there, (), _accuracy(path, there, attrgetter("flip"), b)))
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
@@ -110,32 +111,17 @@ def _crossed(path: Path, a: Point, b: Point) -> list[Located]:
 
 def _turning(path: Path, a: Point, b: Point) -> list[Located]:
     """Where a complex pair of multipliers passes the unit circle; two real ones whose product is 1 are nothing special."""
-    there = root(path, a, b, _circle)
+    circle = attrgetter("turning")
+    there = root(path, a, b, circle)
     found = np.asarray(there.orbit.multipliers, complex)
     pair = found[int(np.argmin(abs(abs(found) - 1.0) + (abs(found.imag) < 1e-9)))]
     if abs(pair.imag) < 1e-9:
         return []
     turn = abs(float(np.angle(pair))) / (2 * np.pi)
-    accuracy = _accuracy(path, there, _circle, b)
+    accuracy = _accuracy(path, there, circle, b)
     told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
     note = f"a pair of multipliers crosses the unit circle; it rotates by {told} of a turn in each period"
     return [Located("neimark-sacker", there, (note,), accuracy)]
-
-
-def _flip(p: Point) -> float:
-    return p.flip
-
-
-def _circle(p: Point) -> float:
-    return p.turning
-
-
-def _unity(p: Point) -> float:
-    return p.unity
-
-
-def _fold(p: Point) -> float:
-    return p.fold
 
 
 def _length(a: Point, b: Point) -> float:

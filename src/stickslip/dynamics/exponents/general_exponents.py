@@ -16,7 +16,7 @@ from stickslip.contracts import Array
 from stickslip.dynamics.flows.user_functions import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, rounded
-from stickslip.fields import number as plain_number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
@@ -124,10 +124,7 @@ def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 
 def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
     """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
     problems = Problems(what)
-    try:
-        x = np.atleast_1d(np.asarray(plain_number(x0), float))
-    except (TypeError, ValueError):
-        x = np.array([np.nan])
+    x = np.atleast_1d(floats(x0))
     if x.ndim != 1 or not len(x) or not np.isfinite(x).all():
         problems.add(f"x0 = {x0!r}; allowed is a list of finite numbers, one for each coordinate")
     for name, value in whole.items():

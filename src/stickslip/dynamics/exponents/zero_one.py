@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contracts import Array
 from stickslip.errors import Problems
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.sealing import sealed
 
 __all__ = ["ZeroOne", "zero_one_test"]
@@ -108,10 +108,7 @@ def zero_one_test(series: Numbers, *, frequencies: int = 100) -> ZeroOne:
 
 def _checked(series: Any, frequencies: Any) -> Array:
     problems = Problems("zero_one_test")
-    try:
-        x = np.asarray(number(series), float)
-    except (TypeError, ValueError):
-        x = np.empty(0)
+    x = floats(series)
     if x.ndim != 1 or len(x) < _LEAST or not np.isfinite(x).all():
         allowed = f"allowed are {_LEAST} or more finite numbers in a row"
         problems.add(f"series has shape {x.shape}; {allowed}; type ss.zero_one_test(ss.strobe(run).v.values)")

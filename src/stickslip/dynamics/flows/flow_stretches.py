@@ -16,7 +16,7 @@ from stickslip.contracts import Array
 from stickslip.dynamics.flows.judged_flows import judged
 from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.errors import InputError, Problems, is_number, is_one_of
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.flow import Switch, SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.flow_run import extremes
 from stickslip.sealing import sealed
@@ -132,10 +132,7 @@ def started(
     if not is_flow(flow):
         told = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
         raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
-    try:
-        y = np.atleast_1d(np.array(number(state), float))
-    except ValueError:
-        y = np.array([np.nan])
+    y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")
     if not knows_mode(flow.fields, mode):

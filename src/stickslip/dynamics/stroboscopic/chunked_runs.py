@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from stickslip import pool
-from stickslip.pool import Cancelled
 from stickslip.sweeps.progress import Progress, Watch
 
 __all__ = ["Report", "parts_of", "shared"]
@@ -59,9 +58,7 @@ def shared(
 
     def done(part: slice) -> T:
         def tell(share: float) -> None:
-            watch.begun(part.start, int(share * (part.stop - part.start)))
-            if watch.stopped:
-                raise Cancelled
+            watch.at_work(part.start, int(share * (part.stop - part.start)))
 
         tell(0.0)
         return work(part, tell)
