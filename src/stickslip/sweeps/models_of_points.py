@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import point_by_point
+from stickslip.batch import made_model, point_by_point
 from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.fields import leaves
-from stickslip.machine_adapter import is_machine
-from stickslip.robot import Robot
 from stickslip.sweeps.space import START, Space
 
-__all__ = ["Group", "groups_of", "refusals", "shared_numbers", "starts_at"]
+__all__ = ["Group", "batch_of", "groups_of", "refusals", "shared_numbers", "starts_at"]
 
 
 class Group:
@@ -68,7 +66,7 @@ def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array
         return
     fixed = {n: v for n, v in fixed.items() if n not in START}
     try:
-        yield at, _batch(make, fixed, {n: v[at] for n, v in numbers.items() if n not in START})
+        yield at, batch_of("sweep", make, fixed, {n: v[at] for n, v in numbers.items() if n not in START})
         return
     except InputError as error:
         if len(at) == 1 or not numbers:
@@ -78,20 +76,18 @@ def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array
         yield from _made(make, fixed, numbers, half, refused)
 
 
-def _batch(make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot:
+def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Any:
     """The robots as one batch; a maker that cannot take arrays is called point by point."""
     if not callable(make):
         return make.replace({**fixed, **numbers})
     try:
-        robot = make(**fixed, **numbers)
-        if is_machine(robot):
-            return robot
+        return made_model(what, make(**fixed, **numbers))
     except InputError:
         raise
     except (TypeError, ValueError):
         if not numbers:
             raise
-    return point_by_point("sweep", make, fixed, numbers)
+        return point_by_point(what, make, fixed, numbers)
 
 
 def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
@@ -140,9 +136,9 @@ def _said(make: Any, space: Space, name: str, values: Array, end: int) -> list[s
     try:
         if values.dtype.kind != "f":
             for word in values.tolist():
-                _batch(make, {**fixed, name: word}, {})
+                batch_of("sweep", make, {**fixed, name: word}, {})
         elif len(values):
-            _batch(make, fixed, {name: values})
+            batch_of("sweep", make, fixed, {name: values})
     except InputError as error:
         return list(error.problems)
     except (TypeError, ValueError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -72,25 +73,15 @@ class Plane:
     @cached_property
     def at(self) -> Coordinates:
         """Coordinates of strobe states; their scales are the largest of the corners and the middle."""
-        made = [robot for cell in self._probes if (robot := self._made(cell)) is not None]
-        if not made:
-            self.family.robot(*self.point((0, 0)))  # says why there is none
-        known = [coordinates(robot) for robot in made]
-        return Coordinates(
-            known[0].names, np.max([at.scales for at in known], axis=0), known[0].order, known[0].memories, known[0].mechanics,
-            known[0].wavelength,
-        )  # fmt: skip
+        known = [coordinates(robot) for robot in self._probed or [self.sample]]
+        return replace(known[0], scales=np.max([at.scales for at in known], axis=0))
 
     @property
-    def _probes(self) -> list[Cell]:
+    def _probed(self) -> list[Any]:
+        """The machines at the middle and the corners, where there are any."""
         (m, n) = self.shape
-        return [(m // 2, n // 2), (0, 0), (m - 1, 0), (0, n - 1), (m - 1, n - 1)]
-
-    def _made(self, cell: Cell) -> Any:
-        try:
-            return self.family.robot(*self.point(cell))
-        except InputError:
-            return None
+        probes = [(m // 2, n // 2), (0, 0), (m - 1, 0), (0, n - 1), (m - 1, n - 1)]
+        return [robot for cell in probes if (robot := self.family.made(*self.point(cell))) is not None]
 
     @cached_property
     def of_flows(self) -> bool:
@@ -100,8 +91,7 @@ class Plane:
     @property
     def sample(self) -> Any:
         """A machine of the plane; `InputError` where none of its corners and its middle is one."""
-        made = (robot for cell in self._probes if (robot := self._made(cell)) is not None)
-        return next(made, None) or self.family.robot(*self.point((0, 0)))
+        return next(iter(self._probed), None) or self.family.robot(*self.point((0, 0)))
 
     @cached_property
     def halved(self) -> Plane:

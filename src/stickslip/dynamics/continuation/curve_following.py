@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from stickslip.callbacks import Reported
 from stickslip.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
 from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
-from stickslip.dynamics.periodic.newton import Found, newton
+from stickslip.dynamics.periodic.newton import Found, newton, root_between
 from stickslip.errors import InputError, SolveError
 
 __all__ = ["FollowedCurve", "followed_curve", "settled"]
@@ -159,19 +159,7 @@ def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tu
 
 def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> CurvePoint | None:
     """Where a test vanishes between two points; None where it jumps."""
-    length = float((b.u - a.u) @ a.tangent)
-    kept: dict[float, CurvePoint] = {0.0: a, length: b}
-
-    def value(s: float) -> float:
-        if s not in kept:
-            point = _beside(problem, a, s)
-            if point is None or name not in point.tests:  # no number here: take the nearest there is, so that the search goes on
-                return kept[min(kept, key=lambda k: abs(k - s))].tests[name]
-            kept[s] = point
-        return kept[s].tests[name]
-
-    brentq(value, 0.0, length, xtol=1e-14, rtol=1e-13, maxiter=60, disp=False)
-    best = min(kept.values(), key=lambda p: abs(p.tests[name]))
+    best = root_between(partial(_beside, problem, a), a, b, lambda p: p.tests.get(name, np.nan))
     return best if abs(best.tests[name]) <= _VANISHED * max(abs(a.tests[name]), abs(b.tests[name])) else None
 
 

@@ -75,9 +75,6 @@ class CyclePath(Path):
         """Differences are taken, as how long it takes is unknown too."""
         return False
 
-    def numbers(self, guess: Array) -> None:
-        """None: differences are taken, as how long it takes is unknown too."""
-
     def swing(self, cycle: LimitCycle) -> float:
         """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""
         if not self.section.turns:

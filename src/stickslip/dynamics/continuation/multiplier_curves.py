@@ -9,8 +9,8 @@ At a cusp the two parameters stand still along the curve of folds (Kuznetsov, El
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
@@ -68,9 +68,6 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         missed, J = path.derivatives(U, memory, worse)
         return np.column_stack([missed, condition(path.returned(J))])
 
-    def orbit(u: Array) -> Any:
-        return path.orbit_at(u, memory)
-
     def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
         J = path.derivatives(found.at[None, :], memory, worse)[1][0]
         told = _tests(kind, path.returned(J))
@@ -83,10 +80,11 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         met = _kind(kind, name, np.linalg.eigvals(R))
         return None if met is None else (met, _WORDS[met])
 
-    exact = (_TOLERANCE[path.has_tolerance], np.append(np.zeros(n), KNOWN[path.has_tolerance]))
+    rough, orbit = path.has_tolerance, partial(path.orbit_at, memory=memory)
     problem = CurveProblem(
-        both, origin, span, residuals, orbit, exact[0], again=lambda U: residuals(U, True), tests=tests, named=named, known=exact[1]
-    )
+        both, origin, span, residuals, orbit, _TOLERANCE[rough], again=lambda U: residuals(U, True), tests=tests, named=named,
+        known=np.append(np.zeros(n), KNOWN[rough]),
+    )  # fmt: skip
     return problem, path.scaled(special.orbit, origin)
 
 

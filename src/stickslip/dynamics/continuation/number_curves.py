@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,9 +89,6 @@ def _problem(
         way = path.loosened() if worse else path
         return np.column_stack([way.misses(U, memory), [number(way, u) - distance for u in U]])
 
-    def orbit(u: Array) -> Any:
-        return path.orbit_at(u, memory)
-
     def returned(u: Array, worse: bool = False) -> Array:
         return path.returned(path.derivatives(u[None, :], memory, worse)[1][0])
 
@@ -104,6 +102,7 @@ def _problem(
     known = np.append(np.zeros(path.at.smooth), _KNOWN[rough])
     again = (lambda U: residuals(U, True)) if rough else None
     more |= {} if "beside" in more else {"tests": tests, "named": named}
+    orbit = partial(path.orbit_at, memory=memory)
     return CurveProblem(path.family, path.origin, path.span, residuals, orbit, _TOLERANCE[rough], again=again, known=known, **more)
 
 

@@ -110,6 +110,13 @@ def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
     return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
 
 
+def grown(M: Array, Q: Array) -> tuple[Array, Array]:
+    """The frame that a derivative makes of another, and the logarithms of its growth."""
+    Q, R = np.linalg.qr(M @ Q)
+    with np.errstate(divide="ignore"):
+        return Q, np.log(abs(np.diag(R)))
+
+
 def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 200) -> Lyapunov:
     """The result from the growth in every stretch of length `time`: array (n, exponents)."""
     order = np.argsort(-logs.mean(axis=0), kind="stable")
@@ -173,9 +180,7 @@ def lyapunov_of_map(
         x = numbers(f, x)
     Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
     for k in range(int(iterations)):
-        Q, R = np.linalg.qr(np.asarray(slope(x), float) @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = np.log(abs(np.diag(R)))
+        Q, logs[k] = grown(np.asarray(slope(x), float), Q)
         x = numbers(f, x)
     if not np.isfinite(x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])

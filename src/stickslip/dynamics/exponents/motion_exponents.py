@@ -12,19 +12,18 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered, grown
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
-from stickslip.fields import checked_number, number
+from stickslip.fields import checked_number
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
-from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
 
 __all__ = ["checked", "largest_exponents", "lyapunov", "settled"]
@@ -162,9 +161,8 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
     matrices = found.change.reshape(run.periods, d, d).transpose(0, 2, 1)
     volumes, rests, logs = found.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
     for k, M in enumerate(matrices):
-        Q, R = np.linalg.qr(M @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = _grown(np.log(abs(np.diag(R))), volumes[k], rests[k])
+        Q, own = grown(M, Q)
+        logs[k] = _grown(own, volumes[k], rests[k])
     return logs, Q
 
 
@@ -245,8 +243,6 @@ def largest_exponents(
     >>> largest_exponents(robot, periods=20, settle=50)[0].round(4).tolist()
     [-2.4189]
     """
-    from stickslip.batch import labels_of, some_of
-
     needs_model("largest_exponents", model, batch=True, flows=True)
     problems = Problems("largest_exponents")
     checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
@@ -254,33 +250,19 @@ def largest_exponents(
     problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
-    state = _states_given(start, model, at.names)
+    at, state = coordinates(model), states_of(start, model)
+    cases = len(state)
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
-    def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
+    def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
         some = some_of(model, part)
         begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
-    for part, found in shared(cases, grown, workers, progress):
+    for part, found in shared(cases, apart_by, workers, progress):
         means[part], errors[part] = found
     return means, errors
-
-
-def _states_given(start: Any, model: Any, names: tuple[str, ...]) -> Array:
-    """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
-    rest = at_rest(model)
-    cases = len(rest)
-    try:
-        states = rest if start is None else np.atleast_2d(np.asarray(number(start), float))
-        if not np.all(abs(states) <= LARGEST_START):
-            raise ValueError(f"its numbers are not finite, or larger than {LARGEST_START:.0e}")
-        return np.broadcast_to(states, (cases, len(names))).copy()
-    except ValueError as error:
-        allowed = f"an array of shape ({cases}, {len(names)}) with {', '.join(names)} of each case, or one state for all"
-        raise InputError("largest_exponents", [f"start = {start!r} ({error}); allowed is {allowed}"]) from None
 
 
 def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:

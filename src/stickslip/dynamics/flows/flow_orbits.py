@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.contracts import Array
+from stickslip.dynamics.exponents.general_exponents import grown
 from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
@@ -378,14 +379,10 @@ def switching_flow(model: Model) -> SwitchingFlow:
 def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
     y, t, every = np.array(state, float), 0.0, float(flow.period or every)
-    for _ in range(int(np.ceil(max(settle, 0.0) / every))):
-        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = done.state, done.mode, t + every
     Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
-    for k in range(len(logs)):
+    for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
         done = passage(flow, y, mode, every, begin=t, rtol=rtol)
         y, mode, t = done.state, done.mode, t + every
-        Q, R = np.linalg.qr(done.monodromy @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = np.log(abs(np.diag(R)))
+        if k >= 0:
+            Q, logs[k] = grown(done.monodromy, Q)
     return logs, every

@@ -21,10 +21,12 @@ __all__ = ["states_of"]
 
 
 def states_of(start: Any, model: Any) -> Array:
-    """Strobe states from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
+    """Strobe states from a start as `solve` takes it, states, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
     at, rest = coordinates(model), at_rest(model)
     if start is None:
         return rest
+    if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:
+        return np.array(_checked(start, table, at))
     if is_flow(model):
         return np.tile(_flow_state(start, model, at), (len(rest), 1))
     if isinstance(start, dict) and at.mechanics is not None:
