@@ -14,6 +14,7 @@ from stickslip.dynamics.atlas.doubts import Doubts, unseen_share
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
 from stickslip.dynamics.continuation.point_accuracy import certain
@@ -112,10 +113,7 @@ class Atlas(Drawn):
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
             "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
             "doubt": (doubt.astype(str), {"long_name": "reason why the motions are not sure"}),
-            "unseen": (
-                unseen,
-                {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"},
-            ),
+            "unseen": (unseen, {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"}),
         }
 
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -129,14 +127,11 @@ class Atlas(Drawn):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
                 V = np.nan if self.plane.of_flows else each.mean_velocity
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
-        told = [{"units": "m/s", "long_name": "mean velocity"}]
-        told += [{"units": "1", "long_name": f"share of the starts{part}"} for part in ("", ", 95 % lower bound", ", 95 % upper bound")]
-        told += [state_attrs(name, "on the strobe", self.plane.of_flows) for name in names]
-        columns = ("mean_velocity", "share", "share_low", "share_high", *names)
+        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.of_flows) for name in names}
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
             "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-            **{name: (numbers[..., i], told[i]) for i, name in enumerate(columns)},
+            **{name: (numbers[..., i], told) for i, (name, told) in enumerate(columns.items())},
         }
 
     @cached_property

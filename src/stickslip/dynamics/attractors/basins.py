@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
@@ -263,23 +264,19 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
     import xarray as xr
 
     period, V, number = numbered_motions(float(model.period), points, ways, good, at, rtol, by_phase)
-    shape = tuple(len(axis) for axis in axes.values())
+    dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))
     rank = np.full(len(members) + 1, -1)
     rank[order] = np.arange(len(order))
     found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
     columns = {
-        "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        **({} if is_flow(model) else {"mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
-        "period": (
-            tuple(axes),
-            period.reshape(shape),
-            {"units": "1", "long_name": "motion period (0: none, -1: not computed)"},
-        ),
+        "attractor": (dims, rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
+        **({} if flow else {"mean_velocity": (dims, V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
+        "period": (dims, period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", is_flow(model))) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", flow)) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
@@ -288,11 +285,8 @@ def _attractor(model: Any, members: Array, cases: int, points: Array, period: Ar
 
     first, count = members[0], int(period[members[0]])
     orbit = None
-    if count and not by_phase:
-        try:
-            orbit = periodic_orbit(model, count, guess=points[first, -1])
-        except (SolveError, InputError):
-            orbit = None
+    with suppress(SolveError, InputError):
+        orbit = periodic_orbit(model, count, guess=points[first, -1]) if count and not by_phase else None
     share = len(members) / cases
     way = np.nan if is_flow(model) else float(np.mean(V[members]))
     return Attractor(count, way, points[first, -1], share, wilson(len(members), cases), orbit)

@@ -90,7 +90,11 @@ def bifurcation(
     [[2, 1]]
     """
     robots = family("bifurcation", make, (parameter,), fixed)
-    values = _check(robots, values, settle, points, workers)
+    problems = Problems("bifurcation")
+    problems.whole("settle", settle, 1, example=200)
+    problems.whole("points", points, 2, example=64)
+    problems.whole("workers", workers, 1, example=2)
+    values = checked_values(problems, values, robots)
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
     at = coordinates(robots.robots(values))
     first = states_of(start, robots.robots(values))
@@ -101,28 +105,12 @@ def bifurcation(
     return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
 
 
-def checked_values(what: str, values: Any, robots: Family) -> Array:
-    """The values of a parameter, rising; `InputError` if they are not."""
-    problems = Problems(what)
-    array = _rising(values, robots, problems)
-    problems.check()
-    return array
-
-
-def _rising(values: Any, robots: Family, problems: Problems) -> Array:
+def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
+    """The values of a parameter, rising; `InputError` if they are not, or anything else is wrong."""
     values = in_its_unit(robots.parameters[0], values, robots.make, problems, "values")
     array = floats(values)
     if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or not np.all(np.diff(array) > 0):
         problems.add(f"values = {values!r}; allowed are two or more rising finite numbers; type values=np.linspace(0.03, 0.06, 300)")
-    return array
-
-
-def _check(robots: Family, values: Any, settle: Any, points: Any, workers: Any) -> Array:
-    problems = Problems("bifurcation")
-    array = _rising(values, robots, problems)
-    problems.whole("settle", settle, 1, example=200)
-    problems.whole("points", points, 2, example=64)
-    problems.whole("workers", workers, 1, example=2)
     problems.check()
     return array
 

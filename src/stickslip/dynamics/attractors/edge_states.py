@@ -195,7 +195,7 @@ def edge_state(
     problems.check()
     at = coordinates(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
-    judge = judge_between(Judge(model, at, int(settle), rtol), ends)
+    judge = judge_between(model, at, int(settle), rtol, ends)
     report = reporting(progress, "edge_state")
     found = _tracked(judge, narrowed(judge, ends), int(periods), report)
     report(found.kind, int(periods), int(periods))
@@ -286,7 +286,6 @@ def _remarks(ways: Array) -> tuple[str, ...]:
 
 
 def _sides_told(judge: Judge, sides: list[int]) -> tuple[str, str]:
-    assert judge.motions is not None
     names = [f"the {order} motion, {named_motion(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
     return names[sides[0]], names[sides[1]]

@@ -116,17 +116,11 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 def checked(model: Any, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True)
-    if is_flow(model):
-        _check_lengths(periods, settle)
-        return
-    refuse_chance(machine_of(model))
-    if why := not_followed(model):
-        hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
-        raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
-    _check_lengths(periods, settle)
-
-
-def _check_lengths(periods: Any, settle: Any) -> None:
+    if not is_flow(model):
+        refuse_chance(machine_of(model))
+        if why := not_followed(model):
+            hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
+            raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)

@@ -10,10 +10,10 @@ import numpy as np
 
 from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import jacobian_of
-from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, largest
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
 from stickslip.errors import InputError, SolveError
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
@@ -93,13 +93,7 @@ class LimitCycle(ClosedMotion):
     @cached_property
     def differences(self) -> Array:
         """The multipliers once more, from differences of the flow: the second opinion."""
-        at, step = coordinates(self.model), 1e-6
-        d, size = at.smooth, step * at.scales
-        shifts = np.vstack([np.eye(d, len(size)), -np.eye(d, len(size))]) * size
-        ends = flow_map(self.model, self.state + shifts, self.duration, self.rtol).state[:, :d]
-        found = np.linalg.eigvals(((ends[:d] - ends[d:]) / (2 * size[:d, None])).T)
-        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
-        return largest_first(found)
+        return multipliers_of(difference_jacobian(self.model, self.state, rtol=self.rtol, span=self.duration), 0, autonomous=True)
 
     @cached_property
     def mean_velocity(self) -> float:
@@ -108,11 +102,8 @@ class LimitCycle(ClosedMotion):
         first, last = x if np.ndim(x) == 1 else way_of_machine(self.model, x)
         return float((last - first) / self.duration)
 
-    @cached_property
-    def patterns(self) -> dict[str, str]:
-        """Signs of the slip within the cycle by contact, rest as 0, beginning with rest if there is any."""
-        modes = np.asarray(self.run.pieces.mode)
-        return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
+    def _begins(self, pattern: str) -> int:
+        return "0+-".index(pattern[0])
 
     @property
     def pattern(self) -> str:
@@ -249,7 +240,7 @@ def _last_turn(run: Any, period: int) -> tuple[Array, float, Section]:
     section, column, value, direction = section_of(run)
     t = returns(run, column, value, direction)
     speed = coordinates(run.model).speed
-    steady = len(t) < 2 or float(np.max(np.ptp(_velocities(run, np.linspace(t[-2], t[-1], 64)), axis=0))) <= _STEADY * speed
+    steady = len(t) < 2 or float(np.max(np.ptp(run.parted.at(np.linspace(t[-2], t[-1], 64))["v"], axis=0))) <= _STEADY * speed
     if steady or len(t) < period + 2:
         end = "it rests, or slides on steadily" if steady else f"only {len(t)} oscillations were found"
         raise SolveError(
@@ -257,15 +248,3 @@ def _last_turn(run: Any, period: int) -> tuple[Array, float, Section]:
             "(guess=ss.solve(mechanism, duration=...))"
         )
     return states_of_returns(run, t[-1:])[0], float(t[-1] - t[-1 - period]), section
-
-
-def _velocities(run: Any, t: Array) -> Array:
-    return np.asarray(run.parted.at(t)["v"])
-
-
-def _pattern(mode: Array) -> str:
-    """Signs of a contact's velocity in order, beginning with rest if there is any."""
-    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode[np.append(True, np.diff(mode) != 0)]]
-    signs = signs[:-1] if len(signs) > 1 and signs[0] == signs[-1] else signs
-    first = signs.index("0") if "0" in signs else 0
-    return "".join(signs[first:] + signs[:first])

@@ -527,7 +527,9 @@ def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tup
     return np.array(kept), np.array(ways)
 
 
-def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6) -> Array:
+def difference_jacobian(
+    model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6, span: float | None = None
+) -> Array:
     """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
 
     Parameters
@@ -538,5 +540,6 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
     at = coordinates(model)
     d, scales = at.smooth, at.scales[: at.smooth]
     shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
-    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
+    states = np.asarray(state, float) + shifts
+    ends = (strobe_map(model, states, periods, rtol) if span is None else flow_map(model, states, span, rtol)).state[:, :d]
     return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T
