@@ -224,10 +224,11 @@ class Atlas(Drawn):
         return f"Atlas over {' and '.join(self.parameters)}"
 
     def _facts(self) -> dict[str, Any]:
-        lines = {"points of the grid": f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"}
-        several = len(self.coexisting())
-        lines["several motions at"] = f"{several} points"
-        return lines | {"borders": str(len(self.borders)), "branches": str(len(self.branches)), "special points": str(len(self.found))}
+        counts = {"borders": len(self.borders), "branches": len(self.branches), "special points": len(self.found)}
+        points = f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"
+        return {"points of the grid": points, "several motions at": f"{len(self.coexisting())} points"} | {
+            n: str(k) for n, k in counts.items()
+        }
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         regions: list[tuple[str, ...]] = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
@@ -236,10 +237,8 @@ class Atlas(Drawn):
 
     def rows(self) -> list[tuple[str, ...]]:
         """The special points as text, with their certain digits."""
-        return [
-            (s.kind, *(certain(v, e) for v, e in zip(s.values, s.accuracy, strict=True)), f"{max(s.accuracy):.1g}", s.change)
-            for s in self.found
-        ]
+        known = [tuple(map(certain, s.values, s.accuracy)) for s in self.found]
+        return [(s.kind, *at, f"{max(s.accuracy):.1g}", s.change) for s, at in zip(self.found, known, strict=True)]
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{label} {100 * share:.0f} %" for label, share in list(self.regions.items())[:6])

@@ -195,7 +195,6 @@ def _border(
 
 def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve]) -> Border:
     """One curve of the two that leave a point."""
-    last = ways[-1]
     parts = [(way.values, way.accuracy) for way in ways]
     if len(parts) == 2:
         (a, unsure_a), (b, unsure_b) = parts
@@ -208,8 +207,7 @@ def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve
         if len(m.values) == 2
     ]
     rows, errors = (tuple((float(p), float(q)) for p, q in table) for table in (values, unsure))
-    ended = tuple(way.ended for way in ways)
-    return Border(last.kind, rows, errors, point.change, tuple(met), ended)
+    return Border(special.kind, rows, errors, point.change, tuple(met), tuple(way.ended for way in ways))
 
 
 def _reason(error: Exception) -> str:

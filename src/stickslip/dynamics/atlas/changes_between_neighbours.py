@@ -59,7 +59,7 @@ class Seed(NamedTuple):
     end: float
 
 
-def changes(plane: Plane, grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
+def changes(grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
     """All neighbours on the grid whose motions differ, along the first axis and then along the second."""
     found = []
     for axis in (0, 1):

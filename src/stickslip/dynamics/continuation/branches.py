@@ -89,24 +89,17 @@ class Branch(Drawn):
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
         columns: dict[str, Any] = {n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, flow)) for i, n in enumerate(names)}
-        known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
-        columns |= {
-            name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known if not flow or name != "pattern"
-        }
+        known = [name for name in _TOLD if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
         if flow:
             columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
         elif single:
             columns["motion_type"] = ("point", [o.type for o in self.orbits])
         else:
-            driven: Any = self.orbits  # nothing of several contacts goes without a drive
-            coords["contact"] = list(driven[0].patterns)
-            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in driven])
-        columns["largest_multiplier"] = (
-            "point",
-            [float(abs(o.multipliers).max()) for o in self.orbits],
-            _multiplier("largest size of a multiplier"),
-        )
+            coords["contact"] = list(self.orbits[0].patterns)
+            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in self.orbits])
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
+        columns["largest_multiplier"] = ("point", abs(multipliers).max(axis=1), _multiplier("largest size of a multiplier"))
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, _multiplier("real part of a multiplier"))
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, _multiplier("imaginary part of a multiplier"))
         told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
@@ -193,14 +186,13 @@ class Branch(Drawn):
 
 
 _OF_ONE = ("pattern", "margin")  # known of one body on one contact
-_COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duration")
 _TOLD = {
-    "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
-    "residual": {"units": "1", "long_name": "residual of the strobe point"},
     "stable": {"units": "1", "long_name": "whether the motion is stable"},
     "pattern": {"units": "1", "long_name": "signs of the velocity over one motion period"},
     "margin": {"units": "1", "long_name": "margin of the motion type"},
+    "residual": {"units": "1", "long_name": "residual of the strobe point"},
+    "duration": {"units": "s", "long_name": "duration of the cycle"},
 }
 
 

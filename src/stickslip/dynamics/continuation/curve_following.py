@@ -25,6 +25,7 @@ _KNOWN = 1e-10  # how well tests are known
 _AGAIN = 1e-6  # of the scaled plane: special points so near one another are one
 _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is 1 is real, and nothing special
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
+_TURNED_REAL = "a resonance ({}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
 _UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
@@ -68,7 +69,7 @@ def followed_curve(
             if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
                 special.append(met)
             if met.kind in _ENDS.get(kind, ()):
-                return FollowedCurve([*found, point.found], special, _turned_real(met))
+                return FollowedCurve([*found, point.found], special, _TURNED_REAL.format(met.kind))
         here, seen = there, now
         found.append(there.found)
         if report(kind, len(found), most) is False:
@@ -109,10 +110,6 @@ def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
         return np.array([slopes(u)[0] for u in U])
 
     return newton(residuals, guess, way.tolerance, most=15, floor=_ROUNDED, reach=0.2, slopes=slopes)
-
-
-def _turned_real(met: Meeting) -> str:
-    return f"a resonance ({met.kind}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 
 
 def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:

@@ -161,7 +161,7 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    state, duration, section = _guessed(model, period, guess, rtol)
+    state, duration, section = _guessed(model, period, guess)
     at, unit = coordinates(model), clock(model)
 
     def problem(memory: Array) -> Any:
@@ -206,7 +206,7 @@ def clock(model: Any) -> float:
 
 
 # ---- guesses ----
-def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, float, Section]:
+def _guessed(model: Any, period: int, guess: Any) -> tuple[Array, float, Section]:
     """A state on the section, and how long it takes to come back."""
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration, guess.section
@@ -215,9 +215,8 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     if hasattr(guess, "pieces"):
         return _last_turn(guess, period)
     if guess is not None and not isinstance(guess, dict):
-        raise InputError(
-            "periodic_orbit", [f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"]
-        )
+        told = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
+        raise InputError("periodic_orbit", [told])
     return _last_turn(_settled(model, guess), period)
 
 

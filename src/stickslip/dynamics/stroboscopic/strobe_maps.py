@@ -263,7 +263,7 @@ def strobe_map(
     """
     states = np.atleast_2d(np.asarray(states, float))
     if stepped:
-        return _in_lanes(model, states, periods, rtol, at=at, known=True)
+        return _ended(model, *run_lanes(model, states, periods, rtol, at=at, known=True), periods)
     return _map_of(model, rtol, at)(states, periods)
 
 
@@ -315,13 +315,6 @@ def _steps(model: Any, rtol: float) -> tuple[Any, float]:
     from stickslip.solvers import series
 
     return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
-
-
-def _in_lanes(
-    model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None, known: bool = False
-) -> Ends:
-    """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    return _ended(model, *run_lanes(model, states, periods, rtol, span, at=at, known=known), periods)
 
 
 def _ended(model: Any, found: Any, table: Any, end: Array, periods: int) -> Ends:
@@ -417,7 +410,7 @@ def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> End
         raise InputError(
             type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
         )
-    return _in_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float))
+    return _ended(model, *run_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float)), 1)
 
 
 def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
