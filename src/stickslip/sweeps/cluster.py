@@ -126,7 +126,7 @@ def tiles_from(
 
     try:
         while not watch.stopped:
-            for _, k in zip(range(_room(client) - len(running)), rest, strict=False):
+            for _, k in zip(range(max(2 * sum(client.nthreads().values()), 4) - len(running)), rest, strict=False):
                 send(k)
             if not running:
                 return
@@ -145,8 +145,3 @@ def tiles_from(
     finally:
         for future in running:
             future.cancel()
-
-
-def _room(client: Any) -> int:
-    """How many tiles to have under way: two for each thread that the cluster has now."""
-    return max(2 * sum(client.nthreads().values()), 4)

@@ -10,6 +10,7 @@ import json
 import os
 import secrets
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -163,19 +164,16 @@ class Study:
             (self.folder / TILES).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise unwritable(self.folder, error) from None
-        self._write_axes()
+        self._mend_axes()
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was first
 
-    def _write_axes(self) -> None:
-        put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
-
     def _mend_axes(self) -> None:
-        """Write the axes again where they are damaged or missing."""
+        """Write the axes where they are damaged or missing."""
         try:
             read_labels(self.folder, self.manifest)
         except InputError:
-            self._write_axes()
+            put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
 
     def _check_same(self, theirs: dict[str, Any]) -> None:
         if theirs["stickslip_format"] != FORMAT:
@@ -210,8 +208,7 @@ class Study:
     @property
     def todo(self) -> Iterable[int]:
         """Our tiles that are not."""
-        done = set(self.done)
-        return [k for k in self.ours if k not in done]
+        return sorted(set(self.ours) - set(self.done))
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""
@@ -221,9 +218,6 @@ class Study:
         """Nothing is left to do but to be sure that the names are on the disk."""
         if hasattr(os, "O_DIRECTORY"):
             handle = os.open(self.folder / TILES, os.O_RDONLY | os.O_DIRECTORY)
-            try:
+            with suppress(OSError):
                 os.fsync(handle)
-            except OSError:
-                pass
-            finally:
-                os.close(handle)
+            os.close(handle)

@@ -29,7 +29,7 @@ def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | No
     A place counts from 0 within `points`. A number that is not finite, or a combination that the maker refuses, costs its own case only.
     """
     columns = space.at(points)
-    finite = _finite(columns, len(points))
+    finite = np.logical_and.reduce([np.ones(len(points), bool), *(np.isfinite(v) for v in columns.values() if v.dtype.kind == "f")])
     refused = {int(i): "not a finite number" for i in np.flatnonzero(~finite)}
     groups: list[Group] = []
     for at, words in _by_words(columns, np.flatnonzero(finite)):
@@ -37,14 +37,6 @@ def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | No
         for part, robot in _made(make, {**space.fixed, **words}, numbers, at, refused):
             groups.append(Group(part, robot, starts_at(start or {}, part) | _own_start(columns, space.fixed, part)))
     return groups, refused
-
-
-def _finite(columns: dict[str, Array], count: int) -> Array:
-    good = np.ones(count, bool)
-    for values in columns.values():
-        if values.dtype.kind == "f":
-            good &= np.isfinite(values)
-    return good
 
 
 def _by_words(columns: dict[str, Array], places: Array) -> Iterator[tuple[Array, dict[str, Any]]]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, shape_of, some_of, spread
+from stickslip.batch import Labels, some_of, spread
 from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.machine_adapter import machine_of
@@ -136,7 +136,9 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
-    _check_parts(plan)
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in plan.parts):
+        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
+    problems.check()
     checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
     _check_derived(plan)
     if plan.observed and along is not None:
@@ -176,14 +178,6 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
     return found
 
 
-def _check_parts(plan: Plan) -> None:
-    """The dimensions of parts are not names for axes."""
-    problems = Problems("sweep")
-    for name in (n for n in dict.fromkeys([*plan.space.columns, *plan.space.dims]) if n in plan.parts):
-        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
-    problems.check()
-
-
 def _check_derived(plan: Plan) -> None:
     """Derivatives are of the motion from rest; and what cannot be derived is told of the first robot."""
     derived = parted(plan.options.get("observe"))[1]
@@ -192,8 +186,7 @@ def _check_derived(plan: Plan) -> None:
     if plan.start or plan.options["settle"] != "auto":
         raise InputError("sweep", ['derivatives are of the steady motion from rest; leave start out, and settle="auto" as it is'])
     if plan.sample is not None:
-        robot = plan.sample
-        next(iter(derived.values())).values(some_of(robot, [0]) if shape_of(robot) else robot, 0, derived, 0)
+        next(iter(derived.values())).values(some_of(plan.sample, [0]), 0, derived, 0)
 
 
 def _check_options(plan: Plan) -> None:

@@ -83,7 +83,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     `options` are the names of other arguments, for the proposal when a name is not known.
     """
     problems = Problems("sweep")
-    designs = _checked(designs, axes, problems)
+    _check_designs(designs, axes, problems)
     given = [*axes, *(name for design in designs for name in design.columns)]
     check_names(make, given, options, problems)
     space = Space({}, {}, {}, {})
@@ -108,7 +108,7 @@ def _count(space: Space, make: Any) -> None:
                 space.coords[name] = counted
 
 
-def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> list[Design]:
+def _check_designs(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> None:
     seen: set[str] = set(axes)
     for design in designs:
         if not isinstance(design, Design):
@@ -116,7 +116,6 @@ def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -
         for name in [n for n in design.columns if n in seen]:
             problems.add(f"{name} is given twice")
         seen |= set(design.columns)
-    return list(designs)
 
 
 def _no_design(given: Any) -> str:

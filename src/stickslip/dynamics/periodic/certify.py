@@ -130,10 +130,8 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
 
 def _check(orbit: Any, digits: Any) -> None:
     problems = Problems("certify")
-    problems.whole("digits", digits, 1, example=20)
+    problems.whole("digits", digits, 1, example=20, most=10_000)
     problems.check()
-    if digits > 10_000:
-        raise InputError("certify", [f"digits = {digits}; allowed are at most 10000; type digits=20"])
     if not isinstance(orbit, PeriodicOrbit):
         told = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
         raise InputError("certify", [told])
