@@ -110,8 +110,12 @@ class Experiment:
 class _Tabled(Drawn):
     """What prints as a table of its rows."""
 
-    table: str
     _drawn_by = "bench"
+
+    @property
+    @abstractmethod
+    def table(self) -> str:
+        """The numbers as a table of text."""
 
     @abstractmethod
     def rows(self) -> list[tuple[str, ...]]:

@@ -130,22 +130,18 @@ def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
 
 
 def _point_of(row: dict[str, Any]) -> PointOfGrid:
-    motions = tuple(MotionThere(**{**m, "state": tuple(m["state"])}) for m in row["motions"])
+    motions = tuple(MotionThere(**_frozen(m)) for m in row["motions"])
     return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]))
 
 
-def _special_of(row: dict[str, Any]) -> PointOfBorder:
-    return PointOfBorder(**{**row, "values": tuple(row["values"]), "accuracy": tuple(row["accuracy"])})
-
-
 def _outcome_of(found: dict[str, Any]) -> Outcome:
-    columns = ("values", "mean_velocity", "largest_multiplier")
-    branch = found["branch"] and FollowedBranch(**{**found["branch"], **{name: tuple(found["branch"][name]) for name in columns}})
-    borders = tuple(
-        Border(
-            row["kind"], tuple(map(tuple, row["values"])), tuple(map(tuple, row["accuracy"])), row["change"],
-            tuple(map(_special_of, row["special"])), tuple(row["ended"]),
-        )
-        for row in found["borders"]
-    )  # fmt: skip
-    return Outcome(branch or None, tuple(map(_special_of, found["points"])), borders, tuple(found["refused"]))
+    branch, points = found["branch"], tuple(PointOfBorder(**_frozen(row)) for row in found["points"])
+    borders = [_frozen(row) | {"special": tuple(PointOfBorder(**_frozen(each)) for each in row["special"])} for row in found["borders"]]
+    return Outcome(branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(found["refused"]))
+
+
+def _frozen(value: Any) -> Any:
+    """What was read of a file, with tuples for its lists."""
+    if isinstance(value, dict):
+        return {name: _frozen(part) for name, part in value.items()}
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value

@@ -314,10 +314,8 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
     """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
     y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
     done = passage(flow, y, mode, periods * float(flow.period))
-    known = np.isfinite(done.monodromy).all()
-    multipliers = multipliers_of(done.monodromy, done.forgets) if known else np.full(len(y), np.nan)
-    notes = () if known else (_touches(done),)
-    return FlowOrbit(y, mode, periods * float(flow.period), multipliers, residual, done, notes, flow)
+    notes = () if np.isfinite(done.monodromy).all() else (_touches(done),)
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.forgets), residual, done, notes, flow)
 
 
 @explains_arguments
