@@ -115,7 +115,7 @@ def _of_machine(run: Any) -> Iterator[_Course]:
 
 def _slip(run: Any, mechanics: Any, number: int, t: Array) -> Array:
     """The slip of one contact."""
-    v = run._states_at(t, run._index(t))[1]
+    v = np.reshape(run._states_at(t, run._index(t))[1], (len(t), -1))
     return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
 
 

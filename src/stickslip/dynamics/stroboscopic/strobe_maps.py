@@ -21,7 +21,6 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.flow import is_flow
 from stickslip.forces import inner_start
 from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.position import knows_position
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of
 from stickslip.solvers.initial_states import start_of_parts
@@ -451,11 +450,7 @@ def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
     run = run.parted
     x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
-    held = [] if memory is None else [memory]
-    if machine_of(run.model).is_single:
-        placed = [x] if knows_position(run.model) else []
-        return np.column_stack([*placed, v, *([] if z is None else [z]), *held])
-    return np.column_stack([*columns_of(run.model, x, v, z), *held])
+    return np.column_stack([*columns_of(run.model, x, v, z), *([] if memory is None else [memory])])
 
 
 def state_at(run: Any, t: float) -> Array:
@@ -463,19 +458,15 @@ def state_at(run: Any, t: float) -> Array:
     if is_flow(run.model):
         found = run.at(t)
         return np.array([found[name] for name in run.names])
-    if machine_of(run.model).is_single:
-        found = run.at(t)
-        places, inner = [found["x"]] if knows_position(run.model) else [], [] if found["z"] is None else np.ravel(found["z"]).tolist()
-        return np.array([*places, found["v"], *inner])
     run, times = run.parted, np.array([t])
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
 
 def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
-    """The coordinates of a machine of several bodies, without memories, from columns of a run: (time, body) and (time, contact, state)."""
+    """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
-    q, u = m.coordinates_of(tuple(x.T)), m.coordinates_of(tuple(v.T))
-    inner = [z[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
+    q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
+    inner = [np.reshape(z, (len(v), len(m.inner), -1))[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
     return order_of(model).joined(q, u, inner)
 
 
