@@ -241,8 +241,8 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
         for k, a in track.found.items():
             period[i, k], numbers[i, k] = a.period, [a.mean_velocity, a.share, *a.interval, *a.state]
     both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
-    told = {name: state_attrs(name, "on the strobe", flow) for name in at.names}
-    columns: dict[str, Any] = {n: (both, numbers[..., i], about) for i, (n, about) in enumerate((OF_ATTRACTORS | told).items())}
+    about = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", flow) for name in at.names}
+    columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
         "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
