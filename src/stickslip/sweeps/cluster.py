@@ -6,7 +6,7 @@ there is one, is written here, so workers need not see it.
 
 from __future__ import annotations
 
-import importlib
+import pkgutil
 import secrets
 from collections.abc import Iterator
 from typing import Any
@@ -94,10 +94,7 @@ def from_message(told: dict[str, Any]) -> Plan:
 def _found(make: dict[str, Any]) -> Any:
     if "toml" in make:
         return from_text(make["toml"])
-    found: Any = importlib.import_module(make["module"])
-    for part in make["name"].split("."):
-        found = getattr(found, part)
-    return found
+    return pkgutil.resolve_name(f"{make['module']}:{make['name']}")
 
 
 def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:

@@ -98,7 +98,7 @@ class LimitCycle(ClosedMotion):
     @cached_property
     def mean_velocity(self) -> float:
         """Mean velocity [m/s]: 0 on a belt, the speed of the pull; of several bodies that of their centre of mass."""
-        x = (self.run if machine_of(self.model).is_single else self.run.parted).at(np.array([0.0, self.duration]))["x"]
+        x = self.run.parted.at(np.array([0.0, self.duration]))["x"]
         first, last = x if np.ndim(x) == 1 else way_of_machine(self.model, x)
         return float((last - first) / self.duration)
 
