@@ -11,8 +11,6 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.friction.law_adapter import TINY
 
-__all__ = ["Contact", "Motion", "steady", "swing"]
-
 #: A velocity at a time since the beginning of a stretch [m/s].
 Motion = Callable[[float], float]
 #: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.

@@ -21,8 +21,6 @@ from stickslip.forces import check_law
 from stickslip.friction import LAWS
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["EXPERIMENTS", "bench"]
-
 #: The experiments by name, in the order of the figure.
 EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
     "steady": steady_friction,

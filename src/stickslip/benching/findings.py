@@ -14,8 +14,6 @@ from stickslip.faces import Drawn, drawn_on
 from stickslip.fields import leaves
 from stickslip.sealing import sealed
 
-__all__ = ["Bench", "Benches", "Curve", "Experiment", "Quantity"]
-
 
 @dataclass(frozen=True)
 class Quantity:

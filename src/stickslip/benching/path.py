@@ -8,8 +8,6 @@ from stickslip.benching.contact import Contact, swing
 from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import HELD, Setup
 
-__all__ = ["dissipation", "hysteresis"]
-
 #: Turning points of the hysteresis, in units of its reach: an inner loop from 0 to 1/2 and back within the second outer loop.
 TURNS, REACH = (1.0, -1.0, 1.0, 0.0, 0.5, 0.0, -1.0, 1.0), 1.5
 #: Amplitudes of the cycles in typical deflections; the one whose loss stands in the table; the most cycles until they repeat.

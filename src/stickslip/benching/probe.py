@@ -6,8 +6,6 @@ from typing import Any
 
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["Probe"]
-
 
 class Probe:
     """A law, the load on it [N], and what is typical of the two."""

@@ -15,8 +15,6 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.solvers import solve
 
-__all__ = ["FAST", "HELD", "SLOW", "Setup", "shorter"]
-
 #: Quasi-static motions have this share of the typical velocity; several times it is sliding.
 SLOW, FAST = 0.01, 3.0
 #: Length on which laws without any are moved [m].

@@ -23,8 +23,6 @@ from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Column, Space
 
-__all__ = ["connected", "from_message", "message", "tiles_from", "work"]
-
 
 def _distributed() -> Any:
     return library("sweep", "dask.distributed", 'a cluster needs Dask; type pip install "stickslip[dask]"')

@@ -17,8 +17,6 @@ from stickslip.status import STATUS, Status
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Space, space_of
 
-__all__ = ["sweep_of_flow"]
-
 _START = "start."
 #: Arguments of `sweep` that are of machines, with the values that say nothing.
 _OF_MACHINES = {"continue_along": None, "out": None, "resume": False, "shard": None, "client": None}

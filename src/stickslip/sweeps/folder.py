@@ -24,8 +24,6 @@ from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
-__all__ = ["COMMAND", "MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
-
 MANIFEST = "manifest.json"
 #: What was typed in the shell to begin the study.
 COMMAND = "command.json"

@@ -26,8 +26,6 @@ from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.result_columns import END, empty
 from stickslip.sweeps.solving import columns_of_group
 
-__all__ = ["followed", "solve_to_end", "unfollowed"]
-
 
 def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
     """A summary; and beside what its power needs the state of each case at its end, by names such as end.v."""

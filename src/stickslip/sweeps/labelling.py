@@ -24,8 +24,6 @@ from stickslip.sweeps.result_columns import COLUMNS, base_of, described, dim_of,
 from stickslip.sweeps.space import Column
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
-
 WAYS = np.array(["up", "down"])
 
 

@@ -23,8 +23,6 @@ from stickslip.sweeps.result_columns import COLUMNS, kind_of, part_columns
 from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
 
-__all__ = ["FORMAT", "differences", "digest", "flaw", "has_checksums", "identity", "manifest"]
-
 #: Version of the folder's layout: 2 has checksums.
 FORMAT = 2
 _DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit

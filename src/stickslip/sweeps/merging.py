@@ -17,8 +17,6 @@ from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["merge"]
-
 
 @explains_arguments
 def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> xr.Dataset:

@@ -13,8 +13,6 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves
 from stickslip.sweeps.space import START, Space
 
-__all__ = ["Group", "batch_of", "groups_of", "refusals", "shared_numbers", "starts_at"]
-
 
 class Group:
     """Cases of one kind, made in one call: which of the points they are, the robots, and their start values."""

@@ -26,8 +26,6 @@ from stickslip.unpacking import Allowance
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["open_study"]
-
 _OLD = "kept by an earlier stickslip, without checksums: damage to the file may go unseen"
 
 

@@ -19,8 +19,6 @@ from stickslip.sweeps.result_columns import COLUMNS, part_columns
 from stickslip.sweeps.space import Space, space_of
 from stickslip.variables import VARIABLES
 
-__all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
-
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,

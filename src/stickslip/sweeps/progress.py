@@ -16,8 +16,6 @@ from stickslip.callbacks import progress_callback
 from stickslip.pool import Cancelled
 from stickslip.status import STATUS
 
-__all__ = ["Bar", "Lines", "Progress", "Watch"]
-
 PAUSE = 0.1  # between two reports [s]
 
 

@@ -27,8 +27,6 @@ from stickslip.sweeps.solving import solved_points
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["map"]
-
 _CHUNK = 16384
 
 

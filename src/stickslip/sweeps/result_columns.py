@@ -14,31 +14,6 @@ from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADINESS, UNKNOWN
 from stickslip.variables import VARIABLES
 
-__all__ = [
-    "COLUMNS",
-    "END",
-    "TYPES",
-    "all_failed",
-    "base_of",
-    "characters",
-    "coded",
-    "column_of",
-    "described",
-    "dim_of",
-    "empty",
-    "filled",
-    "flags",
-    "flattened",
-    "from_characters",
-    "is_of_cases",
-    "joined",
-    "kind_of",
-    "part_columns",
-    "stacked",
-    "vacant",
-    "words",
-]  # fmt: skip
-
 #: What the names of end states begin with, beside the columns of cases that others start from.
 END = "end."
 _CODES = {"status": STATUS, "steadiness": STEADINESS}

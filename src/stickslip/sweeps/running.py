@@ -24,8 +24,6 @@ from stickslip.sweeps.solving import solved
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["carried_out", "sweep", "tiles_of"]
-
 Done = tuple[int, dict[str, Array], dict[str, int]]
 
 

@@ -28,8 +28,6 @@ from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.result_columns import COLUMNS, END, empty, filled, flattened, joined
 from stickslip.variables import VARIABLES
 
-__all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
-
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that only machines of one body on one contact have.
 OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)

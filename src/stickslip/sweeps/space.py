@@ -18,8 +18,6 @@ from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
 
-__all__ = ["START", "Column", "Space", "check_names", "space_of"]
-
 #: Start values that may be axes too.
 START = ("start.x", "start.v", "start.z")
 

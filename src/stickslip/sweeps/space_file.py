@@ -13,8 +13,6 @@ from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 from stickslip.sweeps.space import Column
 from stickslip.sweeps.tiles import mark_of, written
 
-__all__ = ["AXES", "axes_bytes", "read_labels"]
-
 AXES = "axes.nc"
 
 

@@ -17,8 +17,6 @@ from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.result_columns import coded, described, empty, flags, words
 from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 
-__all__ = ["TILES", "file_of", "mark_of", "notes_of", "read_tile", "tile_bytes", "tile_is_good", "written"]
-
 TILES = "tiles"
 
 

@@ -21,8 +21,6 @@ from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.result_columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.workbooks import write_workbook
 
-__all__ = ["FORMATS", "export", "one_row_a_case"]
-
 _ROWS = 65536  # cases at a time
 _ROW = "row of a file"
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5

@@ -25,8 +25,6 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Atlas", "without_twins"]
-
 _ROWS = 24  # of a table in a notebook
 
 

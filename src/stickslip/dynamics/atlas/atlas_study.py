@@ -17,8 +17,6 @@ from stickslip.sweeps.folder import COMMAND, MANIFEST, put, unwritable
 from stickslip.sweeps.manifest import differences, digest, identity
 from stickslip.sweeps.planning import SOLVER, planned
 
-__all__ = ["AtlasStudy"]
-
 T = TypeVar("T")
 _FORMAT = 2
 _ANEW = "delete it, and it is computed again"

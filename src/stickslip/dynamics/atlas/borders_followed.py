@@ -18,8 +18,6 @@ from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
 from stickslip.errors import InputError, SolveError
 from stickslip.flow import is_flow
 
-__all__ = ["Border", "FollowedBranch", "Outcome", "PointOfBorder", "followed", "same_place"]
-
 _TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
 _SAME = 1e-6  # of the plane: special points nearer to one another are one

@@ -11,8 +11,6 @@ from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes
 from stickslip.dynamics.atlas.motions_on_the_grid import PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
-__all__ = ["Level", "corners_around", "corners_of", "open_changes", "points_within", "shared_upwards"]
-
 Place = tuple[float, float]
 
 

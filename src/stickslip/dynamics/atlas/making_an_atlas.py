@@ -30,8 +30,6 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["AtlasTime", "atlas", "atlas_time"]
-
 _TILE = 32  # points of the grid that run together and are kept together
 _PROBED = 16  # points of the grid that an estimate runs
 _ON_IT = 2e-3  # of the plane: a special point so near to a curve of its kind is on it

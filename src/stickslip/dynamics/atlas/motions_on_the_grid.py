@@ -20,8 +20,6 @@ from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "rests_of", "taken_over", "unmatched", "with_more"]
-
 #: What a motion is called that does not repeat: its type would change from one look to the next.
 IRREGULAR = "no period"
 _LOOKED = 64  # drive periods over which a motion is named

@@ -20,8 +20,6 @@ from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
-__all__ = ["Cell", "Plane", "plane_over"]
-
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
 _MORE = 4  # times the starts: further ones, where a motion was missed by the first

@@ -25,8 +25,6 @@ from stickslip.sweeps.progress import Watch
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["OF_ATTRACTORS", "attractors"]
-
 #: Numbers of an attractor beside its period: of the motion, and of the starts that lead to it.
 OF_ATTRACTORS = {
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},

@@ -15,8 +15,6 @@ from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.variables import unit_of
 
-__all__ = ["NARROW", "OTHER", "Judge", "judge_between", "named_motion", "narrowed"]
-
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought
 _PARTS = 16  # into so many a segment is cut at once: its inner points are one batch

@@ -26,8 +26,6 @@ from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
 
-__all__ = ["Attractor", "Basins", "basins", "from_rest", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
-
 _POINTS = 64
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 

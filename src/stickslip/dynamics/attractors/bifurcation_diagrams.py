@@ -24,8 +24,6 @@ from stickslip.sweeps.progress import Watch
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "state_attrs", "steady_velocity", "whole_motions"]
-
 DIRECTIONS = ("up", "down")
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed

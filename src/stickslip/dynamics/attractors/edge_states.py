@@ -23,8 +23,6 @@ from stickslip.fields import checked_number
 from stickslip.quantities import between
 from stickslip.sealing import sealed
 
-__all__ = ["EdgeState", "edge_state"]
-
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
 _BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit

@@ -24,8 +24,6 @@ from stickslip.fields import floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["chaos_map"]
-
 _FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
 _POINTS = 64  # ... and at the end
 

@@ -15,8 +15,6 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 
-__all__ = ["crossing_problem"]
-
 _TOLERANCE = {True: 1e-8, False: 1e-11}  # of the equations: where runs have a tolerance, and where they are exact
 
 

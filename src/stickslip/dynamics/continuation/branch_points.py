@@ -22,8 +22,6 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import STEP, Found, newton
 from stickslip.sealing import sealed
 
-__all__ = ["MET", "Crossing", "broken_symmetry", "crossing", "crossing_between", "sides"]
-
 MET = 1e-9  # of a residual: branches that miss one another by more do not cross
 _KNOWN = 1e-10  # how well derivatives are known
 _ROUNDING = 1e-8  # of derivatives of derivatives: a residual below it that does not shrink has met rounding

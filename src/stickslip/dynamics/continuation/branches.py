@@ -33,8 +33,6 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Branch", "Special", "continuation"]
-
 
 @sealed
 class Branch(Drawn):

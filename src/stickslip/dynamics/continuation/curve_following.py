@@ -17,8 +17,6 @@ from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
 from stickslip.dynamics.periodic.newton import Found, newton, root_between
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["FollowedCurve", "followed_curve", "settled"]
-
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken
 _KNOWN = 1e-10  # how well tests are known

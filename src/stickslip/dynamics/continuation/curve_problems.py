@@ -12,8 +12,6 @@ from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.sealing import sealed
 
-__all__ = ["CurvePoint", "CurveProblem"]
-
 _FLOOR = 1e-14  # of residuals: their own rounding
 
 

@@ -17,8 +17,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["CyclePath", "birth", "border_of_rest", "vanishing", "zero"]
-
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
 _BIRTH = 1e-3  # of the range: how near to where cycles are born their sizes are read

@@ -19,8 +19,6 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
 from stickslip.friction.law_adapter import law_of
 
-__all__ = ["Followed", "followed"]
-
 _AGAIN = 3.0  # accuracies within which two borders are one
 _ROUND = 0.9  # minus the cosine from which on a vector has turned round
 _BESIDE = 1e-5  # of the branch's range: where the cycles are that tell where a rest vanishes

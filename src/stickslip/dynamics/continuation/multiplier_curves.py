@@ -21,8 +21,6 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.newton import Found
 
-__all__ = ["CONDITIONS", "KNOWN", "has_multiplier", "multiplier_problem"]
-
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
 _ONE = 1e-3  # how near to 1, -1 or the unit circle a multiplier is that is there: of a double one rounding leaves 1e-5

@@ -26,8 +26,6 @@ from stickslip.dynamics.continuation.touches import BOTH_SIDES, Touch, touches
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["event_problem", "touch_problem"]
-
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 _KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
 _BESIDE = (1e-2, 1e-3, 1e-4, 1e-5)  # of the branch's range: how far from the special point motions are compared

@@ -16,8 +16,6 @@ from stickslip.number_names import numbers_meant
 from stickslip.sweeps.models_of_points import batch_of
 from stickslip.sweeps.space import check_names  # a family is a sweep whose values are not known before
 
-__all__ = ["Family", "family"]
-
 _STEP = 6e-6  # of a value: central differences of what a maker computes are good to some 1e-10 then
 
 

@@ -15,8 +15,6 @@ from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["across", "chosen", "doubled", "range_of"]
-
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 

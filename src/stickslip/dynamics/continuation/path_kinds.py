@@ -10,8 +10,6 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 
-__all__ = ["path_of"]
-
 _TOLERANCE = 1e-12
 
 

@@ -26,8 +26,6 @@ from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["Path", "Point", "tangent_of"]
-
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9

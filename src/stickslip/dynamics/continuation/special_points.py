@@ -19,8 +19,6 @@ from stickslip.dynamics.periodic.newton import root_between
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Located", "located"]
-
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _MOST_CHANGES = 8  # that are looked for between two points
 _HALVINGS = 60  # at most; until the two sides are the same number

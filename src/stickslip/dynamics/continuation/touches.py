@@ -19,8 +19,6 @@ from stickslip.contracts import Array
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["BOTH_SIDES", "Touch", "touches"]
-
 BOTH_SIDES = "slip"  # the kind of touches that motions on either side have
 _GRID = 64  # instants of a stretch between two switches at which it is looked, at least
 _OF_A_PERIOD = 256  # and of a period

@@ -32,8 +32,6 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Curve", "Meeting", "special_curve"]
-
 
 @sealed
 class Curve(Drawn):

@@ -16,8 +16,6 @@ from stickslip.dynamics.periodic.newton import Found, newton
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
 from stickslip.errors import SolveError
 
-__all__ = ["type_border_problem"]
-
 
 def type_border_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
     """What the curve of such a border solves, and where it begins."""

@@ -14,8 +14,6 @@ import numpy as np
 from stickslip import maths
 from stickslip.contracts import Array
 
-__all__ = ["Dual", "slopes_of", "variables"]
-
 
 class Truth:
     """A condition on numbers with slopes; `where` asks it to choose."""

@@ -25,8 +25,6 @@ from stickslip.number_names import numbers_meant
 from stickslip.sealing import sealed
 from stickslip.solvers.time_dependence import check_period
 
-__all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
-
 _ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period

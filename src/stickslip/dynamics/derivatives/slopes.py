@@ -20,8 +20,6 @@ from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Slopes", "number_slopes", "period_of", "start_changes"]
-
 _functions: Remembered[_Functions] = Remembered()
 
 

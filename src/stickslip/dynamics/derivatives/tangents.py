@@ -22,11 +22,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
 
-__all__ = [
-    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
-    "orders_differ",
-]  # fmt: skip
-
 _corners: Remembered[bool] = Remembered()
 _means: Remembered[tuple[str, ...]] = Remembered()
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through

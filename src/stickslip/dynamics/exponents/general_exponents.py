@@ -20,8 +20,6 @@ from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
-__all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
-
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 

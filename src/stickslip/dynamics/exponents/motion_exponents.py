@@ -26,8 +26,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["checked", "largest_exponents", "lyapunov", "settled"]
-
 _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place

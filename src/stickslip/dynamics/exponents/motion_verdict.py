@@ -16,8 +16,6 @@ from stickslip.errors import InputError, SolveError
 from stickslip.faces import Face
 from stickslip.sealing import sealed
 
-__all__ = ["Verdict", "verdict"]
-
 
 @sealed
 class Verdict(Face):

@@ -14,8 +14,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import floats
 from stickslip.sealing import sealed
 
-__all__ = ["Rotation", "rotation_number", "rotation_of_strobe", "rotation_on_curve"]
-
 _LEAST = 100
 _TURNS, _SEEN = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
 _ROUGH = 0.25  # of the radius: neighbours on a closed curve differ by less, as seen from inside

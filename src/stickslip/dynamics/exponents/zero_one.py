@@ -12,8 +12,6 @@ from stickslip.errors import Problems
 from stickslip.fields import floats
 from stickslip.sealing import sealed
 
-__all__ = ["ZeroOne", "zero_one_test"]
-
 _LEAST = 200  # numbers of a series
 _CHAOS, _ORDER = 0.8, 0.2  # of K: above is chaotic, below regular, between is not decided
 _BAND = (0.2, 0.8)  # of pi: frequencies outside come near those that every series resonates with

@@ -14,8 +14,6 @@ from stickslip.dynamics.flows.user_functions import derivative, value
 from stickslip.errors import SolveError
 from stickslip.sealing import sealed
 
-__all__ = ["Arc", "Guard", "arc", "guards_of"]
-
 _STEPS = 200_000  # of the integrator in one arc: minutes
 _ROUNDING = 64 * float(np.finfo(float).eps)
 

@@ -11,7 +11,8 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.contracts import Array
 from stickslip.dynamics.exponents.general_exponents import grown
-from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
+from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
+from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, Problems, SolveError, is_whole
@@ -19,8 +20,6 @@ from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.law_adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
-
-__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case

@@ -14,15 +14,12 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.contracts import Array
 from stickslip.dynamics.flows.judged_flows import judged
-from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.errors import InputError, Problems, is_number, is_one_of
 from stickslip.fields import floats
-from stickslip.flow import Switch, SwitchingFlow, is_flow, knows_mode, unknown_mode
+from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.flow_run import extremes
 from stickslip.sealing import sealed
 from stickslip.solvers.flow_engine import followed, unknown
-
-__all__ = ["METHODS", "Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
 
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol

@@ -26,8 +26,6 @@ from stickslip.errors import InputError, SolveError
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
 
-__all__ = ["judged"]
-
 _MANY, _AT_ONCE = 100, 1e-7  # so many switches within this part of a passage accumulate: at that rate it would have 1e9
 
 

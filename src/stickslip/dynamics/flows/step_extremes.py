@@ -17,8 +17,6 @@ from numpy.polynomial import chebyshev
 
 from stickslip.contracts import Array
 
-__all__ = ["extremes", "first_fall", "points"]
-
 _DEGREE = 8  # the dense output of DOP853 has degree 7
 _NODES = -np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
 _SERIES = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE))

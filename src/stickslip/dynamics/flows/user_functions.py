@@ -11,8 +11,6 @@ from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.forward_ad import Truth, slopes_of, variables
 from stickslip.errors import InputError, StickslipError
 
-__all__ = ["answer", "derivative", "numbers", "of_state", "value"]
-
 _PLAIN = (
     "its derivatives come from its own lines, so write it in plain arithmetic and with stickslip.maths "
     "(sin, cos, exp, log, sqrt, tanh, where, ...) instead of NumPy or math"

@@ -28,8 +28,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
-__all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
-
 Margin = tuple[str, int, int]  # name, number of the arc, side
 _SAMPLES = 96
 

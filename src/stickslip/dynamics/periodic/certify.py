@@ -22,8 +22,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.sealing import sealed
 from stickslip.solvers.closed_arcs import handles
 
-__all__ = ["Certificate", "certify"]
-
 
 @sealed
 class Certificate:

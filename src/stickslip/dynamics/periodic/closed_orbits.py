@@ -13,8 +13,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.faces import Drawn
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["NEUTRAL", "ClosedMotion", "Repeating", "multipliers_of", "resting", "stability_of"]
-
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 

@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
-__all__ = ["drift"]
-
 _DRIFTS = 200  # drive periods after which a motion that speeds up for ever does so evenly
 _DRIFTS_AWAY = (
     "its velocity grows by the same amount in every drive period, as a constant force exceeds the friction and nothing opposes it; "

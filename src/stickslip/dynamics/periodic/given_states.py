@@ -17,8 +17,6 @@ from stickslip.layout import of_one_contact
 from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 
-__all__ = ["states_of"]
-
 
 def states_of(start: Any, model: Any) -> Array:
     """Strobe states from a start as `solve` takes it, states, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""

@@ -19,8 +19,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.steadiness import way_of_machine
 
-__all__ = ["LimitCycle", "clock", "limit_cycle"]
-
 _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for
 _LONGER, _REPEATS = (1, 4, 16), 1e-3  # times that, of machines with slow states; a distance in scales

@@ -11,8 +11,6 @@ import numpy as np
 from stickslip.contracts import Array
 from stickslip.sealing import sealed
 
-__all__ = ["Found", "newton", "newton_within", "root_between"]
-
 P = TypeVar("P", bound=Any)
 
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1

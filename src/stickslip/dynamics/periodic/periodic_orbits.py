@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from stickslip.mechanisms import BlockOnBelt, ForcedOscillator, PulledMass
     from stickslip.robot import Robot
 
-__all__ = ["PeriodicOrbit", "periodic_orbit"]
-
 RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for

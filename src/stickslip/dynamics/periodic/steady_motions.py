@@ -20,8 +20,6 @@ from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["NEUTRAL", "Closed", "Closing", "Settled", "settled"]
-
 NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion can be shifted freely
 _CLOSED, _CLOSED_WITHIN_TOLERANCE = 1e-12, 1e-6  # of the scales: a motion that misses itself by less is closed
 _FLOOR = 1e-9  # by less than this it is, if it gets no better

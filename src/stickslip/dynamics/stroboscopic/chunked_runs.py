@@ -11,8 +11,6 @@ import numpy as np
 from stickslip import pool
 from stickslip.sweeps.progress import Progress, Watch
 
-__all__ = ["Report", "parts_of", "shared"]
-
 T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.
 Report = Callable[[Progress], Any] | bool

@@ -12,8 +12,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbi
 from stickslip.recurrence import apart, approach
 from stickslip.sealing import sealed
 
-__all__ = ["LONGEST", "Repetition", "repetition"]
-
 
 @sealed
 class Repetition:

@@ -15,8 +15,6 @@ from stickslip.fields import leaves
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import is_machine, machine_of
 
-__all__ = ["needs_model"]
-
 
 def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""

@@ -17,8 +17,6 @@ from stickslip.variables import VARIABLES, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["halved", "poincare", "spectrum", "strobe"]
-
 _WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 

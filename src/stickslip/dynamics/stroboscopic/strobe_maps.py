@@ -26,11 +26,6 @@ from stickslip.segments import intervals_of
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.steadiness import way_of_machine
 
-__all__ = [
-    "Coordinates", "Ends", "as_it_ends", "at_rest", "coordinates", "difference_jacobian", "flight",
-    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "state_at", "strobe_map", "strobe_orbit",
-]  # fmt: skip
-
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
