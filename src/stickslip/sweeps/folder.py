@@ -78,6 +78,20 @@ def unwritable(path: Path, error: OSError) -> StickslipError:
 
 
 # ---- the folder ----
+def check_new(what: str, folder: Path, known: tuple[str, ...], kind: str) -> None:
+    """`InputError` for a folder that is there, and holds something else than what is known."""
+    if folder.exists() and (not folder.is_dir() or any(p.name not in known for p in folder.iterdir() if p.suffix != ".part")):
+        raise InputError(what, [f"{str(folder)!r} is there and is not {kind}; give a new or an empty folder"])
+
+
+def make_folder(folder: Path, inside: str = "") -> None:
+    """Make a folder, those above it, and one in it."""
+    try:
+        (folder / inside).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from None
+
+
 def read_manifest(folder: str | Path) -> dict[str, Any]:
     """The manifest of a study folder; `InputError` if it is none."""
     path = as_path(folder, "open_study", "grid") / MANIFEST
@@ -154,14 +168,8 @@ class Study:
         return study
 
     def _make(self) -> None:
-        if self.folder.exists() and (
-            not self.folder.is_dir() or any(p.name not in (TILES, AXES, COMMAND) for p in self.folder.iterdir() if p.suffix != ".part")
-        ):
-            raise InputError("sweep", [f"{str(self.folder)!r} is there and is not a study folder; give a new or an empty folder"])
-        try:
-            (self.folder / TILES).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(self.folder, error) from None
+        check_new("sweep", self.folder, (TILES, AXES, COMMAND), "a study folder")
+        make_folder(self.folder, TILES)
         self._mend_axes()
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was first

@@ -13,7 +13,7 @@ from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, Poin
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.errors import InputError
 from stickslip.jsontext import plain
-from stickslip.sweeps.folder import COMMAND, MANIFEST, put, unwritable
+from stickslip.sweeps.folder import COMMAND, MANIFEST, check_new, make_folder, put
 from stickslip.sweeps.manifest import differences, digest, identity
 from stickslip.sweeps.planning import SOLVER, planned
 
@@ -53,12 +53,8 @@ class AtlasStudy:
                 already = f"{str(folder)!r} holds results of this atlas already"
                 raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
             return
-        if folder.exists() and (not folder.is_dir() or any(p.name != COMMAND for p in folder.iterdir())):
-            raise InputError("atlas", [f"{str(folder)!r} is there and is not the folder of an atlas; give a new or an empty folder"])
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(folder, error) from None
+        check_new("atlas", folder, (COMMAND,), "the folder of an atlas")
+        make_folder(folder)
         made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine}
         put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
 

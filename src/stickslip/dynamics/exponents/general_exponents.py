@@ -20,6 +20,7 @@ from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
+_SHOWN = 200  # points of the record of how they converge, at most
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 
@@ -115,15 +116,15 @@ def grown(M: Array, Q: Array) -> tuple[Array, Array]:
         return Q, np.log(abs(np.diag(R)))
 
 
-def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 200) -> Lyapunov:
+def gathered(logs: Array, time: float, unit: str) -> Lyapunov:
     """The result from the growth in every stretch of length `time`: array (n, exponents)."""
     order = np.argsort(-logs.mean(axis=0), kind="stable")
     logs = logs[:, order]
     count = np.arange(1, len(logs) + 1)
-    shown = np.unique(np.linspace(0, len(logs) - 1, min(points, len(logs))).astype(int))
+    shown = np.unique(np.linspace(0, len(logs) - 1, min(_SHOWN, len(logs))).astype(int))
     means = np.cumsum(logs, axis=0)[shown] / (count[shown] * time)[:, None]
     record = np.column_stack([count[shown] * time, means])
-    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time, note)
+    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time)
 
 
 def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:

@@ -125,23 +125,20 @@ def checked(model: Any, periods: Any, settle: Any) -> None:
     problems.check()
 
 
+_FORGOTTEN = (
+    "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
+    "beside it one below 1e-12 in a period"
+)
+
+
 def _told(logs: Array) -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
+    with np.errstate(invalid="ignore"):
+        found = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
     if not dead.any():
-        return gathered(logs, 1.0, "drive period")
-    lost = np.full(int(dead.sum()), -np.inf)
-    if dead.all():
-        spectrum, errors, record = lost, np.zeros(len(lost)), np.array([[len(logs), *lost]])
-    else:
-        found = gathered(logs[:, ~dead], 1.0, "drive period")
-        spectrum, errors = np.append(found.spectrum, lost), np.append(found.errors, np.zeros(len(lost)))
-        record = np.column_stack([found.record, np.tile(lost, (len(found.record), 1))])
-    note = (
-        "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
-        "beside it one below 1e-12 in a period"
-    )
-    return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
+        return found
+    return replace(found, errors=np.where(np.isneginf(found.spectrum), 0.0, found.errors), note=_FORGOTTEN)
 
 
 def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
