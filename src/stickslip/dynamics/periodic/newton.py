@@ -166,8 +166,8 @@ def root_between(ahead: Callable[[float], P | None], a: P, b: P, test: Callable[
             kept[s] = there, point
         return kept[s][0]
 
-    brentq(value, 0.0, length, xtol=1e-15, rtol=1e-14, maxiter=100, disp=False)
-    return min(kept.values(), key=lambda each: abs(each[0]))[1]
+    s = brentq(value, 0.0, length, xtol=1e-15, rtol=1e-14, maxiter=100, disp=False)
+    return kept.get(s, min(kept.values(), key=lambda each: abs(each[0])))[1]
 
 
 def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:
