@@ -13,6 +13,7 @@ import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.contracts import Array
+from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.flows.user_functions import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, rounded
@@ -143,6 +144,18 @@ def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bo
     return x
 
 
+def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
+    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
+    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
+    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
+    for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
+        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
+        y, mode, t = done.state, done.mode, t + every
+        if k >= 0:
+            Q, logs[k] = grown(done.monodromy, Q)
+    return logs, every
+
+
 @explains_arguments
 def lyapunov_of_map(
     f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
@@ -237,8 +250,6 @@ def lyapunov_of_flow(
     """
     x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
     if is_flow(f):
-        from stickslip.dynamics.flows.flow_orbits import exponents_of
-
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
         return gathered(logs, every, "unit of time")
     if not callable(f):

@@ -12,7 +12,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered, grown
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
@@ -98,8 +98,6 @@ def lyapunov(
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
-    from stickslip.dynamics.flows.flow_orbits import exponents_of
-
     state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = list(flow.fields)[round(float(state[-1]))]
     return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])

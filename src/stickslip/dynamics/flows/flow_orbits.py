@@ -10,7 +10,6 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.contracts import Array
-from stickslip.dynamics.exponents.general_exponents import grown
 from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
 from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
@@ -371,15 +370,3 @@ def switching_flow(model: Model) -> SwitchingFlow:
         0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
     }
     return SwitchingFlow(fields, switches, model.period and float(model.period))
-
-
-def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
-    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
-    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
-    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
-    for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
-        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = done.state, done.mode, t + every
-        if k >= 0:
-            Q, logs[k] = grown(done.monodromy, Q)
-    return logs, every
