@@ -33,6 +33,7 @@ __all__ = [
     "described_by",
     "everywhere",
     "example_in",
+    "floats",
     "is_array",
     "is_frozen",
     "is_number_field",
@@ -95,6 +96,22 @@ def number(value: Any, unit: str | None = None) -> Any:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def floats(value: Any) -> Any:
+    """A number or an array of them as an array of floats; an empty one of what is neither, which `number` says.
+
+    Examples
+    --------
+    >>> floats([1, 2]), floats("1").size
+    (array([1., 2.]), 0)
+    """
+    import numpy as np
+
+    try:
+        return np.asarray(number(value), float)
+    except ValueError:
+        return np.empty(0)
 
 
 def masked_in(value: Any) -> int:

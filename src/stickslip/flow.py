@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import checked_number, is_array, number
+from stickslip.fields import checked_number, floats, is_array
 from stickslip.maths import cos, pi
 
 __all__ = ["Switch", "SwitchingFlow", "is_flow", "knows_mode", "unknown_mode"]
@@ -286,10 +286,7 @@ def _check_states(problems: Problems, states: Any, numbers: Mapping[str, Any]) -
 def _check_scales(problems: Problems, scales: Any, states: Any) -> None:
     if scales is None:
         return
-    try:
-        sizes = np.asarray(number(scales), float)
-    except ValueError:
-        sizes = np.empty(0)
+    sizes = floats(scales)
     count = len(states) if isinstance(states, (tuple, list)) else sizes.size
     if sizes.shape != (count,) or not count or not np.all(np.isfinite(sizes) & (sizes > 0)):
         problems.add(f"scales = {scales!r}; allowed are positive numbers, one for each state; type for example scales=(1e-3, 0.1)")
@@ -306,11 +303,8 @@ def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) ->
             told = "allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
             problems.add(f"period raised {type(error).__name__}: {error}; {told}")
             return
-    try:
-        sizes = np.asarray(number(period), float)
-    except ValueError:
-        sizes = np.array(np.nan)
-    if (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):
+    sizes = floats(period)
+    if not sizes.size or (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):
         problems.add(f"period = {given!r}; allowed is a positive number, or None for an autonomous flow")
 
 

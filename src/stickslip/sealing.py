@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from typing import Any, TypeVar
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -37,13 +37,15 @@ def seal(value: Any) -> Any:
     return type(value)(map(seal, value)) if type(value) in (list, tuple) else value
 
 
+@dataclass_transform(frozen_default=True, eq_default=False)
 def sealed(cls: type[Record]) -> type[Record]:
     """A frozen dataclass whose fields are sealed when it is made, and its cached properties when they are computed.
+
+    A class becomes one whose records are equal to themselves alone; what is a dataclass already stays as it is.
 
     Examples
     --------
     >>> @sealed
-    ... @dataclasses.dataclass(frozen=True, eq=False)
     ... class Curve:
     ...     x: Any
     >>> Curve(np.zeros(3)).x[0] = 1.0
@@ -51,6 +53,8 @@ def sealed(cls: type[Record]) -> type[Record]:
     ...
     ValueError: assignment destination is read-only
     """
+    if "__dataclass_fields__" not in vars(cls):
+        cls = dataclasses.dataclass(frozen=True, eq=False)(cls)
     made: Any = cls.__init__
     names = [field.name for field in dataclasses.fields(cls)]  # type: ignore[arg-type]
 

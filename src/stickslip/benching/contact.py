@@ -11,8 +11,6 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.friction.law_adapter import TINY
 
-__all__ = ["Contact", "Motion", "steady", "swing"]
-
 #: A velocity at a time since the beginning of a stretch [m/s].
 Motion = Callable[[float], float]
 #: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.
@@ -72,7 +70,9 @@ class Contact:
             if samples:
                 found += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
             before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
-            idle = self._idle(idle + 1 if run.t[-1] <= t else 0)
+            idle = idle + 1 if run.t[-1] <= t else 0  # stretches in a row that took no time
+            if idle > 100:
+                raise SolveError(f"{self.probe.law.name} switches its memories endlessly at one instant; check its switches")
             before = [max(g, self.probe.load) for g in before] if idle else before  # what has fallen before it could be seen to fall
             t, y = float(run.t[-1]), [float(value) for value in run.y[:, -1]]
             self.z, self.x, self.done, self.turned = tuple(y[:-3]), *y[-3:]
@@ -82,30 +82,20 @@ class Contact:
             self._switch(0.0 if stopped else v, before, t < length)
         return found
 
-    def _idle(self, count: int) -> int:
-        """How many stretches in a row took no time; an error if the memories of the law switch for ever."""
-        if count > 100:
-            raise SolveError(f"{self.probe.law.name} switches its memories endlessly at one instant; check its switches")
-        return count
-
-    def _run(self, t: float, length: float, velocity: Motion, dense: bool) -> Any:
-        """LSODA may miss that it is too stiff, where rates are next to nothing."""
-        try:
-            return self._integrated(t, length, velocity, "LSODA", dense)
-        except _TooStiff:
-            return self._integrated(t, length, velocity, "Radau", dense)
-
-    def _integrated(self, t: float, end: float, velocity: Motion, method: str, dense: bool) -> Any:
-        """States, position and work up to the next switch."""
+    def _run(self, t: float, end: float, velocity: Motion, dense: bool, method: str = "LSODA") -> Any:
+        """States, position and work up to the next switch. LSODA may miss that it is too stiff, where rates are next to nothing."""
         from scipy.integrate import solve_ivp
 
         path = max(abs(velocity(0.5 * end)) * end, 1e-300)
         atol = [*(0.01 * self.rtol * size for size in self.probe.scale), self.rtol * path, *(0.01 * self.rtol * self.work,) * 2]
-        return solve_ivp(
-            self._slope(velocity, budget=CALLS if method == "LSODA" else None), (t, end), [*self.z, self.x, self.done, self.turned],
-            method=method, rtol=self.rtol, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.law.modes else None,
-            dense_output=dense,
-        )  # fmt: skip
+        try:
+            return solve_ivp(
+                self._slope(velocity, budget=CALLS if method == "LSODA" else None), (t, end), [*self.z, self.x, self.done, self.turned],
+                method=method, rtol=self.rtol, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.law.modes else None,
+                dense_output=dense,
+            )  # fmt: skip
+        except _TooStiff:
+            return self._run(t, end, velocity, dense, "Radau")
 
     def _slope(self, velocity: Motion, budget: int | None) -> Any:
         calls = itertools.count()

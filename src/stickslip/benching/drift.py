@@ -12,8 +12,6 @@ from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
-__all__ = ["drift"]
-
 #: Constant and swinging part of the force by what the contact holds: Dupont's 0.4 N and 0.2 N of 1.5 N.
 BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
 #: Periods run, of which the second half counts.

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["seen"]
-
 _PER_SWING = 12  # points that a swing of the mass on its contact needs: its crest is then met to (pi/12)^2 / 2, 3 % of it
 _MOST = 400_000  # points that are looked at
 

@@ -13,15 +13,13 @@ from stickslip.benching.path import dissipation, hysteresis
 from stickslip.benching.pulled import breakaway, stick_slip
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import lag, steady_friction
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.engine.law_checks import finite
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
 from stickslip.friction import LAWS
 from stickslip.friction.law_adapter import adapted
-
-__all__ = ["EXPERIMENTS", "bench"]
 
 #: The experiments by name, in the order of the figure.
 EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
@@ -100,20 +98,18 @@ def bench(
     names = _names(experiments)
     _check(load, mass, stiffness, speed)
     found: list[Bench] = []
-    progress = progress_callback(progress, "bench")
+    report = reporting(progress, "bench")
     whole = len(laws) * len(names)
     for one in laws:
         setup = Setup(one, float(load), float(mass), stiffness, speed)
         done: list[Experiment] = []
         for name in names:
-            if progress is not None:
-                progress(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
+            report(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
             with finite(one):
                 done.append(EXPERIMENTS[name](setup))
         notes = adapted(one).notes(float(load))
         found.append(Bench(one, float(load), float(mass), tuple(done), tuple(notes)))
-    if progress is not None:
-        progress("measured", whole, whole)
+    report("measured", whole, whole)
     return Benches(tuple(found)) if many else found[0]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,8 +13,6 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Drawn, drawn_on
 from stickslip.fields import leaves
 from stickslip.sealing import sealed
-
-__all__ = ["Bench", "Benches", "Curve", "Experiment", "Quantity"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,6 @@ class Quantity:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a figure: a name and two arrays of one length, in the units of its experiment."""
 
@@ -66,7 +64,6 @@ class Curve:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Experiment:
     """One experiment on one law.
 
@@ -108,9 +105,29 @@ class Experiment:
         }
 
 
+class _Tabled(Drawn):
+    """What prints as a table of its rows."""
+
+    _drawn_by = "bench"
+
+    @property
+    @abstractmethod
+    def table(self) -> str:
+        """The numbers as a table of text."""
+
+    @abstractmethod
+    def rows(self) -> list[tuple[str, ...]]:
+        """Rows of text, the heading first."""
+
+    def __str__(self) -> str:
+        return self.table
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.rows()]
+
+
 @sealed
-@dataclass(frozen=True, eq=False)
-class Bench(Drawn):
+class Bench(_Tabled):
     """The behaviour of one law by itself; `print` shows the table, `stickslip.plot.bench` the figure.
 
     Parameters
@@ -187,13 +204,8 @@ class Bench(Drawn):
             "notes": list(self.notes),
         }
 
-    def __str__(self) -> str:
-        return self.table
-
     def __repr__(self) -> str:
         return f"<Bench of {self.name}: {len(self.quantities)} numbers from {len(self.experiments)} experiments>"
-
-    _drawn_by = "bench"
 
     def _figures(self) -> list[Any]:
         return drawn_on(self.plot, (9.8, 4.5) if len(self.experiments) > 3 else (2.45 * (len(self.experiments) + 1), 2.25))
@@ -201,13 +213,9 @@ class Bench(Drawn):
     def _title(self) -> str:
         return f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg"
 
-    def _tables(self) -> list[list[tuple[str, ...]]]:
-        return [self.rows()]
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
-class Benches(Drawn):
+class Benches(_Tabled):
     """Several laws on the same bench, side by side; `print` shows one row for each law.
 
     Parameters
@@ -257,22 +265,14 @@ class Benches(Drawn):
         """Everything as plain numbers and text."""
         return {"laws": [found.to_dict() for found in self.benches]}
 
-    def __str__(self) -> str:
-        return self.table
-
     def __repr__(self) -> str:
         return f"<Benches of {', '.join(found.name for found in self.benches)}>"
-
-    _drawn_by = "bench"
 
     def _figures(self) -> list[Any]:
         return drawn_on(self.plot, (1.75 * (len(self.benches[0].experiments) + 0.9), 0.5 + 1.0 * len(self)))
 
     def _title(self) -> str:
         return "Friction laws on the bench"
-
-    def _tables(self) -> list[list[tuple[str, ...]]]:
-        return [self.rows()]
 
 
 def _bare(quantity: Quantity) -> str:

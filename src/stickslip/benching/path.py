@@ -8,8 +8,6 @@ from stickslip.benching.contact import Contact, swing
 from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import HELD, Setup
 
-__all__ = ["dissipation", "hysteresis"]
-
 #: Turning points of the hysteresis, in units of its reach: an inner loop from 0 to 1/2 and back within the second outer loop.
 TURNS, REACH = (1.0, -1.0, 1.0, 0.0, 0.5, 0.0, -1.0, 1.0), 1.5
 #: Amplitudes of the cycles in typical deflections; the one whose loss stands in the table; the most cycles until they repeat.
@@ -32,15 +30,11 @@ def hysteresis(bench: Setup) -> Experiment:
         (
             Quantity("stiffness", "contact stiffness", stiffness, "N/m", "slope of the force over the displacement of a fresh contact"),
             Quantity("loop_loss", "loss of the loop", marks[2][0] - marks[0][0], "J", f"over +-{reach:.3g} m, slowly"),
-            Quantity("gap", "gap of the inner loop", _gap(bench, marks), "N",
+            Quantity("gap", "gap of the inner loop", marks[5][1] - marks[3][1] if bench.remembers else math.nan, "N",
                      "force after an inner loop minus the force before it; 0 is memory of reversal points"),
         ),
         {"reach": (reach, "m"), "peak velocity": (bench.crawl, "m/s")}, _path_remark(bench),
     )  # fmt: skip
-
-
-def _gap(bench: Setup, marks: list[tuple[float, float]]) -> float:
-    return marks[5][1] - marks[3][1] if bench.remembers else math.nan
 
 
 def _path_remark(bench: Setup) -> str:

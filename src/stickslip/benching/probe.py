@@ -6,18 +6,12 @@ from typing import Any
 
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["Probe"]
-
 
 class Probe:
     """A law, the load on it [N], and what is typical of the two."""
 
     def __init__(self, law: Any, load: Any):
         self.law, self.load = adapted(law), load
-
-    def rate(self, v: Any, z: tuple[Any, ...], mode: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Rates of the inner states."""
-        return self.law.rate(v, z, self.load, mode)
 
     def force(self, v: Any, z: tuple[Any, ...], mode: tuple[Any, ...], applied: Any = 0.0) -> Any:
         """Friction force [N]."""

@@ -12,8 +12,6 @@ from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import FAST, HELD, Setup, shorter
 from stickslip.mechanisms import PulledMass
 
-__all__ = ["breakaway", "stick_slip"]
-
 #: Force rates in units of the typical force and the bench's own frequency.
 RATES = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
 #: The spring of the ramps is so soft that its end moves this many typical deflections until the typical force is reached (and fast).

@@ -15,8 +15,6 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.solvers import solve
 
-__all__ = ["FAST", "HELD", "SLOW", "Setup", "shorter"]
-
 #: Quasi-static motions have this share of the typical velocity; several times it is sliding.
 SLOW, FAST = 0.01, 3.0
 #: Length on which laws without any are moved [m].
@@ -120,7 +118,7 @@ class Setup:
             return 0.0
         probe, small = self.probe, 1e-3 * min(self.probe.scale)
         still, fresh = probe.start
-        bent = tuple(small * rate / 1e-12 for rate in probe.rate(1e-12, still, fresh))
+        bent = tuple(small * rate / 1e-12 for rate in probe.response(1e-12, still, fresh)[1])
         return (float(probe.force(0.0, bent, fresh)) - float(probe.force(0.0, still, fresh))) / small
 
     @cached_property

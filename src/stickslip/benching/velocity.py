@@ -8,8 +8,6 @@ from itertools import pairwise
 from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup
 
-__all__ = ["lag", "shown", "steady_friction"]
-
 #: Speeds of the steady curve, and angular frequencies of the lag, in units of what is typical of the law.
 SPEEDS, FREQUENCIES = (0.01, 30.0), (0.01, 0.05, 0.25)
 #: Middle and swing of the velocity in the lag experiment, in typical velocities.

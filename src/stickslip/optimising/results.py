@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -45,7 +46,7 @@ def results_of(
     [0.002014682, 0.004308808]
     """
     options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
-    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, {})
+    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())
     found.setdefault("mean_velocity", np.full(cases, np.nan))
     return found
 

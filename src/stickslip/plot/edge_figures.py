@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
-from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.plot.style import COLOURS, INK, axes, legend_above, named, publication, scaled
@@ -41,7 +41,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     """
     if not hasattr(edge, "track"):
         raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.edge_state gives"])
-    told = [own_attrs(name, "on the strobe") if is_flow(edge.model) else strobe_attrs(name) for name in edge.names]
+    told = [state_attrs(name, "on the strobe", is_flow(edge.model)) for name in edge.names]
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]
     sizes = [scaled(edge.track[:, i], told[i]["units"]) for i in places]
     drawn = _over_two if len(places) > 1 else _over_periods

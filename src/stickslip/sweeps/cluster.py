@@ -6,24 +6,22 @@ there is one, is written here, so workers need not see it.
 
 from __future__ import annotations
 
-import importlib
+import pkgutil
 import secrets
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError
 from stickslip.jsontext import plain
 from stickslip.optional import library
 from stickslip.storage import from_text
+from stickslip.sweeps.models_of_points import starts_at
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Column, Space
-
-__all__ = ["connected", "from_message", "message", "tiles_from", "work"]
-
-Array = Any
 
 
 def _distributed() -> Any:
@@ -43,7 +41,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
     """A tile without its classes: names, plain values and the rows of its own cases."""
     points = plan.points(k)
     dims = ("case",) if plan.along is None else ("line", plan.along)
-    start = plan.start_at(points)
+    start = starts_at(plan.start, points)
     return {
         "make": _named(plan.make),
         "sizes": dict(zip(dims, points.shape, strict=True)),
@@ -94,10 +92,7 @@ def from_message(told: dict[str, Any]) -> Plan:
 def _found(make: dict[str, Any]) -> Any:
     if "toml" in make:
         return from_text(make["toml"])
-    found: Any = importlib.import_module(make["module"])
-    for part in make["name"].split("."):
-        found = getattr(found, part)
-    return found
+    return pkgutil.resolve_name(f"{make['module']}:{make['name']}")
 
 
 def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
@@ -126,7 +121,7 @@ def tiles_from(
 
     try:
         while not watch.stopped:
-            for _, k in zip(range(_room(client) - len(running)), rest, strict=False):
+            for _, k in zip(range(max(2 * sum(client.nthreads().values()), 4) - len(running)), rest, strict=False):
                 send(k)
             if not running:
                 return
@@ -145,8 +140,3 @@ def tiles_from(
     finally:
         for future in running:
             future.cancel()
-
-
-def _room(client: Any) -> int:
-    """How many tiles to have under way: two for each thread that the cluster has now."""
-    return max(2 * sum(client.nthreads().values()), 4)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.jsontext import plain
 from stickslip.pool import shared
@@ -16,9 +17,6 @@ from stickslip.status import STATUS, Status
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Space, space_of
 
-__all__ = ["sweep_of_flow"]
-
-Array = Any
 _START = "start."
 #: Arguments of `sweep` that are of machines, with the values that say nothing.
 _OF_MACHINES = {"continue_along": None, "out": None, "resume": False, "shard": None, "client": None}

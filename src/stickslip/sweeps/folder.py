@@ -10,11 +10,13 @@ import json
 import os
 import secrets
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError, as_path
 from stickslip.sweeps.labelling import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
@@ -22,9 +24,6 @@ from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
-__all__ = ["COMMAND", "MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
-
-Array = Any
 MANIFEST = "manifest.json"
 #: What was typed in the shell to begin the study.
 COMMAND = "command.json"
@@ -79,6 +78,20 @@ def unwritable(path: Path, error: OSError) -> StickslipError:
 
 
 # ---- the folder ----
+def check_new(what: str, folder: Path, known: tuple[str, ...], kind: str) -> None:
+    """`InputError` for a folder that is there, and holds something else than what is known."""
+    if folder.exists() and (not folder.is_dir() or any(p.name not in known for p in folder.iterdir() if p.suffix != ".part")):
+        raise InputError(what, [f"{str(folder)!r} is there and is not {kind}; give a new or an empty folder"])
+
+
+def make_folder(folder: Path, inside: str = "") -> None:
+    """Make a folder, those above it, and one in it."""
+    try:
+        (folder / inside).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(folder, error) from None
+
+
 def read_manifest(folder: str | Path) -> dict[str, Any]:
     """The manifest of a study folder; `InputError` if it is none."""
     path = as_path(folder, "open_study", "grid") / MANIFEST
@@ -155,27 +168,18 @@ class Study:
         return study
 
     def _make(self) -> None:
-        if self.folder.exists() and (
-            not self.folder.is_dir() or any(p.name not in (TILES, AXES, COMMAND) for p in self.folder.iterdir() if p.suffix != ".part")
-        ):
-            raise InputError("sweep", [f"{str(self.folder)!r} is there and is not a study folder; give a new or an empty folder"])
-        try:
-            (self.folder / TILES).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(self.folder, error) from None
-        self._write_axes()
+        check_new("sweep", self.folder, (TILES, AXES, COMMAND), "a study folder")
+        make_folder(self.folder, TILES)
+        self._mend_axes()
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was first
 
-    def _write_axes(self) -> None:
-        put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
-
     def _mend_axes(self) -> None:
-        """Write the axes again where they are damaged or missing."""
+        """Write the axes where they are damaged or missing."""
         try:
             read_labels(self.folder, self.manifest)
         except InputError:
-            self._write_axes()
+            put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
 
     def _check_same(self, theirs: dict[str, Any]) -> None:
         if theirs["stickslip_format"] != FORMAT:
@@ -210,8 +214,7 @@ class Study:
     @property
     def todo(self) -> Iterable[int]:
         """Our tiles that are not."""
-        done = set(self.done)
-        return [k for k in self.ours if k not in done]
+        return sorted(set(self.ours) - set(self.done))
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""
@@ -221,9 +224,6 @@ class Study:
         """Nothing is left to do but to be sure that the names are on the disk."""
         if hasattr(os, "O_DIRECTORY"):
             handle = os.open(self.folder / TILES, os.O_RDONLY | os.O_DIRECTORY)
-            try:
+            with suppress(OSError):
                 os.fsync(handle)
-            except OSError:
-                pass
-            finally:
-                os.close(handle)
+            os.close(handle)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import spread
+from stickslip.contracts import Array
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
@@ -19,14 +21,10 @@ from stickslip.solvers.methods import steps_of
 from stickslip.solvers.request import Request, request
 from stickslip.status import Status
 from stickslip.summary import Summary
-from stickslip.sweeps.models_of_points import Group, groups_of
+from stickslip.sweeps.models_of_points import Group, groups_of, starts_at
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.result_columns import END, empty
 from stickslip.sweeps.solving import columns_of_group
-
-__all__ = ["followed", "solve_to_end", "unfollowed"]
-
-Array = Any
 
 
 def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
@@ -78,7 +76,7 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
     """The columns of tile k: all its lines at once, from value to value up the axis, and down again."""
     lines = plan.points(k)
     count, steps = lines.shape
-    result, notes = empty(2 * lines.size, plan.columns), dict[str, int]()
+    result, notes = empty(2 * lines.size, plan.columns), Counter[str]()
     whole = {name: values.reshape(count, 2, steps, *values.shape[1:]) for name, values in result.items()}
     ends: dict[Any, Array] = {}
     for n, (way, step) in enumerate([(0, s) for s in range(steps)] + [(1, s) for s in reversed(range(steps))]):
@@ -91,15 +89,13 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
 
 
 def _one_step(
-    plan: Plan, points: Array, ends: dict[Any, Array], workers: int, notes: dict[str, int]
+    plan: Plan, points: Array, ends: dict[Any, Array], workers: int, notes: Counter[str]
 ) -> tuple[dict[str, Array], dict[Any, Array]]:
     """All lines at one value of the axis; where a case fails, the next one starts as the study says."""
-    first = plan.start_at(points)
-    groups, refused = groups_of(plan.make, plan.space, points, first)
+    groups, refused = groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
     columns, after = empty(len(points), plan.columns), dict[str, Any]()
     columns["status"][list(refused)] = Status.BAD_INPUT
-    for sentence in refused.values():
-        notes[sentence] = notes.get(sentence, 0) + 1
+    notes.update(refused.values())
     for group in groups:
         going_on = Group(group.at, group.robot, _start(group.start, ends, group.at))
         found = columns_of_group(going_on, plan.options, workers, None, notes, solve_to_end)

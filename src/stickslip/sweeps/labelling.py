@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.fields import field_description
 from stickslip.jsontext import plain
@@ -23,9 +24,6 @@ from stickslip.sweeps.result_columns import COLUMNS, base_of, described, dim_of,
 from stickslip.sweeps.space import Column
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
-
-Array = Any
 WAYS = np.array(["up", "down"])
 
 
@@ -36,25 +34,17 @@ def maker_of(make: Any) -> str:
 
 def provenance_of(plan: Plan) -> dict[str, Any]:
     """Versions, settings and kinds: what it takes to make these results again."""
+    from importlib.metadata import version
+
     import stickslip
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    versions |= {name: _version(name) for name in ("numba", "scipy", "xarray")}
+    versions |= {name: version(name) for name in ("numba", "scipy", "xarray")}
     settings = {name: value for name, value in plan.options.items() if name != "observe"}
     settings |= {"continue_along": plan.along} if plan.along else {}
     settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
-    sample = plan.sample
-    kinds = {} if sample is None else {"law": machine_of(sample[0]).law_names, "model": type(sample[0]).__name__}
+    kinds = {} if plan.sample is None else {"law": machine_of(plan.sample).law_names, "model": type(plan.sample).__name__}
     return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
-
-
-def _version(name: str) -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def labels_of(plan: Plan) -> dict[str, Column]:
@@ -86,8 +76,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 def _units_of(plan: Plan) -> dict[str, str]:
     """The units of columns of machines that turn about an axis; nothing of others."""
-    model = plan.sample[0] if plan.sample is not None else None
-    found = {name: unit_of(name, model) for name in COLUMNS if name in VARIABLES and unit_of(name, model) != VARIABLES[name].unit}
+    found = {name: unit for name in COLUMNS if (unit := unit_of(name, plan.sample)) != VARIABLES[name].unit}
     return {"units": json.dumps(found)} if found else {}
 
 
@@ -95,7 +84,7 @@ def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]
     """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
     found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
     if plan.sample is not None:
-        found |= {name: axis_in(field_description(plan.sample[0], name)) for name in numbers}
+        found |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
     return {name: axis for name, axis in found.items() if axis}
 
 
@@ -133,7 +122,7 @@ def _slope_unit(plan: Plan, slope: Derived) -> str:
     """The unit of a derivative: that of what it is of over that of the number."""
     if maker_of(plan.make) in DIMENSIONLESS:
         return "1"
-    model = plan.make if plan.sample is None else plan.sample[0]
+    model = plan.make if plan.sample is None else plan.sample
     name = getattr(slope.of, "unit", None) or _unit_of_result(str(slope.of), model)
     by = (axis_of(slope.by, model) or ("", "1"))[1]
     return name if by == "1" else f"{name}/({by})" if "/" in by or " " in by else f"{name}/{by}"

@@ -23,8 +23,6 @@ from stickslip.sweeps.result_columns import COLUMNS, kind_of, part_columns
 from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
 
-__all__ = ["FORMAT", "differences", "digest", "flaw", "has_checksums", "identity", "manifest"]
-
 #: Version of the folder's layout: 2 has checksums.
 FORMAT = 2
 _DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit
@@ -62,7 +60,7 @@ def _robot(plan: Plan) -> str:
     """The first robot's kind and numbers, and the text of every class and function in it that is not ours, as a hash."""
     if plan.sample is None:
         return "none"
-    parts = list(leaves(plan.sample[0], kinds=True))
+    parts = list(leaves(plan.sample, kinds=True))
     told = [[name, _text(_first(value))] for name, value in parts]
     things = [plan.make, *(thing for _, value in parts if not is_array(value) for thing in _within(value))]
     foreign = dict.fromkeys(part for thing in things for part in _parts_of(thing) if not _known(part))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
-from stickslip.sweeps.folder import MANIFEST, put, read_manifest, unwritable
+from stickslip.sweeps.folder import MANIFEST, make_folder, put, read_manifest
 from stickslip.sweeps.manifest import differences
 from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.space_file import AXES, read_labels
@@ -16,8 +16,6 @@ from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["merge"]
 
 
 @explains_arguments
@@ -58,10 +56,7 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
         named = ", ".join(map(str, missing[:8])) + (", …" if len(missing) > 8 else "")
         what = f"{len(missing)} of {told['tiles']} tiles are in none of the folders (number {named})"
         raise InputError("merge", [f"{what}; finish the shards with --resume, or type partial=True (--partial)"])
-    try:
-        (target / TILES).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise unwritable(target, error) from None
+    make_folder(target, TILES)
     for name in (AXES, MANIFEST):
         if not (target / name).exists():
             put(target / name, (sources[0] / name).read_bytes())

@@ -7,16 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import point_by_point
+from stickslip.batch import made_model, point_by_point
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.fields import leaves
-from stickslip.machine_adapter import is_machine
-from stickslip.robot import Robot
 from stickslip.sweeps.space import START, Space
-
-__all__ = ["Group", "groups_of", "refusals", "shared_numbers"]
-
-Array = Any
 
 
 class Group:
@@ -32,22 +27,14 @@ def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | No
     A place counts from 0 within `points`. A number that is not finite, or a combination that the maker refuses, costs its own case only.
     """
     columns = space.at(points)
-    finite = _finite(columns, len(points))
+    finite = np.logical_and.reduce([np.ones(len(points), bool), *(np.isfinite(v) for v in columns.values() if v.dtype.kind == "f")])
     refused = {int(i): "not a finite number" for i in np.flatnonzero(~finite)}
     groups: list[Group] = []
     for at, words in _by_words(columns, np.flatnonzero(finite)):
         numbers = {n: v for n, v in columns.items() if n not in words}
         for part, robot in _made(make, {**space.fixed, **words}, numbers, at, refused):
-            groups.append(Group(part, robot, {**_at(start, part), **_own_start(columns, space.fixed, part)}))
+            groups.append(Group(part, robot, starts_at(start or {}, part) | _own_start(columns, space.fixed, part)))
     return groups, refused
-
-
-def _finite(columns: dict[str, Array], count: int) -> Array:
-    good = np.ones(count, bool)
-    for values in columns.values():
-        if values.dtype.kind == "f":
-            good &= np.isfinite(values)
-    return good
 
 
 def _by_words(columns: dict[str, Array], places: Array) -> Iterator[tuple[Array, dict[str, Any]]]:
@@ -69,7 +56,7 @@ def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array
         return
     fixed = {n: v for n, v in fixed.items() if n not in START}
     try:
-        yield at, _batch(make, fixed, {n: v[at] for n, v in numbers.items() if n not in START})
+        yield at, batch_of("sweep", make, fixed, {n: v[at] for n, v in numbers.items() if n not in START})
         return
     except InputError as error:
         if len(at) == 1 or not numbers:
@@ -79,25 +66,23 @@ def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array
         yield from _made(make, fixed, numbers, half, refused)
 
 
-def _batch(make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot:
+def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Any:
     """The robots as one batch; a maker that cannot take arrays is called point by point."""
     if not callable(make):
         return make.replace({**fixed, **numbers})
     try:
-        robot = make(**fixed, **numbers)
-        if is_machine(robot):
-            return robot
+        return made_model(what, make(**fixed, **numbers))
     except InputError:
         raise
     except (TypeError, ValueError):
         if not numbers:
             raise
-    return point_by_point("sweep", make, fixed, numbers)
+        return point_by_point(what, make, fixed, numbers)
 
 
-def _at(start: dict[str, Any] | None, places: Array) -> dict[str, Any]:
+def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
     """Start values at some places; one for all, or one array for each name."""
-    return {name: value if np.ndim(value) == 0 else value[places] for name, value in (start or {}).items()}
+    return {name: value if np.ndim(value) == 0 else value[places] for name, value in start.items()}
 
 
 def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) -> dict[str, Any]:
@@ -141,9 +126,9 @@ def _said(make: Any, space: Space, name: str, values: Array, end: int) -> list[s
     try:
         if values.dtype.kind != "f":
             for word in values.tolist():
-                _batch(make, {**fixed, name: word}, {})
+                batch_of("sweep", make, {**fixed, name: word}, {})
         elif len(values):
-            _batch(make, fixed, {name: values})
+            batch_of("sweep", make, fixed, {name: values})
     except InputError as error:
         return list(error.problems)
     except (TypeError, ValueError):

@@ -12,6 +12,7 @@ from xarray.core import indexing
 
 from stickslip import hdf5
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import InputError, as_path
 from stickslip.sweeps.folder import read_manifest
 from stickslip.sweeps.labelling import assembled, labels_of_parts, with_units
@@ -25,9 +26,6 @@ from stickslip.unpacking import Allowance
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["open_study"]
-
-Array = Any
 _OLD = "kept by an earlier stickslip, without checksums: damage to the file may go unseen"
 
 

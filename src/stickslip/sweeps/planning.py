@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, shape_of, some_of, spread
+from stickslip.batch import Labels, some_of, spread
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import checked, parted
@@ -18,9 +19,6 @@ from stickslip.sweeps.result_columns import COLUMNS, part_columns
 from stickslip.sweeps.space import Space, space_of
 from stickslip.variables import VARIABLES
 
-__all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
-
-Array = Any
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
@@ -99,14 +97,10 @@ class Plan:
         grid = [steps[None, :] if d == self.along else index[d][:, None] for d in self.space.dims]
         return np.ravel_multi_index(np.broadcast_arrays(*grid), self.space.shape)
 
-    def start_at(self, points: Array) -> dict[str, Any]:
-        """Start values of some points."""
-        return {name: value if np.ndim(value) == 0 else value[points] for name, value in self.start.items()}
-
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Names of the bodies, contacts and stops of the first machine by dimension; none of one body on one contact."""
-        return {} if self.sample is None else machine_of(self.sample[0]).part_names
+        return {} if self.sample is None else machine_of(self.sample).part_names
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -119,14 +113,10 @@ class Plan:
         return tuple(self.options.get("observe") or ())
 
     @cached_property
-    def sample(self) -> tuple[Any, dict[str, Any]] | None:
-        """The first robot that can be made, and its start values; None if there is none."""
-        for k in range(min(self.tiles, 4)):
-            points = self.points(k).ravel()
-            groups, _ = groups_of(self.make, self.space, points[:1024], self.start_at(points[:1024]))
-            if groups:
-                return groups[0].robot, groups[0].start
-        return None
+    def sample(self) -> Any:
+        """The first robot that can be made; None if there is none."""
+        tried = (groups_of(self.make, self.space, self.points(k).ravel()[:1024], None)[0] for k in range(min(self.tiles, 4)))
+        return next((groups[0].robot for groups in tried if groups), None)
 
 
 def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
@@ -144,7 +134,9 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
-    _check_parts(plan)
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in plan.parts):
+        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
+    problems.check()
     checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
     _check_derived(plan)
     if plan.observed and along is not None:
@@ -162,7 +154,7 @@ def _tile(plan: Plan) -> int:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
     slow = plan.sample is not None and (
         plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853")
-        or not all(law.compiles for law in machine_of(plan.sample[0]).laws)
+        or not all(law.compiles for law in machine_of(plan.sample).laws)
     )
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 
@@ -184,14 +176,6 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
     return found
 
 
-def _check_parts(plan: Plan) -> None:
-    """The dimensions of parts are not names for axes."""
-    problems = Problems("sweep")
-    for name in (n for n in dict.fromkeys([*plan.space.columns, *plan.space.dims]) if n in plan.parts):
-        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
-    problems.check()
-
-
 def _check_derived(plan: Plan) -> None:
     """Derivatives are of the motion from rest; and what cannot be derived is told of the first robot."""
     derived = parted(plan.options.get("observe"))[1]
@@ -200,8 +184,7 @@ def _check_derived(plan: Plan) -> None:
     if plan.start or plan.options["settle"] != "auto":
         raise InputError("sweep", ['derivatives are of the steady motion from rest; leave start out, and settle="auto" as it is'])
     if plan.sample is not None:
-        robot = plan.sample[0]
-        next(iter(derived.values())).values(some_of(robot, [0]) if shape_of(robot) else robot, 0, derived, 0)
+        next(iter(derived.values())).values(some_of(plan.sample, [0]), 0, derived, 0)
 
 
 def _check_options(plan: Plan) -> None:
@@ -214,11 +197,11 @@ def _check_options(plan: Plan) -> None:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
     arguments = solver_arguments(plan.options)
-    request(plan.sample[0], start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+    request(plan.sample, start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
     if plan.along is not None:
         from stickslip.sweeps.following import unfollowed
 
-        why = unfollowed(plan.sample[0], plan.options["method"])
+        why = unfollowed(plan.sample, plan.options["method"])
         if why is not None:
             raise InputError("sweep", [why])
 

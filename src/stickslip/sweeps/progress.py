@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.callbacks import progress_callback
+from stickslip.pool import Cancelled
 from stickslip.status import STATUS
-
-__all__ = ["Bar", "Lines", "Progress", "Watch"]
 
 PAUSE = 0.1  # between two reports [s]
 
@@ -83,7 +83,7 @@ class Watch:
     def __init__(self, cases: int, callback: Callable[[Progress], Any] | bool | None):
         self.cases, self.callback, self.stopped = cases, progress_callback(callback, "progress"), False
         self._begun: dict[int, int] = {}
-        self._statuses: dict[str, int] = {}
+        self._statuses = Counter[str]()
         self._finished, self._resumed, self._began, self._told = 0, 0, time.monotonic(), 0.0
         self._lock = threading.Lock()
 
@@ -96,13 +96,18 @@ class Watch:
         self._begun[tile] = cases
         self._tell(PAUSE)
 
+    def at_work(self, tile: int, cases: int) -> None:
+        """The same, from the work itself: `Cancelled` where it was told to stop."""
+        self.begun(tile, cases)
+        if self.stopped:
+            raise Cancelled
+
     def finished(self, tile: int, status: Any) -> None:
         """A tile is ready."""
         self._begun.pop(tile, None)
         self._finished += len(status)
-        for code, n in zip(*np.unique(status, return_counts=True), strict=True):
-            text = STATUS.get(int(code), f"status {code}")
-            self._statuses[text] = self._statuses.get(text, 0) + int(n)
+        codes = zip(*(each.tolist() for each in np.unique(status, return_counts=True)), strict=True)
+        self._statuses.update({STATUS.get(code, f"status {code}"): n for code, n in codes})
         self._tell(PAUSE if self._finished < self.cases else 0.0)
 
     def now(self) -> Progress:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
-from functools import reduce
+from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
 from stickslip.pool import Cancelled
 from stickslip.status import Status
 from stickslip.sweeps.labelling import dataset, labels_of, provenance_of
+from stickslip.sweeps.models_of_points import starts_at
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.result_columns import all_failed, empty, part_columns
@@ -24,9 +27,6 @@ from stickslip.sweeps.solving import solved_points
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["map"]
-
-Array = Any
 _CHUNK = 16384
 
 
@@ -119,7 +119,7 @@ class _Refined:
         self.columns = {name: values.reshape(self.shape) for name, values in empty(plan.cases, plan.columns).items()}
         self.known = np.zeros(self.shape, bool)
         self.kind = np.full(self.shape, "", "U24")
-        self.notes: dict[str, int] = {}
+        self.notes = Counter[str]()
 
     def grid(self, coarse: int) -> Any:
         """The dataset, at the end."""
@@ -154,13 +154,14 @@ class _Refined:
             if self.watch.stopped:
                 return
             try:
-                found, notes = solved_points(self.plan, part, self.plan.start_at(part), self.workers, self._tell)
+                found, notes = solved_points(
+                    self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1)
+                )
             except Cancelled:
                 return
             for name in self.columns:
                 self.columns[name].reshape(-1)[part] = found[name]
-            for sentence, n in notes.items():
-                self.notes[sentence] = self.notes.get(sentence, 0) + n
+            self.notes.update(notes)
             words = [found[name] for name in part_columns("motion_type", self.plan.parts)]
             words += [found["period"].astype("U4"), np.where(found["status"] <= 1, "ok", found["status"].astype("U4"))]
             kinds = reduce(np.char.add, words)
@@ -168,11 +169,6 @@ class _Refined:
             self.kind.reshape(-1)[part] = kinds
             self.known.reshape(-1)[part] = True
             self.watch.finished(-1, found["status"])
-
-    def _tell(self, cases: int) -> None:
-        self.watch.begun(-1, cases)
-        if self.watch.stopped:
-            raise Cancelled
 
     def _settled(self, lines: tuple[Array, Array]) -> Array:
         """The cells whose corners differ; corners of such cells that were only filled are computed first, until nothing new turns up."""

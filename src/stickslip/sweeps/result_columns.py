@@ -8,37 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADINESS, UNKNOWN
 from stickslip.variables import VARIABLES
 
-__all__ = [
-    "COLUMNS",
-    "END",
-    "TYPES",
-    "all_failed",
-    "base_of",
-    "characters",
-    "coded",
-    "column_of",
-    "described",
-    "dim_of",
-    "empty",
-    "filled",
-    "flags",
-    "flattened",
-    "from_characters",
-    "is_of_cases",
-    "joined",
-    "kind_of",
-    "part_columns",
-    "stacked",
-    "vacant",
-    "words",
-]  # fmt: skip
-
-Array = Any
 #: What the names of end states begin with, beside the columns of cases that others start from.
 END = "end."
 _CODES = {"status": STATUS, "steadiness": STEADINESS}
@@ -145,13 +120,13 @@ def _typed(values: Array, kind: str) -> Array:
     return values if kind == "U32" and values.itemsize <= np.dtype(kind).itemsize else values.astype(kind, copy=False)
 
 
-def _unknown(name: str, count: int) -> Array:
-    """A column of cases that have no result yet."""
+def _unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
+    """A column of cases that have no result yet, each of a shape."""
     base, kind = base_of(name), kind_of(name)
     nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1}.get(
         base, np.nan if kind == "f8" else None
     )
-    return np.zeros(count, kind) if nothing is None else np.full(count, nothing, kind)
+    return np.zeros(count, kind) if nothing is None else np.full((count, *shape), nothing, kind)
 
 
 def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
@@ -165,12 +140,10 @@ def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
     known = {name: values for part in parts for name, values in part.items()}
     found = {}
     for name, like in known.items():
-        found[name] = np.concatenate([part[name] if name in part else _lacking(name, len(part["status"]), like) for part in parts])
+        found[name] = np.concatenate(
+            [part[name] if name in part else _unknown(name, len(part["status"]), like.shape[1:]) for part in parts]
+        )
     return found
-
-
-def _lacking(name: str, count: int, like: Array) -> Array:
-    return _unknown(name, count) if base_of(name) in COLUMNS else np.full((count, *like.shape[1:]), np.nan)
 
 
 def coded(name: str, values: Array) -> Array:

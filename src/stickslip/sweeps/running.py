@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
-from stickslip.pool import Cancelled, shared
+from stickslip.pool import shared
 from stickslip.sweeps.labelling import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
-from stickslip.sweeps.result_columns import all_failed, base_of
+from stickslip.sweeps.result_columns import all_failed, base_of, empty, vacant
 from stickslip.sweeps.solving import solved
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["carried_out", "run_plan", "sweep", "tiles_of"]
-
-Array = Any
 Done = tuple[int, dict[str, Array], dict[str, int]]
 
 
@@ -174,31 +174,13 @@ def carried_out(
 
 
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
+    """The dataset of all columns of a plan. An error that every case makes is raised."""
     if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
         plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, _tile_in_memory(plan, workers))
-    columns, notes = run_plan(plan, workers, client, retries, watch)
-    return dataset(plan, columns, {"provenance": provenance_of(plan)}, notes)
-
-
-def _tile_in_memory(plan: Plan, workers: int) -> int:
-    """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
-    from stickslip.solvers.closed_arcs import handles
-
-    robot = None if plan.sample is None else plan.sample[0]
-    if plan.options["method"] in ("auto", "exact") and robot is not None and handles(robot) is None:
-        return 32768 if plan.cases >= 8 * 32768 else 16384
-    return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
-
-
-def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) -> tuple[dict[str, Array], dict[str, int]]:
-    """All columns of a plan, in memory. An error that every case makes is raised."""
-    from stickslip.sweeps.result_columns import empty, vacant
-
-    whole, notes, left = vacant(plan.cases, plan.columns), dict[str, int](), set(range(plan.tiles))
+    whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
         _put(whole, plan.bounds(k), columns)
-        for sentence, n in told.items():
-            notes[sentence] = notes.get(sentence, 0) + n
+        notes.update(told)
         left.remove(k)
         watch.finished(k, columns["status"])
     for k in left:  # the sweep was told to stop
@@ -206,7 +188,16 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
         _put(whole, (first, last), empty(last - first, plan.columns))
     if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
-    return whole, notes
+    return dataset(plan, whole, {"provenance": provenance_of(plan)}, notes)
+
+
+def _tile_in_memory(plan: Plan, workers: int) -> int:
+    """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
+    from stickslip.solvers.closed_arcs import handles
+
+    if plan.options["method"] in ("auto", "exact") and plan.sample is not None and handles(plan.sample) is None:
+        return 32768 if plan.cases >= 8 * 32768 else 16384
+    return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
 
 
 def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Array]) -> None:
@@ -231,16 +222,7 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
     several = workers > 1 and len(todo) > 1
 
     def work(k: int) -> tuple[dict[str, Array], dict[str, int]]:
-        return solved(plan, k, 1 if several else workers, _teller(k, watch))
+        return solved(plan, k, 1 if several else workers, partial(watch.at_work, k))
 
     for k, (columns, notes) in shared(work, todo, workers if several else 1, watch):
         yield k, columns, notes
-
-
-def _teller(k: int, watch: Watch) -> Callable[[int], None]:
-    def tell(cases: int) -> None:
-        watch.begun(k, cases)
-        if watch.stopped:
-            raise Cancelled
-
-    return tell

@@ -17,8 +17,6 @@ from stickslip import hdf5
 from stickslip.errors import InputError
 from stickslip.unpacking import Allowance
 
-__all__ = ["SEAL", "Damaged", "of_manifest", "read_sealed", "sealed"]
-
 #: The checksum of a manifest in it.
 SEAL = "checksum"
 _BEFORE, _AFTER, _SIZE = b"\nstickslip checksum ", b"\n", 32

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import numbers_by_name, shape_of, some_of
+from stickslip.contracts import Array
 from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
@@ -21,14 +23,11 @@ from stickslip.solvers import coulomb_steady_motions as orbits, part_results as 
 from stickslip.solvers.closed_arcs import handles, reduced
 from stickslip.solvers.request import request
 from stickslip.status import Status
-from stickslip.sweeps.models_of_points import Group, groups_of
+from stickslip.sweeps.models_of_points import Group, groups_of, starts_at
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.result_columns import COLUMNS, END, empty, filled, flattened, joined
 from stickslip.variables import VARIABLES
 
-__all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
-
-Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that only machines of one body on one contact have.
 OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)
@@ -47,15 +46,15 @@ def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tu
 
         return followed(plan, k, workers, tell)
     points = plan.points(k)
-    return solved_points(plan, points, plan.start_at(points), workers, tell)
+    return solved_points(plan, points, starts_at(plan.start, points), workers, tell)
 
 
 def solved_points(
     plan: Plan, points: Array, start: dict[str, Any], workers: int = 1, tell: Tell | None = None
-) -> tuple[dict[str, Array], dict[str, int]]:
+) -> tuple[dict[str, Array], Counter[str]]:
     """The columns at some points of the space."""
     groups, refused = groups_of(plan.make, plan.space, points, start)
-    notes, before = _counted(refused.values()), 0
+    notes, before = Counter(refused.values()), 0
 
     def found(group: Group) -> dict[str, Array]:
         def begun(count: int, whole: int) -> None:
@@ -65,7 +64,7 @@ def solved_points(
         columns = columns_of_group(group, plan.options, workers, begun, notes)
         if machine_of(group.robot).part_names == plan.parts:
             return columns
-        notes[_OTHER_PARTS] = notes.get(_OTHER_PARTS, 0) + len(group.at)
+        notes[_OTHER_PARTS] += len(group.at)
         whole = {name for name in COLUMNS if not VARIABLES[name].dims} | set(plan.observed)
         return {name: values for name, values in columns.items() if name in whole}
 
@@ -82,8 +81,8 @@ def solved_points(
 
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
-    known = plan.sample is not None and bool(_alphas(plan.sample[0]))
-    machine = None if plan.sample is None else machine_of(plan.sample[0])
+    known = plan.sample is not None and bool(_alphas(plan.sample))
+    machine = None if plan.sample is None else machine_of(plan.sample)
     without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *_not_of(machine)}
     return (*(name for name in COLUMNS if name not in without), *plan.observed)
 
@@ -97,15 +96,8 @@ def _not_of(machine: MachineAdapter | None) -> set[str]:
     return {*OF_ONE, *parts.left_out(machine), *lacking}
 
 
-def _counted(sentences: Any) -> dict[str, int]:
-    notes: dict[str, int] = {}
-    for sentence in sentences:
-        notes[sentence] = notes.get(sentence, 0) + 1
-    return notes
-
-
 def columns_of_group(
-    group: Group, options: dict[str, Any], workers: int, tell: Any, notes: dict[str, int], solver: Solver | None = None
+    group: Group, options: dict[str, Any], workers: int, tell: Any, notes: Counter[str], solver: Solver | None = None
 ) -> dict[str, Array]:
     """The columns of a group; one that fails as a whole is halved until the cases that fail are alone."""
     try:
@@ -118,9 +110,14 @@ def columns_of_group(
     except Exception as error:
         sentence = _sentence(error)
         if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence, solver):
-            notes[sentence] = notes.get(sentence, 0) + len(group.at)
+            notes[sentence] += len(group.at)
             return {"status": np.full(len(group.at), Status.FAILED, COLUMNS["status"])}
-    return joined([columns_of_group(part, options, workers, tell, notes, solver) for part in _halves(group)])
+    return joined(
+        [
+            columns_of_group(part, options, workers, tell, notes, solver)
+            for part in _parts(group, *np.array_split(np.arange(len(group.at)), 2))
+        ]
+    )
 
 
 def _sentence(error: Exception) -> str:
@@ -129,7 +126,7 @@ def _sentence(error: Exception) -> str:
 
 def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, solver: Solver | None) -> bool:
     """Whether the first and the last case fail alone with the same words: then the law is wrong, and not some of its numbers."""
-    for part in (_part(group, np.array([0])), _part(group, np.array([len(group.at) - 1]))):
+    for part in _parts(group, [0], [-1]):
         try:
             columns_of(part.robot, part.start, options, 1, None, solver)
             return False
@@ -141,15 +138,9 @@ def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, so
     return True
 
 
-def _halves(group: Group) -> list[Group]:
-    return [_part(group, at) for at in np.array_split(np.arange(len(group.at)), 2)]
-
-
-def _part(group: Group, at: Array) -> Group:
-    """Some cases of a group."""
-    robot = some_of(group.robot, at) if shape_of(group.robot) else group.robot
-    start = {name: value if np.ndim(value) == 0 else value[at] for name, value in group.start.items()}
-    return Group(group.at[at], robot, start)
+def _parts(group: Group, *places: Array) -> list[Group]:
+    """Some cases of a group each."""
+    return [Group(group.at[at], some_of(group.robot, at), starts_at(group.start, at)) for at in places]
 
 
 def columns_of(
@@ -159,7 +150,7 @@ def columns_of(
     workers: int,
     tell: Any,
     solver: Solver | None = None,
-    notes: dict[str, int] | None = None,
+    notes: Counter[str] | None = None,
 ) -> dict[str, Array]:
     """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them.
 
@@ -170,8 +161,7 @@ def columns_of(
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     if notes is not None:
-        for sentence, cases in notes_of_cases(many.model, many.columns).items():
-            notes[sentence] = notes.get(sentence, 0) + cases
+        notes.update(notes_of_cases(many.model, many.columns))
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import parameters_of
+from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.fields import leaves, masked_in
@@ -17,9 +18,6 @@ from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
 
-__all__ = ["START", "Column", "Space", "check_names", "space_of"]
-
-Array = Any
 #: Start values that may be axes too.
 START = ("start.x", "start.v", "start.z")
 
@@ -83,14 +81,14 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     `options` are the names of other arguments, for the proposal when a name is not known.
     """
     problems = Problems("sweep")
-    designs = _checked(designs, axes, problems)
+    _check_designs(designs, axes, problems)
     given = [*axes, *(name for design in designs for name in design.columns)]
     check_names(make, given, options, problems)
     space = Space({}, {}, {}, {})
     for design in designs:
         _add_design(space, design)
     for name, value in axes.items():
-        _add_axis(space, name, _plain(make, name, value, problems), problems)
+        _add_axis(space, name, in_its_unit(name, value, make, problems), problems)
     problems.check()
     _count(space, make)
     return space
@@ -108,7 +106,7 @@ def _count(space: Space, make: Any) -> None:
                 space.coords[name] = counted
 
 
-def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> list[Design]:
+def _check_designs(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> None:
     seen: set[str] = set(axes)
     for design in designs:
         if not isinstance(design, Design):
@@ -116,7 +114,6 @@ def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -
         for name in [n for n in design.columns if n in seen]:
             problems.add(f"{name} is given twice")
         seen |= set(design.columns)
-    return list(designs)
 
 
 def _no_design(given: Any) -> str:
@@ -134,11 +131,6 @@ def _add_design(space: Space, design: Design) -> None:
     for name, values in design.columns.items():
         space.columns[name] = space.coords[name] = Column((dim,), _as_array(values))
     space.attributes.update(design.attributes)
-
-
-def _plain(make: Any, name: str, value: Any, problems: Problems) -> Any:
-    """The value, or values, in the unit in which the maker takes them; words stay what they are."""
-    return in_its_unit(name, value, make, problems)
 
 
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:

@@ -13,8 +13,6 @@ from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 from stickslip.sweeps.space import Column
 from stickslip.sweeps.tiles import mark_of, written
 
-__all__ = ["AXES", "axes_bytes", "read_labels"]
-
 AXES = "axes.nc"
 
 
@@ -36,7 +34,7 @@ def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
     sizes = dict(zip(manifest["dims"], manifest["shape"], strict=True))
 
     def columns(file: Any) -> dict[str, Column]:
-        found = [_label(file, variable, variable[...]) for variable in file.values()]
+        found = [_label(variable, variable[...]) for variable in file.values()]
         labels = {name: column for name, column in found if name}
         for name, column in labels.items():
             if np.shape(column.values) != tuple(sizes[dim] for dim in column.dims):
@@ -52,18 +50,18 @@ def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
     raise InputError("study", [f"{what}; type the sweep again with resume=True (--resume), which writes it anew"])
 
 
-def _label(file: Any, variable: Any, values: Any) -> tuple[str, Column]:
+def _label(variable: Any, values: Any) -> tuple[str, Column]:
     """A coordinate's name and values; the name is empty where a variable is only a dimension."""
     if "coordinate" not in variable.attrs:
         return "", Column((), values)
-    dims = tuple(_dim(file, variable, i) for i in range(variable.ndim))
+    dims = tuple(_dim(variable, i) for i in range(variable.ndim))
     if "kept_as" in variable.attrs:
         dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
         values = from_characters(texts, _text(variable.attrs["kept_as"]))
     return _text(variable.attrs["coordinate"]), Column(dims, values)
 
 
-def _dim(file: Any, variable: Any, i: int) -> str:
+def _dim(variable: Any, i: int) -> str:
     """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
     scales = variable.dims[i]
     return str(scales[0].name if len(scales) else variable.name).lstrip("/")

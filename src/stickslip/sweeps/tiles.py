@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import io
 import json
+from collections import Counter
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.result_columns import coded, described, empty, flags, words
 from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 
-__all__ = ["TILES", "file_of", "mark_of", "notes_of", "read_tile", "tile_bytes", "tile_is_good", "written"]
-
-Array = Any
 TILES = "tiles"
 
 
@@ -129,12 +128,12 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
 
 def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
     """What went wrong, counted over all tiles."""
-    notes: dict[str, int] = {}
+    notes = Counter[str]()
     for k in range(int(manifest["tiles"])):
         try:
-            told = read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), lambda file: json.loads(file.attrs.get("notes", "{}")))
+            notes.update(
+                read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), lambda file: json.loads(file.attrs.get("notes", "{}")))
+            )
         except (FileNotFoundError, Damaged):  # is told where its numbers are looked at
             continue
-        for sentence, n in told.items():
-            notes[sentence] = notes.get(sentence, 0) + n
     return notes

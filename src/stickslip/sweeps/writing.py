@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.optional import library
 from stickslip.status import STATUS
@@ -19,10 +21,8 @@ from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.result_columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.workbooks import write_workbook
 
-__all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
-
-Array = Any
 _ROWS = 65536  # cases at a time
+_ROW = "row of a file"
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
 
@@ -85,39 +85,18 @@ def _opened(study: Any) -> Any:
     return study
 
 
-def blocks_of(first: int, last: int, shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """The cases from number `first` to before `last`, in C order, as rectangular blocks of an array of this shape.
-
-    Examples
-    --------
-    >>> list(blocks_of(2, 7, (3, 3)))
-    [(slice(0, 1, None), slice(2, 3, None)), (slice(1, 2, None), slice(0, 3, None)), (slice(2, 3, None), slice(0, 1, None))]
-    """
-    if not shape:
-        yield ()
-        return
-    inner = int(np.prod(shape[1:], dtype=np.int64))
-    while first < last:
-        row, rest = divmod(first, inner)
-        if rest == 0 and last - first >= inner:
-            rows = (last - first) // inner
-            yield (slice(row, row + rows), *(slice(0, n) for n in shape[1:]))
-            first += rows * inner
-        else:
-            end = min(last, (row + 1) * inner)
-            for block in blocks_of(rest, rest + end - first, shape[1:]):
-                yield (slice(row, row + 1), *block)
-            first = end
+def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
+    """An array of this shape in parts of so many cases, or little more: cut along its longest dimension."""
+    axis = int(np.argmax(shape)) if shape else 0
+    step = max(_ROWS * max(shape, default=1) // max(math.prod(shape), 1), 1)
+    for first in range(0, max(shape, default=1), step):
+        yield (*(slice(None) for _ in shape[:axis]), *(slice(first, first + step) for _ in shape[:1]))
 
 
 def _dims(data: Any) -> tuple[str, ...]:
     """The dimensions in the order of the rows: those of the column that has most, then others."""
     most = max(data.data_vars, key=lambda name: data[name].ndim)
     return tuple(map(str, dict.fromkeys([*data[most].dims, *data.dims])))
-
-
-def _size(values: Any) -> int:
-    return int(np.prod(values.shape, dtype=np.int64))
 
 
 def _is_sweep(data: Any) -> bool:
@@ -166,9 +145,8 @@ def _column(file: Any, name: str, values: Any) -> None:
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
     made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
     made.attrs["units"] = str(values.attrs.get("units", made.attrs["units"]))
-    for first in range(0, _size(values), _ROWS):
-        for block in blocks_of(first, min(first + _ROWS, _size(values)), values.shape):
-            made[(*block, *(slice(None) for _ in more))] = coded(name, np.asarray(values[block].values))
+    for block in _slabs(values.shape):
+        made[block] = coded(name, np.asarray(values[block].values))
 
 
 def _own(file: Any, name: str, values: Any) -> None:
@@ -228,19 +206,12 @@ def _rows(data: Any) -> Iterator[dict[str, Array]]:
     """Coordinates and columns of some cases at a time, flat."""
     dims = _dims(data)
     shape = tuple(data.sizes[d] for d in dims)
-    count = int(np.prod(shape, dtype=np.int64))
+    count, columns = math.prod(shape), _columns(data)
+    data = data.assign_coords({dim: np.arange(data.sizes[dim]) for dim in dims if dim not in data.coords})
     for first in range(0, count, _ROWS):
-        numbers = np.arange(first, min(first + _ROWS, count))
-        index = dict(zip(dims, np.unravel_index(numbers, shape), strict=True)) if dims else {}
-        part: dict[str, Array] = {}
-        for name in _columns(data):
-            if name in data.data_vars and data[name].dims == dims:
-                blocks = [np.asarray(data[name][b].values).ravel() for b in blocks_of(first, first + len(numbers), shape)]
-                part[name] = np.concatenate(blocks)
-            else:
-                values = np.asarray(data[name].values)
-                part[name] = np.broadcast_to(values[tuple(index[str(d)] for d in data[name].dims)], numbers.shape)
-        yield part
+        index = np.unravel_index(np.arange(first, min(first + _ROWS, count)), shape) if dims else ()
+        some = data.isel({dim: (_ROW, at) for dim, at in zip(dims, index, strict=True)})
+        yield {name: np.broadcast_to(some[name].values, some.sizes.get(_ROW, 1)) for name in columns}
 
 
 def _columns(data: Any) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +14,9 @@ from stickslip.dynamics.atlas.doubts import Doubts, unseen_share
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.errors import InputError
 from stickslip.faces import Drawn
@@ -25,13 +25,10 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Atlas", "without_twins"]
-
 _ROWS = 24  # of a table in a notebook
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Atlas(Drawn):
     """The motions of a machine over a plane of two numbers, and the borders between them; `plot` draws it.
 
@@ -114,10 +111,7 @@ class Atlas(Drawn):
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
             "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
             "doubt": (doubt.astype(str), {"long_name": "reason why the motions are not sure"}),
-            "unseen": (
-                unseen,
-                {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"},
-            ),
+            "unseen": (unseen, {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"}),
         }
 
     def _by_motion(self) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -131,14 +125,11 @@ class Atlas(Drawn):
                 motion[(*cell, k)], period[(*cell, k)] = each.word, each.period
                 V = np.nan if self.plane.of_flows else each.mean_velocity
                 numbers[(*cell, k)] = [V, each.hits / starts, *wilson(each.hits, starts), *each.state]
-        told = [{"units": "m/s", "long_name": "mean velocity"}]
-        told += [{"units": "1", "long_name": f"share of the starts{part}"} for part in ("", ", 95 % lower bound", ", 95 % upper bound")]
-        told += [strobe_attrs(name) for name in names]
-        columns = ("mean_velocity", "share", "share_low", "share_high", *names)
+        columns = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", self.plane.of_flows) for name in names}
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
             "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-            **{name: (numbers[..., i], told[i]) for i, name in enumerate(columns)},
+            **{name: (numbers[..., i], told) for i, (name, told) in enumerate(columns.items())},
         }
 
     @cached_property
@@ -231,10 +222,11 @@ class Atlas(Drawn):
         return f"Atlas over {' and '.join(self.parameters)}"
 
     def _facts(self) -> dict[str, Any]:
-        lines = {"points of the grid": f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"}
-        several = len(self.coexisting())
-        lines["several motions at"] = f"{several} points"
-        return lines | {"borders": str(len(self.borders)), "branches": str(len(self.branches)), "special points": str(len(self.found))}
+        counts = {"borders": len(self.borders), "branches": len(self.branches), "special points": len(self.found)}
+        points = f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"
+        return {"points of the grid": points, "several motions at": f"{len(self.coexisting())} points"} | {
+            n: str(k) for n, k in counts.items()
+        }
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         regions: list[tuple[str, ...]] = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
@@ -243,10 +235,8 @@ class Atlas(Drawn):
 
     def rows(self) -> list[tuple[str, ...]]:
         """The special points as text, with their certain digits."""
-        return [
-            (s.kind, *(certain(v, e) for v, e in zip(s.values, s.accuracy, strict=True)), f"{max(s.accuracy):.1g}", s.change)
-            for s in self.found
-        ]
+        known = [tuple(map(certain, s.values, s.accuracy)) for s in self.found]
+        return [(s.kind, *at, f"{max(s.accuracy):.1g}", s.change) for s, at in zip(self.found, known, strict=True)]
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{label} {100 * share:.0f} %" for label, share in list(self.regions.items())[:6])

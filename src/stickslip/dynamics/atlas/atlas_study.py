@@ -13,11 +13,9 @@ from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, Poin
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.errors import InputError
 from stickslip.jsontext import plain
-from stickslip.sweeps.folder import COMMAND, MANIFEST, put, unwritable
+from stickslip.sweeps.folder import COMMAND, MANIFEST, check_new, make_folder, put
 from stickslip.sweeps.manifest import differences, digest, identity
 from stickslip.sweeps.planning import SOLVER, planned
-
-__all__ = ["AtlasStudy"]
 
 T = TypeVar("T")
 _FORMAT = 2
@@ -55,12 +53,8 @@ class AtlasStudy:
                 already = f"{str(folder)!r} holds results of this atlas already"
                 raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
             return
-        if folder.exists() and (not folder.is_dir() or any(p.name != COMMAND for p in folder.iterdir())):
-            raise InputError("atlas", [f"{str(folder)!r} is there and is not the folder of an atlas; give a new or an empty folder"])
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise unwritable(folder, error) from None
+        check_new("atlas", folder, (COMMAND,), "the folder of an atlas")
+        make_folder(folder)
         made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine}
         put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
 
@@ -130,22 +124,18 @@ def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
 
 
 def _point_of(row: dict[str, Any]) -> PointOfGrid:
-    motions = tuple(MotionThere(**{**m, "state": tuple(m["state"])}) for m in row["motions"])
+    motions = tuple(MotionThere(**_frozen(m)) for m in row["motions"])
     return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]))
 
 
-def _special_of(row: dict[str, Any]) -> PointOfBorder:
-    return PointOfBorder(**{**row, "values": tuple(row["values"]), "accuracy": tuple(row["accuracy"])})
-
-
 def _outcome_of(found: dict[str, Any]) -> Outcome:
-    columns = ("values", "mean_velocity", "largest_multiplier")
-    branch = found["branch"] and FollowedBranch(**{**found["branch"], **{name: tuple(found["branch"][name]) for name in columns}})
-    borders = tuple(
-        Border(
-            row["kind"], tuple(map(tuple, row["values"])), tuple(map(tuple, row["accuracy"])), row["change"],
-            tuple(map(_special_of, row["special"])), tuple(row["ended"]),
-        )
-        for row in found["borders"]
-    )  # fmt: skip
-    return Outcome(branch or None, tuple(map(_special_of, found["points"])), borders, tuple(found["refused"]))
+    branch, points = found["branch"], tuple(PointOfBorder(**_frozen(row)) for row in found["points"])
+    borders = [_frozen(row) | {"special": tuple(PointOfBorder(**_frozen(each)) for each in row["special"])} for row in found["borders"]]
+    return Outcome(branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(found["refused"]))
+
+
+def _frozen(value: Any) -> Any:
+    """What was read of a file, with tuples for its lists."""
+    if isinstance(value, dict):
+        return {name: _frozen(part) for name, part in value.items()}
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
@@ -17,9 +18,6 @@ from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
 from stickslip.errors import InputError, SolveError
 from stickslip.flow import is_flow
 
-__all__ = ["Border", "FollowedBranch", "Outcome", "PointOfBorder", "followed", "same_place"]
-
-Array = Any
 _TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
 _SAME = 1e-6  # of the plane: special points nearer to one another are one
@@ -195,7 +193,6 @@ def _border(
 
 def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve]) -> Border:
     """One curve of the two that leave a point."""
-    last = ways[-1]
     parts = [(way.values, way.accuracy) for way in ways]
     if len(parts) == 2:
         (a, unsure_a), (b, unsure_b) = parts
@@ -208,8 +205,7 @@ def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve
         if len(m.values) == 2
     ]
     rows, errors = (tuple((float(p), float(q)) for p, q in table) for table in (values, unsure))
-    ended = tuple(way.ended for way in ways)
-    return Border(last.kind, rows, errors, point.change, tuple(met), ended)
+    return Border(special.kind, rows, errors, point.change, tuple(met), tuple(way.ended for way in ways))
 
 
 def _reason(error: Exception) -> str:

@@ -7,12 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, unmatched
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
-__all__ = ["Change", "Seed", "changes", "crosses", "passed_by", "seeds_of", "smooth"]
-
-Array = Any
 _SLACK = 0.02  # of a cell: how far beyond its end a border may be found and still be what lies between two neighbours
 _BEYOND = 0.1  # of a cell
 _FINE = 24  # places between two points of a curve at which it is looked where it passes
@@ -59,7 +57,7 @@ class Seed(NamedTuple):
     end: float
 
 
-def changes(plane: Plane, grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
+def changes(grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
     """All neighbours on the grid whose motions differ, along the first axis and then along the second."""
     found = []
     for axis in (0, 1):

@@ -18,8 +18,6 @@ from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 if TYPE_CHECKING:
     from stickslip.dynamics.atlas.borders_followed import Border, PointOfBorder
 
-__all__ = ["Doubts", "explained_by", "unseen_share"]
-
 _CONFIDENCE = 0.95
 _BESIDE = "a neighbour has other motions, and no border between was located"
 _CORNERS, _SEVERAL = 4, 2

@@ -11,8 +11,6 @@ from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes
 from stickslip.dynamics.atlas.motions_on_the_grid import PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
-__all__ = ["Level", "corners_around", "corners_of", "open_changes", "points_within", "shared_upwards"]
-
 Place = tuple[float, float]
 
 
@@ -85,12 +83,7 @@ def _around(plane: Plane, here: Place) -> list[Cell]:
 def open_changes(levels: tuple[Level, ...]) -> Iterator[tuple[Level, list[Change]]]:
     """Neighbours with different motions between which no further point is known, at each level."""
     for level, finer in zip(levels, [*(level.points for level in levels[1:]), {}], strict=True):
-        yield level, [change for change in changes(level.plane, level.points) if _middle(change) not in finer]
-
-
-def _middle(change: Change) -> Cell:
-    (i, j), (k, n) = change.near, change.far
-    return i + k, j + n
+        yield level, [change for change in changes(level.points) if tuple(np.add(change.near, change.far)) not in finer]
 
 
 def shared_upwards(levels: Iterable[Level]) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
 from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
@@ -29,9 +30,6 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["AtlasTime", "atlas", "atlas_time"]
-
-Array = Any
 _TILE = 32  # points of the grid that run together and are kept together
 _PROBED = 16  # points of the grid that an estimate runs
 _ON_IT = 2e-3  # of the plane: a special point so near to a curve of its kind is on it
@@ -154,7 +152,7 @@ class _Making:
         left: list[Change] = []
         try:
             self._filled(levels[0], 0, [self.plane.cell(k) for k in range(self.plane.cells)])
-            left = changes(self.plane, levels[0].points) if not self.stopped else []
+            left = changes(levels[0].points) if not self.stopped else []
             self._follow(levels[0].points, left, outcomes, most)
             self._look_closer(levels, outcomes, depth)
         except KeyboardInterrupt:
@@ -276,14 +274,15 @@ class _Making:
         told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
-            return (
-                *told,
-                f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)",
-            )
+            why = f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)"
+            return (*told, why)
         if followed == most:
             told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.words for change in left)
-        return (*told, *(f"between {what} no border was located ({_counted(n)} of neighbours)" for what, n in sorted(places.items())))
+        return (
+            *told,
+            *(f"between {what} no border was located ({n} pair{'s' * (n != 1)} of neighbours)" for what, n in sorted(places.items())),
+        )
 
 
 def _to_start_again(level: Level) -> dict[Cell, Array]:
@@ -294,20 +293,12 @@ def _to_start_again(level: Level) -> dict[Cell, Array]:
     return {cell: level.plane.more_states(rest, cell) for cell, rest in rests_of(level.plane, missed)[0].items()} if missed else {}
 
 
-def _counted(pairs: int) -> str:
-    return f"{pairs} pair{'s' * (pairs != 1)}"
-
-
 def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
     """What is to be said of points of the grid."""
     wild = sum(any(m.period == 0 for m in point.motions) for point in grid.values())
     lost, none = sum(point.lost for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
-    told = (
-        [f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"]
-        if wild
-        else []
-    )
-    told += [f"{lost} starts led nowhere"] if lost else []
+    why = f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"
+    told = [why] * (wild > 0) + [f"{lost} starts led nowhere"] * (lost > 0)
     return told + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
 
 

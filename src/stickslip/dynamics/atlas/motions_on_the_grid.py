@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
@@ -19,9 +20,6 @@ from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-__all__ = ["IRREGULAR", "Look", "MotionThere", "PointOfGrid", "look_at", "neighbours", "rests_of", "taken_over", "unmatched", "with_more"]
-
-Array = Any
 #: What a motion is called that does not repeat: its type would change from one look to the next.
 IRREGULAR = "no period"
 _LOOKED = 64  # drive periods over which a motion is named

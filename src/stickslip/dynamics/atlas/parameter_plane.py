@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
-__all__ = ["Cell", "Plane", "plane_over"]
-
-Array = Any
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends
 _MORE = 4  # times the starts: further ones, where a motion was missed by the first
@@ -29,7 +27,6 @@ _WIDTHS = (2.0, 4.0)  # of the scatter of the starts, in scales, in turn
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Plane:
     """Two numbers, their values, and how machines are made and started there.
 
@@ -74,25 +71,15 @@ class Plane:
     @cached_property
     def at(self) -> Coordinates:
         """Coordinates of strobe states; their scales are the largest of the corners and the middle."""
-        made = [robot for cell in self._probes if (robot := self._made(cell)) is not None]
-        if not made:
-            self.family.robot(*self.point((0, 0)))  # says why there is none
-        known = [coordinates(robot) for robot in made]
-        return Coordinates(
-            known[0].names, np.max([at.scales for at in known], axis=0), known[0].order, known[0].memories, known[0].mechanics,
-            known[0].wavelength,
-        )  # fmt: skip
+        known = [coordinates(robot) for robot in self._probed or [self.sample]]
+        return replace(known[0], scales=np.max([at.scales for at in known], axis=0))
 
     @property
-    def _probes(self) -> list[Cell]:
+    def _probed(self) -> list[Any]:
+        """The machines at the middle and the corners, where there are any."""
         (m, n) = self.shape
-        return [(m // 2, n // 2), (0, 0), (m - 1, 0), (0, n - 1), (m - 1, n - 1)]
-
-    def _made(self, cell: Cell) -> Any:
-        try:
-            return self.family.robot(*self.point(cell))
-        except InputError:
-            return None
+        probes = [(m // 2, n // 2), (0, 0), (m - 1, 0), (0, n - 1), (m - 1, n - 1)]
+        return [robot for cell in probes if (robot := self.family.made(*self.point(cell))) is not None]
 
     @cached_property
     def of_flows(self) -> bool:
@@ -102,8 +89,7 @@ class Plane:
     @property
     def sample(self) -> Any:
         """A machine of the plane; `InputError` where none of its corners and its middle is one."""
-        made = (robot for cell in self._probes if (robot := self._made(cell)) is not None)
-        return next(made, None) or self.family.robot(*self.point((0, 0)))
+        return next(iter(self._probed), None) or self.family.robot(*self.point((0, 0)))
 
     @cached_property
     def halved(self) -> Plane:
@@ -181,10 +167,7 @@ def _axes(make: Any, over: Any, problems: Problems) -> dict[str, Array]:
 
 def _axis(name: str, value: Any, count: int, problems: Problems) -> Array:
     """The values of one number: those of a list, or evenly between the two of a tuple."""
-    try:
-        given = np.asarray(number(value), float)
-    except (TypeError, ValueError):
-        given = np.empty(0)
+    given = floats(value)
     if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all() or not np.all(np.diff(given) > 0):
         allowed = "a pair (least, largest) or a list of two or more rising finite numbers"
         problems.add(f"over[{name!r}] = {value!r}; allowed is {allowed}; {_TYPE}")

@@ -10,23 +10,28 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, own_attrs, strobe_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, state_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
 from stickslip.sweeps.progress import Watch
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["attractors"]
-
-Array = Any
+#: Numbers of an attractor beside its period: of the motion, and of the starts that lead to it.
+OF_ATTRACTORS = {
+    "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
+    "share": {"units": "1", "long_name": "share of the starts"},
+    "share_low": {"units": "1", "long_name": "share of the starts, 95 % lower bound"},
+    "share_high": {"units": "1", "long_name": "share of the starts, 95 % upper bound"},
+}
 _STEPS = 8  # smaller steps from value to value where an attractor seems to end
 
 
@@ -108,7 +113,7 @@ def attractors(
     vanishes between 0.13625 and 0.1375; its last state leads to attractor 1
     """
     robots = family("attractors", make, (parameter,), fixed)
-    values = checked_values("attractors", values, robots)
+    values = checked_values(Problems("attractors"), values, robots)
     first = robots.robot(values[0])
     needs_model("attractors", first, flows=True)
     at = coordinates(robots.robots(values))
@@ -176,7 +181,7 @@ def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
 def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int, int]:
     """Which track goes on as which motion, by number; of several that come to one that whose features changed least."""
     claims: dict[int, int] = {}
-    for i in _nearest_first(motions, before):
+    for i in sorted(range(len(before)), key=lambda i: float(motions.distance(i, before[i]))):
         if carried[i] >= 0:
             claims.setdefault(int(carried[i]), i)
     return claims
@@ -205,11 +210,6 @@ def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Arr
     return tuple(np.concatenate([own, rest[len(alive) :]]) for own, rest in zip(found, whole, strict=True))
 
 
-def _nearest_first(motions: Features, before: list[Array]) -> list[int]:
-    """Tracks in the order in which they may claim a motion: those whose features changed least come first."""
-    return sorted(range(len(before)), key=lambda i: float(motions.distance(i, before[i])))
-
-
 def _note(track: _Track, k: int, members: Array, hit: Array, points: Array, motions: Features) -> None:
     first, hits, count = int(np.flatnonzero(members)[0]), int(np.count_nonzero(hit)), len(hit)
     V = float(np.mean(motions.mean_velocity[members]))
@@ -234,32 +234,21 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     import xarray as xr
 
     shape = (len(tracks), len(values))
-    V, share, low, high = (np.full(shape, np.nan) for _ in range(4))
-    period, state = np.full(shape, UNDONE), np.full((*shape, len(at.names)), np.nan)
+    period, numbers = np.full(shape, UNDONE), np.full((*shape, 4 + len(at.names)), np.nan)
     for i, track in enumerate(tracks):
         for k, a in track.found.items():
-            V[i, k], period[i, k], share[i, k], (low[i, k], high[i, k]), state[i, k] = (
-                a.mean_velocity,
-                a.period,
-                a.share,
-                a.interval,
-                a.state,
-            )
-    both = ("attractor", parameter)
-    flow = is_flow(robots.robot(values[0]))
-    columns: dict[str, Any] = {} if flow else {"mean_velocity": (both, V, {"units": "m/s", "long_name": "mean velocity"})}
+            period[i, k], numbers[i, k] = a.period, [a.mean_velocity, a.share, *a.interval, *a.state]
+    both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
+    about = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", flow) for name in at.names}
+    columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-        "share": (both, share, {"units": "1", "long_name": "share of the starts"}),
-        "share_low": (both, low, {"units": "1", "long_name": "share of the starts, 95 % lower bound"}),
-        "share_high": (both, high, {"units": "1", "long_name": "share of the starts, 95 % upper bound"}),
         "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
     }
+    if flow:
+        del columns["mean_velocity"]
     for name, told in (("begins", _begins), ("ends", _ends)):
         texts = np.array([told(track, values) for track in tracks], dtype=str)
         columns[name] = (("attractor",), texts, {"long_name": f"where the attractor {name}"})
-    columns |= {
-        name: (both, state[..., i], own_attrs(name, "on the strobe") if flow else strobe_attrs(name)) for i, name in enumerate(at.names)
-    }
     coords = {parameter: (parameter, values, robots.describe(parameter)), "attractor": np.arange(len(tracks))}
     return xr.Dataset(columns, coords, {"parameter": parameter, "starts": starts})

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basins import settled_points
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
@@ -15,9 +15,6 @@ from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.variables import unit_of
 
-__all__ = ["NARROW", "OTHER", "Judge", "judge_between", "named_motion", "narrowed"]
-
-Array = Any
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought
 _PARTS = 16  # into so many a segment is cut at once: its inner points are one batch
@@ -25,7 +22,6 @@ _ROUNDS = 4  # how often a start that is on neither motion yet is run on, each t
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Judge:
     """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""
 
@@ -33,19 +29,14 @@ class Judge:
     at: Coordinates
     settle: int
     rtol: float
-    motions: Features | None = None
-    ends: Array = None  # strobe states on them
-
-    def settled(self, states: Array, settle: int) -> tuple[Features, Array, Array]:
-        """Features of the motions after some periods, which starts could be solved, and the last strobe states."""
-        points, ways, good = settled_points(spread_over(self.model, len(states)), states, settle, self.rtol, 1, None)
-        return features_of(float(self.model.period), points, ways, self.at, self.rtol), good > 0, points[:, -1]
+    motions: Features
+    ends: Array  # strobe states on them
 
     def sides(self, states: Array) -> Array:
         """The number of the motion to which each state leads; what is on neither yet is run on."""
         found, here, states = np.full(len(states), OTHER), np.arange(len(states)), np.array(states)
         for k in range(_ROUNDS):
-            motions, good, ends = self.settled(states[here], self.settle * 2**k)
+            motions, good, ends = _settled(self.model, self.at, states[here], self.settle * 2**k, self.rtol)
             found[here] = [self._side(motions, i) if good[i] else OTHER for i in range(len(here))]
             states[here] = ends
             here = here[(found[here] == OTHER) & good]
@@ -54,21 +45,25 @@ class Judge:
         return found
 
     def _side(self, motions: Features, i: int) -> int:
-        known = self.motions
-        assert known is not None
-        return next((k for k in (0, 1) if motions.same(i, int(known.period[k]), known.means[k])), OTHER)
+        return next((k for k in (0, 1) if motions.same(i, int(self.motions.period[k]), self.motions.means[k])), OTHER)
 
 
-def judge_between(judge: Judge, ends: Array) -> Judge:
+def _settled(model: Any, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Array, Array]:
+    """Features of the motions after some periods, which starts could be solved, and the last strobe states."""
+    points, ways, good = settled_points(spread_over(model, len(states)), states, settle, rtol, 1, None)
+    return features_of(float(model.period), points, ways, at, rtol), good > 0, points[:, -1]
+
+
+def judge_between(model: Any, at: Coordinates, settle: int, rtol: float, ends: Array) -> Judge:
     """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
-    motions, good, last = judge.settled(ends, judge.settle * (2**_ROUNDS - 1))
+    motions, good, last = _settled(model, at, ends, settle * (2**_ROUNDS - 1), rtol)
     if not good.all():
         which = " and ".join(name for name, fine in zip(("first", "second"), good, strict=True) if not fine)
         raise SolveError(f"edge_state: the run from the {which} start could not be solved; give a start nearer to the attractor")
     if motions.same(0, int(motions.period[1]), motions.means[1]):
-        told = f"both starts lead to one motion, {named_motion(judge.model, motions, 0)}; allowed are two that lead to different ones"
+        told = f"both starts lead to one motion, {named_motion(model, motions, 0)}; allowed are two that lead to different ones"
         raise InputError("edge_state", [f"{told}; type ss.basins(model).attractors to see which motions there are"])
-    return replace(judge, motions=motions, ends=last)
+    return Judge(model, at, settle, rtol, motions, last)
 
 
 def named_motion(model: Any, motions: Features, i: int) -> str:

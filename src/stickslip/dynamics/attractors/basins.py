@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, state_attrs
+from stickslip.contracts import Array
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
 from stickslip.dynamics.attractors.motion_features import numbered_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
@@ -19,21 +20,17 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.faces import Drawn
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
 
-__all__ = ["Attractor", "Basins", "basins", "from_rest", "grid_of", "on_grid", "settled_points", "start_axes", "wilson"]
-
-Array = Any
 _POINTS = 64
 _EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Attractor:
     """A motion that attracts starts.
 
@@ -72,7 +69,6 @@ class Attractor:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Basins(Drawn):
     """Basins of attraction: which initial state leads to which attractor.
 
@@ -196,10 +192,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
         if name not in known:
             problems.add(f"{name!r} is not a coordinate of the start; {did_you_mean(name, known)}")
             continue
-        try:
-            axis = np.atleast_1d(np.asarray(number(value), float))
-        except (TypeError, ValueError):
-            axis = np.empty((0, 0))
+        axis = np.atleast_1d(floats(value))
         if axis.ndim != 1 or axis.size == 0 or not np.all(abs(axis) <= LARGEST_START):
             problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
         axes[name] = axis
@@ -269,24 +262,19 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
     import xarray as xr
 
     period, V, number = numbered_motions(float(model.period), points, ways, good, at, rtol, by_phase)
-    shape = tuple(len(axis) for axis in axes.values())
+    dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))
     rank = np.full(len(members) + 1, -1)
     rank[order] = np.arange(len(order))
     found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
     columns = {
-        "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        **({} if is_flow(model) else {"mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
-        "period": (
-            tuple(axes),
-            period.reshape(shape),
-            {"units": "1", "long_name": "motion period (0: none, -1: not computed)"},
-        ),
+        "attractor": (dims, rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
+        **({} if flow else {"mean_velocity": (dims, V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
+        "period": (dims, period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    attrs_of = own_attrs if is_flow(model) else state_attrs
-    coords = {n: (n, a, phase if n == "phase" else attrs_of(n, "at the start")) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", flow)) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
@@ -295,11 +283,8 @@ def _attractor(model: Any, members: Array, cases: int, points: Array, period: Ar
 
     first, count = members[0], int(period[members[0]])
     orbit = None
-    if count and not by_phase:
-        try:
-            orbit = periodic_orbit(model, count, guess=points[first, -1])
-        except (SolveError, InputError):
-            orbit = None
+    with suppress(SolveError, InputError):
+        orbit = periodic_orbit(model, count, guess=points[first, -1]) if count and not by_phase else None
     share = len(members) / cases
     way = np.nan if is_flow(model) else float(np.mean(V[members]))
     return Attractor(count, way, points[first, -1], share, wilson(len(members), cases), orbit)

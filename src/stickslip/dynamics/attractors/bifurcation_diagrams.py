@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
@@ -15,6 +16,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_orbit
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.sweeps.progress import Watch
@@ -22,9 +24,6 @@ from stickslip.sweeps.progress import Watch
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "steady_velocity", "strobe_attrs", "whole_motions"]
-
-Array = Any
 DIRECTIONS = ("up", "down")
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed
@@ -89,7 +88,11 @@ def bifurcation(
     [[2, 1]]
     """
     robots = family("bifurcation", make, (parameter,), fixed)
-    values = _check(robots, values, settle, points, workers)
+    problems = Problems("bifurcation")
+    problems.whole("settle", settle, 1, example=200)
+    problems.whole("points", points, 2, example=64)
+    problems.whole("workers", workers, 1, example=2)
+    values = checked_values(problems, values, robots)
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
     at = coordinates(robots.robots(values))
     first = states_of(start, robots.robots(values))
@@ -100,31 +103,12 @@ def bifurcation(
     return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
 
 
-def checked_values(what: str, values: Any, robots: Family) -> Array:
-    """The values of a parameter, rising; `InputError` if they are not."""
-    problems = Problems(what)
-    array = _rising(values, robots, problems)
-    problems.check()
-    return array
-
-
-def _rising(values: Any, robots: Family, problems: Problems) -> Array:
+def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
+    """The values of a parameter, rising; `InputError` if they are not, or anything else is wrong."""
     values = in_its_unit(robots.parameters[0], values, robots.make, problems, "values")
-    try:
-        array = np.asarray(values, float)
-    except (TypeError, ValueError):
-        array = np.empty(0)
+    array = floats(values)
     if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or not np.all(np.diff(array) > 0):
         problems.add(f"values = {values!r}; allowed are two or more rising finite numbers; type values=np.linspace(0.03, 0.06, 300)")
-    return array
-
-
-def _check(robots: Family, values: Any, settle: Any, points: Any, workers: Any) -> Array:
-    problems = Problems("bifurcation")
-    array = _rising(values, robots, problems)
-    problems.whole("settle", settle, 1, example=200)
-    problems.whole("points", points, 2, example=64)
-    problems.whole("workers", workers, 1, example=2)
     problems.check()
     return array
 
@@ -225,8 +209,7 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     period = periods_of(points, at.scales)
     period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
     flow = is_flow(robots.robot(values[0]))
-    told = {name: own_attrs(name, "on the strobe") if flow else strobe_attrs(name) for name in at.names}
-    columns: dict[str, Any] = {name: (whole, points[..., i], told[name]) for i, name in enumerate(at.names)}
+    columns: dict[str, Any] = {n: (whole, points[..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
     if not flow:  # which makes no way
         columns["displacement"] = (whole, ways, {"units": "m", "long_name": "displacement in a drive period"})
         columns["mean_velocity"] = (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"})
@@ -240,36 +223,17 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": settle})
 
 
-def strobe_attrs(name: str) -> dict[str, str]:
-    """Unit and name of a coordinate of the strobe state.
+def state_attrs(name: str, when: str, flow: bool = False) -> dict[str, str]:
+    """Unit and name of a coordinate of a strobe state at some time; nobody knows the units of a flow's states.
 
     Examples
     --------
-    >>> strobe_attrs("v"), strobe_attrs("z0")["units"], strobe_attrs("memory")["units"]
-    ({'units': 'm/s', 'long_name': 'velocity on the strobe'}, 'm', '1')
-    """
-    if name.startswith("memory"):
-        return {"units": "1", "long_name": f"what the law remembers on the strobe, {name}"}
-    return state_attrs(name, "on the strobe", f"inner state {name}")
-
-
-def own_attrs(name: str, when: str) -> dict[str, str]:
-    """The same of a state of a flow, whose unit nobody knows."""
-    return {"units": "1", "long_name": f"{name} {when}"}
-
-
-def state_attrs(name: str, when: str, inner: str = "inner state") -> dict[str, str]:
-    """Unit and name of a coordinate at some time.
-
-    Examples
-    --------
-    >>> state_attrs("v.head", "at the start")
-    {'units': 'm/s', 'long_name': 'velocity of head at the start'}
+    >>> state_attrs("v.head", "at the start"), state_attrs("z0", "on the strobe")["units"], state_attrs("memory", "on the strobe")["units"]
+    ({'units': 'm/s', 'long_name': 'velocity of head at the start'}, 'm', '1')
     """
     letter, _, part = name.partition(".")
-    if letter == "memory":
-        return {"units": "1", "long_name": f"what the law remembers {when}"}
+    if flow or letter.startswith("memory"):
+        return {"units": "1", "long_name": f"{name} {when}" if flow else f"what the law remembers {when}, {name}"}
     known = {"v": "velocity", "x": "position", "l": "position, less that of the first body,"}
-    what = known.get(letter, inner)
     whose = f" of {part}" if part and letter in known else ""
-    return {"units": "m/s" if letter == "v" else "m", "long_name": f"{what}{whose} {when}"}
+    return {"units": "m/s" if letter == "v" else "m", "long_name": f"{known.get(letter, f'inner state {name}')}{whose} {when}"}

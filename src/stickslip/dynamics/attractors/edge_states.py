@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.callbacks import Reported, reporting
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.given_states import states_of
@@ -23,9 +23,6 @@ from stickslip.fields import checked_number
 from stickslip.quantities import between
 from stickslip.sealing import sealed
 
-__all__ = ["EdgeState", "edge_state"]
-
-Array = Any
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
 _BACK = 1e-3  # an edge track that comes back so nearly, in scales, is looked at for a periodic orbit
@@ -39,7 +36,6 @@ _KINDS = {
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class EdgeState(Drawn):
     """The state on the border between the basins of two attractors, and what motion it is.
 
@@ -197,7 +193,7 @@ def edge_state(
     problems.check()
     at = coordinates(model)
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
-    judge = judge_between(Judge(model, at, int(settle), rtol), ends)
+    judge = judge_between(model, at, int(settle), rtol, ends)
     report = reporting(progress, "edge_state")
     found = _tracked(judge, narrowed(judge, ends), int(periods), report)
     report(found.kind, int(periods), int(periods))
@@ -288,7 +284,6 @@ def _remarks(ways: Array) -> tuple[str, ...]:
 
 
 def _sides_told(judge: Judge, sides: list[int]) -> tuple[str, str]:
-    assert judge.motions is not None
     names = [f"the {order} motion, {named_motion(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
     return names[sides[0]], names[sides[1]]
@@ -306,7 +301,7 @@ def _accuracy(at: Coordinates, orbit: Any) -> float:
 def _jump(judge: Judge, track: list[Array], apart: float, after: float) -> EdgeState:
     told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
     note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
-    return EdgeState(judge.model, "jump", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
+    return _of_track(judge, "jump", track, apart, note)
 
 
 def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
@@ -315,7 +310,9 @@ def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
     period, back = _nearest_return(judge.at, track)
     told = f"nearest: {back:.1e} of the scales after {period}"
     note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
-    apart = float(judge.at.distance(*pair))
-    return EdgeState(
-        judge.model, "not periodic", track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,)
-    )
+    return _of_track(judge, "not periodic", track, float(judge.at.distance(*pair)), note)
+
+
+def _of_track(judge: Judge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
+    """What is no periodic orbit."""
+    return EdgeState(judge.model, kind, track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity, whole_motions
 from stickslip.sealing import sealed
 
-__all__ = ["Features", "features_of", "numbered", "numbered_motions"]
-
-Array = Any
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
 _ALIKE = 0.2  # the same of motions without a period, whose means over a stretch scatter
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Features:
     """Features of settled motions, one row for each start.
 

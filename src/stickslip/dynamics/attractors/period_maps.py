@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
@@ -17,15 +18,12 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit
-from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.errors import Problems
+from stickslip.fields import floats
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["chaos_map"]
-
-Array = Any
 _FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
 _POINTS = 64  # ... and at the end
 
@@ -111,10 +109,7 @@ def _is_many(value: Any) -> bool:
 
 def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
     problems = Problems("chaos_map")
-    try:
-        axes = {name: np.asarray(number(value), float) for name, value in arguments.items() if _is_many(value)}
-    except (TypeError, ValueError):
-        raise InputError("chaos_map", ["one of several values of an argument is not a number; allowed are lists of numbers"]) from None
+    axes = {name: floats(value) for name, value in arguments.items() if _is_many(value)}
     if len(axes) not in (1, 2):
         problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
     for name, axis in axes.items():

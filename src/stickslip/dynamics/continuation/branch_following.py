@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branch_points import crossing_between
 from stickslip.dynamics.continuation.grazing import grazed
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
@@ -14,9 +14,6 @@ from stickslip.dynamics.periodic.newton import Found
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
 
-__all__ = ["SIDE_BY_SIDE", "STOPPED", "follow"]
-
-Array = Any
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
 _ANOTHER = 0.7  # of a step that led to a place where the motion is not alone

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branch_points import MET
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import KNOWN
@@ -14,9 +15,6 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 
-__all__ = ["crossing_problem"]
-
-Array = Any
 _TOLERANCE = {True: 1e-8, False: 1e-11}  # of the equations: where runs have a tolerance, and where they are exact
 
 

@@ -13,18 +13,15 @@ Equilibria, 2000, ch. 7).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import STEP, Found, newton
 from stickslip.sealing import sealed
 
-__all__ = ["MET", "Crossing", "broken_symmetry", "crossing", "crossing_between", "sides"]
-
-Array = Any
 MET = 1e-9  # of a residual: branches that miss one another by more do not cross
 _KNOWN = 1e-10  # how well derivatives are known
 _ROUNDING = 1e-8  # of derivatives of derivatives: a residual below it that does not shrink has met rounding
@@ -37,7 +34,6 @@ _ASIDE = (1e-2, 2.5e-3, 6e-4)  # how far from a crossing the motions of the othe
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Crossing:
     """A crossing of two branches: the point, whose direction is that of the branch itself, the other direction, and its accuracy."""
 

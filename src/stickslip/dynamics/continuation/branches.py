@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,8 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.callbacks import Reported, reporting
-from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, state_attrs, strobe_attrs
+from stickslip.contracts import Array
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -32,13 +33,8 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Branch", "Special", "continuation"]
-
-Array = Any
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Branch(Drawn):
     """A branch of periodic orbits along a parameter.
 
@@ -89,27 +85,19 @@ class Branch(Drawn):
         flow = is_flow(self.orbits[0].model)
         single = not flow and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
-        names = self.orbits[0].names
-        told_of = {name: own_attrs(name, "on the strobe") if flow else _of_state(name, self.orbits[0].model.period) for name in names}
-        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits], told_of[name]) for i, name in enumerate(names)}
-        known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
-        columns |= {
-            name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known if not flow or name != "pattern"
-        }
+        names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
+        columns: dict[str, Any] = {n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, flow)) for i, n in enumerate(names)}
+        known = [name for name in _TOLD if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
         if flow:
             columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
         elif single:
             columns["motion_type"] = ("point", [o.type for o in self.orbits])
         else:
-            driven: Any = self.orbits  # nothing of several contacts goes without a drive
-            coords["contact"] = list(driven[0].patterns)
-            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in driven])
-        columns["largest_multiplier"] = (
-            "point",
-            [float(abs(o.multipliers).max()) for o in self.orbits],
-            _multiplier("largest size of a multiplier"),
-        )
+            coords["contact"] = list(self.orbits[0].patterns)
+            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in self.orbits])
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
+        columns["largest_multiplier"] = ("point", abs(multipliers).max(axis=1), _multiplier("largest size of a multiplier"))
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, _multiplier("real part of a multiplier"))
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, _multiplier("imaginary part of a multiplier"))
         told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
@@ -196,14 +184,13 @@ class Branch(Drawn):
 
 
 _OF_ONE = ("pattern", "margin")  # known of one body on one contact
-_COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duration")
 _TOLD = {
-    "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
-    "residual": {"units": "1", "long_name": "residual of the strobe point"},
     "stable": {"units": "1", "long_name": "whether the motion is stable"},
     "pattern": {"units": "1", "long_name": "signs of the velocity over one motion period"},
     "margin": {"units": "1", "long_name": "margin of the motion type"},
+    "residual": {"units": "1", "long_name": "residual of the strobe point"},
+    "duration": {"units": "s", "long_name": "duration of the cycle"},
 }
 
 
@@ -301,11 +288,6 @@ def continuation(
 
 def _multiplier(meaning: str) -> dict[str, str]:
     return {"units": "1", "long_name": meaning}
-
-
-def _of_state(name: str, period: Any) -> dict[str, str]:
-    """Unit and name of a coordinate of an orbit's state: at the start of a drive period, or of a cycle where there is no drive."""
-    return state_attrs(name, "at the start of the cycle", f"inner state {name}") if period is None else strobe_attrs(name)
 
 
 def _branch(family: Family, period: int, found: Followed, events: Mapping[str, Event]) -> Branch:

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from stickslip.callbacks import Reported
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
 from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
-from stickslip.dynamics.periodic.newton import Found, newton
+from stickslip.dynamics.periodic.newton import Found, newton, root_between
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["FollowedCurve", "followed_curve", "settled"]
-
-Array = Any
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken
 _KNOWN = 1e-10  # how well tests are known
 _AGAIN = 1e-6  # of the scaled plane: special points so near one another are one
 _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is 1 is real, and nothing special
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
+_TURNED_REAL = "a resonance ({}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 _BEYOND = "it met another border, beyond which its motion does not exist"
 _SMALLEST, _LARGEST = 1e-6, 0.1
 _UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
@@ -68,7 +67,7 @@ def followed_curve(
             if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
                 special.append(met)
             if met.kind in _ENDS.get(kind, ()):
-                return FollowedCurve([*found, point.found], special, _turned_real(met))
+                return FollowedCurve([*found, point.found], special, _TURNED_REAL.format(met.kind))
         here, seen = there, now
         found.append(there.found)
         if report(kind, len(found), most) is False:
@@ -109,10 +108,6 @@ def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
         return np.array([slopes(u)[0] for u in U])
 
     return newton(residuals, guess, way.tolerance, most=15, floor=_ROUNDED, reach=0.2, slopes=slopes)
-
-
-def _turned_real(met: Meeting) -> str:
-    return f"a resonance ({met.kind}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 
 
 def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:
@@ -159,19 +154,7 @@ def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tu
 
 def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> CurvePoint | None:
     """Where a test vanishes between two points; None where it jumps."""
-    length = float((b.u - a.u) @ a.tangent)
-    kept: dict[float, CurvePoint] = {0.0: a, length: b}
-
-    def value(s: float) -> float:
-        if s not in kept:
-            point = _beside(problem, a, s)
-            if point is None or name not in point.tests:  # no number here: take the nearest there is, so that the search goes on
-                return kept[min(kept, key=lambda k: abs(k - s))].tests[name]
-            kept[s] = point
-        return kept[s].tests[name]
-
-    brentq(value, 0.0, length, xtol=1e-14, rtol=1e-13, maxiter=60, disp=False)
-    best = min(kept.values(), key=lambda p: abs(p.tests[name]))
+    best = root_between(partial(_beside, problem, a), a, b, lambda p: p.tests.get(name, np.nan))
     return best if abs(best.tests[name]) <= _VANISHED * max(abs(a.tests[name]), abs(b.tests[name])) else None
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.sealing import sealed
 
-__all__ = ["CurvePoint", "CurveProblem"]
-
-Array = Any
 _FLOOR = 1e-14  # of residuals: their own rounding
 
 
@@ -33,7 +30,6 @@ class CurvePoint(NamedTuple):
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class CurveProblem:
     """Unknowns u = (inner unknowns, two scaled parameters); `residuals` has one equation less.
 

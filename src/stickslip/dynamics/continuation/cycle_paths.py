@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
@@ -16,9 +17,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["CyclePath", "birth", "border_of_rest", "vanishing", "zero"]
-
-Array = Any
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
 _BIRTH = 1e-3  # of the range: how near to where cycles are born their sizes are read
@@ -74,9 +72,6 @@ class CyclePath(Path):
     def _followed(self) -> bool:
         """Differences are taken, as how long it takes is unknown too."""
         return False
-
-    def numbers(self, guess: Array) -> None:
-        """None: differences are taken, as how long it takes is unknown too."""
 
     def swing(self, cycle: LimitCycle) -> float:
         """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""

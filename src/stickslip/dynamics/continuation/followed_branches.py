@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from stickslip.callbacks import Reported
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branch_following import STOPPED, follow
 from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
@@ -18,9 +19,6 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
 from stickslip.friction.law_adapter import law_of
 
-__all__ = ["Followed", "followed"]
-
-Array = Any
 _AGAIN = 3.0  # accuracies within which two borders are one
 _ROUND = 0.9  # minus the cosine from which on a vector has turned round
 _BESIDE = 1e-5  # of the branch's range: where the cycles are that tell where a rest vanishes

@@ -13,9 +13,6 @@ from stickslip.dynamics.continuation.touches import touches
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["grazed", "grazing_end", "grazing_near"]
-
-Array = Any
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed
 _SLOW = 1e-3  # of the velocity scale: a hit that slow is one that begins
 _TOUCHED = ("stop", "guard")

@@ -9,20 +9,18 @@ At a cusp the two parameters stand still along the curve of folds (Kuznetsov, El
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.newton import Found
 
-__all__ = ["CONDITIONS", "KNOWN", "has_multiplier", "multiplier_problem"]
-
-Array = Any
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
 _ONE = 1e-3  # how near to 1, -1 or the unit circle a multiplier is that is there: of a double one rounding leaves 1e-5
@@ -68,9 +66,6 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         missed, J = path.derivatives(U, memory, worse)
         return np.column_stack([missed, condition(path.returned(J))])
 
-    def orbit(u: Array) -> Any:
-        return path.orbit_at(u, memory)
-
     def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
         J = path.derivatives(found.at[None, :], memory, worse)[1][0]
         told = _tests(kind, path.returned(J))
@@ -83,10 +78,11 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         met = _kind(kind, name, np.linalg.eigvals(R))
         return None if met is None else (met, _WORDS[met])
 
-    exact = (_TOLERANCE[path.has_tolerance], np.append(np.zeros(n), KNOWN[path.has_tolerance]))
+    rough, orbit = path.has_tolerance, partial(path.orbit_at, memory=memory)
     problem = CurveProblem(
-        both, origin, span, residuals, orbit, exact[0], again=lambda U: residuals(U, True), tests=tests, named=named, known=exact[1]
-    )
+        both, origin, span, residuals, orbit, _TOLERANCE[rough], again=lambda U: residuals(U, True), tests=tests, named=named,
+        known=np.append(np.zeros(n), KNOWN[rough]),
+    )  # fmt: skip
     return problem, path.scaled(special.orbit, origin)
 
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, has_multiplier
@@ -24,9 +26,6 @@ from stickslip.dynamics.continuation.touches import BOTH_SIDES, Touch, touches
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["event_problem", "touch_problem"]
-
-Array = Any
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 _KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
 _BESIDE = (1e-2, 1e-3, 1e-4, 1e-5)  # of the branch's range: how far from the special point motions are compared
@@ -88,9 +87,6 @@ def _problem(
         way = path.loosened() if worse else path
         return np.column_stack([way.misses(U, memory), [number(way, u) - distance for u in U]])
 
-    def orbit(u: Array) -> Any:
-        return path.orbit_at(u, memory)
-
     def returned(u: Array, worse: bool = False) -> Array:
         return path.returned(path.derivatives(u[None, :], memory, worse)[1][0])
 
@@ -104,6 +100,7 @@ def _problem(
     known = np.append(np.zeros(path.at.smooth), _KNOWN[rough])
     again = (lambda U: residuals(U, True)) if rough else None
     more |= {} if "beside" in more else {"tests": tests, "named": named}
+    orbit = partial(path.orbit_at, memory=memory)
     return CurveProblem(path.family, path.origin, path.span, residuals, orbit, _TOLERANCE[rough], again=again, known=known, **more)
 
 

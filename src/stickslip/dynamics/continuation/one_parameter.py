@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import made_model, point_by_point
+from stickslip.batch import made_model
 from stickslip.engine.trace import kind_of, numbers_of
-from stickslip.errors import InputError, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.naming import axis_of
 from stickslip.number_names import numbers_meant
+from stickslip.sweeps.models_of_points import batch_of
 from stickslip.sweeps.space import check_names  # a family is a sweep whose values are not known before
-
-__all__ = ["Family", "family"]
 
 _STEP = 6e-6  # of a value: central differences of what a maker computes are good to some 1e-10 then
 
@@ -49,14 +48,7 @@ class Family:
     def robots(self, *values: Any) -> Any:
         """Robots at many points, as one batch: arrays of one length."""
         columns = dict(zip(self.parameters, (np.asarray(v, float) for v in values), strict=True))
-        if not callable(self.make):
-            return self.make.replace({**self.fixed, **columns})
-        try:
-            return made_model(self.what, self.make(**self.fixed, **columns))
-        except InputError:
-            raise
-        except (TypeError, ValueError):  # a maker that cannot take arrays
-            return point_by_point(self.what, self.make, self.fixed, columns)
+        return batch_of(self.what, self.make, self.fixed, columns)
 
     def refusal(self, error: InputError, *values: float) -> str:
         """Why there is no robot at a point, said of that robot alone: the batch that was refused has others beside it."""
@@ -68,18 +60,18 @@ class Family:
 
     def slopes(self, value: float) -> dict[str, float] | None:
         """Derivatives of the robot's numbers by the one parameter; None where the kind of robot changes with it."""
-        step = _STEP * (abs(value) or 1.0)
-        sides = [(v, robot) for v in (value - step, value + step, value) if (robot := self._beside(v)) is not None][:2]
+        step, here = _STEP * (abs(value) or 1.0), self.robot(value)
+        sides = [(v, robot) for v in (value - step, value + step, value) if (robot := self.made(v)) is not None][:2]
         (low, one), (high, other) = sides
-        if not kind_of(one) == kind_of(other) == kind_of(self.robot(value)):
+        if not kind_of(one) == kind_of(other) == kind_of(here):
             return None
         kept, ahead = dict(leaves(one)), dict(leaves(other))
         return {name: (ahead[name] - kept[name]) / (high - low) for name in numbers_of(one) if name in kept and ahead[name] != kept[name]}
 
-    def _beside(self, value: float) -> Any:
-        """The robot at a value, or None where that is refused."""
+    def made(self, *values: float) -> Any:
+        """The robot at a point, or None where that is refused."""
         try:
-            return self.robot(value)
+            return self.robot(*values)
         except InputError:
             return None
 
@@ -91,13 +83,8 @@ class Family:
 
 def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
     """A family, its names checked."""
-    from stickslip.errors import Problems
-
     problems = Problems(what)
-    if callable(make) or hasattr(make, "replace"):
-        check_names(make, [*fixed, *parameters], (), problems)
-    else:
-        problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
+    check_names(make, [*fixed, *parameters], (), problems)
     for name in parameters:
         if name in fixed:
             problems.add(f"{name} is the parameter that varies and is given a value too; leave {name}={fixed[name]!r} out")

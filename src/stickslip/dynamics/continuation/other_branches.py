@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branch_points import crossing, sides
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.path_kinds import path_of
@@ -14,9 +15,6 @@ from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["across", "chosen", "doubled", "range_of"]
-
-Array = Any
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems
 
-__all__ = ["KINDS", "Event", "checked_events", "number_of"]
-
 Event = Callable[[Any], float]
 KINDS = ("fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", "hopf")  # that have their own meaning
 _TYPE = 'type events={"fast": lambda orbit: orbit.mean_velocity - 1e-3}'

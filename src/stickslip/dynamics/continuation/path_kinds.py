@@ -5,14 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.dynamics.continuation.cycle_paths import CyclePath
-from stickslip.dynamics.continuation.flow_paths import FlowPath
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
-from stickslip.flow import is_flow
-
-__all__ = ["path_of"]
 
 _TOLERANCE = 1e-12
 
@@ -30,6 +26,4 @@ def path_of(family: Family, orbit: Any, origin: Any, span: Any, period: int | No
         Drive periods after which the motions repeat; those of the orbit if not given.
     """
     same = (family, orbit.period if period is None else period, coordinates(orbit.model), origin, span, orbit.rtol, _TOLERANCE)
-    if is_flow(orbit.model):
-        return FlowPath(*same)
     return CyclePath(*same, clock(orbit.model), orbit.section) if isinstance(orbit, LimitCycle) else Path(*same)

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Meeting", "Special", "certain"]
-
 _DIGITS = 15
 _OF_STABILITY = ("flip", "fold", "neimark-sacker", "branch-point")
 

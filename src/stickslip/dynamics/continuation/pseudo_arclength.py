@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
+from stickslip.dynamics.flows.flow_orbits import orbit_at
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
 from stickslip.errors import InputError
+from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["Path", "Point", "tangent_of"]
-
-Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
@@ -34,7 +34,6 @@ _JUMPS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)  # how far corners are jumped across
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Point:
     """A point of a branch: where it is in the scaled space (without what the law remembers), its direction there, and the orbit."""
 
@@ -149,8 +148,7 @@ class Path:
 
     def numbers(self, guess: Array) -> dict[str, float] | None:
         """Derivatives of the machine's numbers by the parameter beside a point; None where small changes are not followed."""
-        value = float(self.value(guess))
-        return None if not_followed(self.family.robot(value)) else self.family.slopes(value)
+        return self.family.slopes(float(self.value(guess))) if self._followed else None
 
     def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
         """What one state misses, and the derivatives of that by the state and the parameter."""
@@ -169,12 +167,14 @@ class Path:
     @property
     def has_tolerance(self) -> bool:
         """Whether runs have a tolerance, or are exact to rounding."""
-        return bool(machine_of(self.family.robot(*np.atleast_1d(self.origin))).has_inner_states)
+        first = self.family.robot(*np.atleast_1d(self.origin))
+        return not is_flow(first) and machine_of(first).has_inner_states
 
     @cached_property
     def _followed(self) -> bool:
-        """Whether changes of the state are followed along the runs."""
-        return not not_followed(self.family.robot(*np.atleast_1d(self.origin)))
+        """Whether changes of the state are followed along the runs, as they are for machines only."""
+        first = self.family.robot(*np.atleast_1d(self.origin))
+        return not (is_flow(first) or not_followed(first))
 
     def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
         """What states miss, and the derivatives of that by the inner unknowns, in one batch; or the same by a worse method.
@@ -207,19 +207,12 @@ class Path:
         try:
             return self.misses(U, memory)
         except InputError:
-            good = np.array([self._is_admissible(u) for u in U])
+            good = np.array([self.family.made(*self.values(u)) is not None for u in U])
             if not good[0]:
                 raise
         found = np.full((len(U), len(self.scales)), np.nan)
         found[good] = self.misses(U[good], memory)
         return found
-
-    def _is_admissible(self, u: Array) -> bool:
-        try:
-            self.robot(u)
-        except InputError:
-            return False
-        return True
 
     def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1, most: int = 12) -> Found:
         """The point of the branch in the plane through `guess` across a direction."""
@@ -250,6 +243,8 @@ class Path:
         """The motion at a point."""
         state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
         model = self.robot(found.at)
+        if is_flow(model):
+            return orbit_at(model, state, self.period, found.residual)
         return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
     def longer_run(self, u: Array, memory: Array) -> tuple[Any, float, float]:

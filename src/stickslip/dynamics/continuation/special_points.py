@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from functools import partial
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,10 +15,9 @@ from stickslip.dynamics.continuation.branch_points import broken_symmetry, cross
 from stickslip.dynamics.continuation.own_events import Event, number_of
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.periodic.newton import root_between
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
-
-__all__ = ["Located", "located", "root"]
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _MOST_CHANGES = 8  # that are looked for between two points
@@ -46,13 +47,13 @@ def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None =
     """Every special point between a and b, in order; zeros of events of one's own among them."""
     found = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
     if a.fold * b.fold < 0 and not found:
-        test = _unity if a.unity * b.unity < 0 else _fold
-        there = root(path, a, b, test)
+        test = attrgetter("unity" if a.unity * b.unity < 0 else "fold")
+        there = _root(path, a, b, test)
         if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
             found.append(Located("fold", there, (), _accuracy(path, there, test, b)))
     if a.flip * b.flip < 0:
-        there = root(path, a, b, _flip)
-        found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
+        there = _root(path, a, b, attrgetter("flip"))
+        found.append(Located("flip", there, (), _accuracy(path, there, attrgetter("flip"), b)))
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
@@ -71,7 +72,7 @@ def _event(path: Path, a: Point, b: Point, name: str, event: Event) -> list[Loca
     before, after = test(a), test(b)
     if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
         return []
-    there, size = root(path, a, b, test), max(abs(before), abs(after))
+    there, size = _root(path, a, b, test), max(abs(before), abs(after))
     if abs(test(there)) > _JUMPED * size:
         unsure = path.span * (_NEAR[_is_dynamic(a.orbit)] + _RESIDUALS * there.blur)
         return [Located(name, there, (f"{name} jumps past zero here",), unsure)]
@@ -110,54 +111,26 @@ def _crossed(path: Path, a: Point, b: Point) -> list[Located]:
 
 def _turning(path: Path, a: Point, b: Point) -> list[Located]:
     """Where a complex pair of multipliers passes the unit circle; two real ones whose product is 1 are nothing special."""
-    there = root(path, a, b, _circle)
+    circle = attrgetter("turning")
+    there = _root(path, a, b, circle)
     found = np.asarray(there.orbit.multipliers, complex)
     pair = found[int(np.argmin(abs(abs(found) - 1.0) + (abs(found.imag) < 1e-9)))]
     if abs(pair.imag) < 1e-9:
         return []
     turn = abs(float(np.angle(pair))) / (2 * np.pi)
-    accuracy = _accuracy(path, there, _circle, b)
+    accuracy = _accuracy(path, there, circle, b)
     told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
     note = f"a pair of multipliers crosses the unit circle; it rotates by {told} of a turn in each period"
     return [Located("neimark-sacker", there, (note,), accuracy)]
-
-
-def _flip(p: Point) -> float:
-    return p.flip
-
-
-def _circle(p: Point) -> float:
-    return p.turning
-
-
-def _unity(p: Point) -> float:
-    return p.unity
-
-
-def _fold(p: Point) -> float:
-    return p.fold
 
 
 def _length(a: Point, b: Point) -> float:
     return float((b.u - a.u) @ a.tangent)
 
 
-def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Point:
+def _root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Point:
     """Where a test function of the branch vanishes."""
-    from scipy.optimize import brentq
-
-    kept: dict[float, Point] = {0.0: a, _length(a, b): b}
-
-    def value(s: float) -> float:
-        if s not in kept:
-            point = path.between(a, s)
-            if point is None:  # no number here: take the nearest point there is, so that the search goes on
-                return test(kept[min(kept, key=lambda k: abs(k - s))])
-            kept[s] = point
-        return test(kept[s])
-
-    s, _ = brentq(value, 0.0, _length(a, b), xtol=1e-15, rtol=1e-14, maxiter=100, full_output=True, disp=False)
-    return kept.get(s) or min(kept.values(), key=lambda p: abs(test(p)))
+    return root_between(partial(path.between, a), a, b, test)
 
 
 def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:

@@ -15,12 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip.analysis.contact_modes import watched_contacts
+from stickslip.contracts import Array
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["BOTH_SIDES", "Touch", "touches"]
-
-Array = Any
 BOTH_SIDES = "slip"  # the kind of touches that motions on either side have
 _GRID = 64  # instants of a stretch between two switches at which it is looked, at least
 _OF_A_PERIOD = 256  # and of a period
@@ -104,26 +102,19 @@ def _of_machine(run: Any) -> Iterator[_Course]:
     machine = machine_of(run.model)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
     for i, (name, watched) in enumerate(watched_contacts(run).items()):
-        slip = _slip(watched.run, None if machine.is_single else machine.mechanics, i)
+        slip = partial(_slip, run.parted, machine.mechanics, i)
         if watched.law.dynamic:
             for end in ("lowest", "highest"):
                 yield _Course((BOTH_SIDES, name, end), slip, first, last, partial(float, machine.velocity_scale))
         else:
             yield from _of_contact(name, watched, slip, first, last)
-    if not machine.is_single:
-        yield from _of_stops(run.parted, machine.mechanics)
+    yield from _of_stops(run.parted, machine.mechanics)
 
 
-def _slip(run: Any, mechanics: Any, number: int) -> Callable[[Array], Array]:
-    """The slip of one contact, the only one or one of several, as a function of time."""
-
-    def slip(t: Array) -> Array:
-        _, v, _ = run._states_at(t, run._index(t))
-        if mechanics is None:
-            return np.asarray(run.model.contact_velocity(v))
-        return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
-
-    return slip
+def _slip(run: Any, mechanics: Any, number: int, t: Array) -> Array:
+    """The slip of one contact."""
+    v = np.reshape(run._states_at(t, run._index(t))[1], (len(t), -1))
+    return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
 
 
 def _of_contact(name: str, watched: Any, slip: Callable[[Array], Array], first: float, last: float) -> Iterator[_Course]:

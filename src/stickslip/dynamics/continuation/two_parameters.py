@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.callbacks import Reported, reporting
+from stickslip.contracts import Array
 from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_following import followed_curve, settled
@@ -32,13 +32,8 @@ from stickslip.sealing import sealed
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Curve", "Meeting", "special_curve"]
-
-Array = Any
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Curve(Drawn):
     """A curve of special points in two parameters; `plot` draws it.
 

@@ -12,10 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import maths
-
-__all__ = ["Dual", "slopes_of", "variables"]
-
-Array = Any
+from stickslip.contracts import Array
 
 
 class Truth:
@@ -115,23 +112,15 @@ class Dual:
     def __abs__(self) -> Dual:
         return self._through(np.abs(self.value), np.sign(self.value))
 
-    def __gt__(self, other: Any) -> Truth:
-        return Truth(np.greater(self.value, _lift(other).value))
 
-    def __ge__(self, other: Any) -> Truth:
-        return Truth(np.greater_equal(self.value, _lift(other).value))
+def _compared(compare: Callable[[Any, Any], Any]) -> Callable[[Dual, Any], Truth]:
+    return lambda self, other: Truth(compare(self.value, _lift(other).value))
 
-    def __lt__(self, other: Any) -> Truth:
-        return Truth(np.less(self.value, _lift(other).value))
 
-    def __le__(self, other: Any) -> Truth:
-        return Truth(np.less_equal(self.value, _lift(other).value))
-
-    def __eq__(self, other: Any) -> Truth:  # type: ignore[override]
-        return Truth(np.equal(self.value, _lift(other).value))
-
-    def __ne__(self, other: Any) -> Truth:  # type: ignore[override]
-        return Truth(np.not_equal(self.value, _lift(other).value))
+for _sign, _compare in {
+    "gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal, "eq": np.equal, "ne": np.not_equal,
+}.items():  # fmt: skip
+    setattr(Dual, f"__{_sign}__", _compared(_compare))
 
 
 #: Slope of each function of `stickslip.maths` from its argument x and its value y.

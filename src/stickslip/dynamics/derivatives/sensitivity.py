@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.drives.within import drives_within
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
@@ -25,16 +25,12 @@ from stickslip.number_names import numbers_meant
 from stickslip.sealing import sealed
 from stickslip.solvers.time_dependence import check_period
 
-__all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
-
-Array = Any
 _ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Sensitivity(Drawn):
     """Derivatives of a motion with respect to numbers of its machine.
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import numbers_by_name
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
 from stickslip.engine.remembered import Remembered
@@ -19,9 +20,6 @@ from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Slopes", "number_slopes", "period_of", "start_changes"]
-
-Array = Any
 _functions: Remembered[_Functions] = Remembered()
 
 

@@ -5,13 +5,13 @@ They are passive states of the system itself (`stickslip.engine.tangent`), a lan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.slopes import Slopes, period_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
@@ -22,19 +22,12 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
 
-__all__ = [
-    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
-    "orders_differ",
-]  # fmt: skip
-
-Array = Any
 _corners: Remembered[bool] = Remembered()
 _means: Remembered[tuple[str, ...]] = Remembered()
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Changes:
     """What became of small changes: a row for each direction.
 

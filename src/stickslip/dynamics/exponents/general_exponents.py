@@ -7,27 +7,25 @@ The derivative may be given; else the function's own lines are called with numbe
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
+from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.flows.user_functions import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, rounded
-from stickslip.fields import number as plain_number
+from stickslip.fields import floats
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
-__all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
-
-Array = Any
+_SHOWN = 200  # points of the record of how they converge, at most
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Lyapunov(Drawn):
     """Lyapunov exponents with their errors and convergence.
 
@@ -112,24 +110,28 @@ def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
     return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
 
 
-def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 200) -> Lyapunov:
+def grown(M: Array, Q: Array) -> tuple[Array, Array]:
+    """The frame that a derivative makes of another, and the logarithms of its growth."""
+    Q, R = np.linalg.qr(M @ Q)
+    with np.errstate(divide="ignore"):
+        return Q, np.log(abs(np.diag(R)))
+
+
+def gathered(logs: Array, time: float, unit: str) -> Lyapunov:
     """The result from the growth in every stretch of length `time`: array (n, exponents)."""
     order = np.argsort(-logs.mean(axis=0), kind="stable")
     logs = logs[:, order]
     count = np.arange(1, len(logs) + 1)
-    shown = np.unique(np.linspace(0, len(logs) - 1, min(points, len(logs))).astype(int))
+    shown = np.unique(np.linspace(0, len(logs) - 1, min(_SHOWN, len(logs))).astype(int))
     means = np.cumsum(logs, axis=0)[shown] / (count[shown] * time)[:, None]
     record = np.column_stack([count[shown] * time, means])
-    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time, note)
+    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time)
 
 
 def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
     """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
     problems = Problems(what)
-    try:
-        x = np.atleast_1d(np.asarray(plain_number(x0), float))
-    except (TypeError, ValueError):
-        x = np.array([np.nan])
+    x = np.atleast_1d(floats(x0))
     if x.ndim != 1 or not len(x) or not np.isfinite(x).all():
         problems.add(f"x0 = {x0!r}; allowed is a list of finite numbers, one for each coordinate")
     for name, value in whole.items():
@@ -140,6 +142,18 @@ def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bo
             problems.add(f"{name} = {value!r}; allowed is a {'finite number from 0' if zero else 'positive finite number'}")
     problems.check()
     return x
+
+
+def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
+    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
+    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
+    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
+    for k in range(-int(np.ceil(max(settle, 0.0) / every)), len(logs)):
+        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
+        y, mode, t = done.state, done.mode, t + every
+        if k >= 0:
+            Q, logs[k] = grown(done.monodromy, Q)
+    return logs, every
 
 
 @explains_arguments
@@ -178,9 +192,7 @@ def lyapunov_of_map(
         x = numbers(f, x)
     Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
     for k in range(int(iterations)):
-        Q, R = np.linalg.qr(np.asarray(slope(x), float) @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = np.log(abs(np.diag(R)))
+        Q, logs[k] = grown(np.asarray(slope(x), float), Q)
         x = numbers(f, x)
     if not np.isfinite(x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
@@ -238,8 +250,6 @@ def lyapunov_of_flow(
     """
     x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
     if is_flow(f):
-        from stickslip.dynamics.flows.flow_orbits import exponents_of
-
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
         return gathered(logs, every, "unit of time")
     if not callable(f):

@@ -10,25 +10,22 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
-from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
-from stickslip.fields import checked_number, number
+from stickslip.fields import checked_number
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
-from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["checked", "largest_exponents", "lyapunov", "settled"]
-
-Array = Any
 _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
@@ -101,8 +98,6 @@ def lyapunov(
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
-    from stickslip.dynamics.flows.flow_orbits import exponents_of
-
     state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = list(flow.fields)[round(float(state[-1]))]
     return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
@@ -117,40 +112,31 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 def checked(model: Any, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True)
-    if is_flow(model):
-        _check_lengths(periods, settle)
-        return
-    refuse_chance(machine_of(model))
-    if why := not_followed(model):
-        hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
-        raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
-    _check_lengths(periods, settle)
-
-
-def _check_lengths(periods: Any, settle: Any) -> None:
+    if not is_flow(model):
+        refuse_chance(machine_of(model))
+        if why := not_followed(model):
+            hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
+            raise InputError("lyapunov", [f"perturbations are not propagated here, as {why}; {hint}"])
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)
     problems.check()
 
 
+_FORGOTTEN = (
+    "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
+    "beside it one below 1e-12 in a period"
+)
+
+
 def _told(logs: Array) -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
+    with np.errstate(invalid="ignore"):
+        found = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
     if not dead.any():
-        return gathered(logs, 1.0, "drive period")
-    lost = np.full(int(dead.sum()), -np.inf)
-    if dead.all():
-        spectrum, errors, record = lost, np.zeros(len(lost)), np.array([[len(logs), *lost]])
-    else:
-        found = gathered(logs[:, ~dead], 1.0, "drive period")
-        spectrum, errors = np.append(found.spectrum, lost), np.append(found.errors, np.zeros(len(lost)))
-        record = np.column_stack([found.record, np.tile(lost, (len(found.record), 1))])
-    note = (
-        "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
-        "beside it one below 1e-12 in a period"
-    )
-    return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
+        return found
+    return replace(found, errors=np.where(np.isneginf(found.spectrum), 0.0, found.errors), note=_FORGOTTEN)
 
 
 def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
@@ -162,9 +148,8 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
     matrices = found.change.reshape(run.periods, d, d).transpose(0, 2, 1)
     volumes, rests, logs = found.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
     for k, M in enumerate(matrices):
-        Q, R = np.linalg.qr(M @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = _grown(np.log(abs(np.diag(R))), volumes[k], rests[k])
+        Q, own = grown(M, Q)
+        logs[k] = _grown(own, volumes[k], rests[k])
     return logs, Q
 
 
@@ -245,8 +230,6 @@ def largest_exponents(
     >>> largest_exponents(robot, periods=20, settle=50)[0].round(4).tolist()
     [-2.4189]
     """
-    from stickslip.batch import labels_of, some_of
-
     needs_model("largest_exponents", model, batch=True, flows=True)
     problems = Problems("largest_exponents")
     checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
@@ -254,33 +237,19 @@ def largest_exponents(
     problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
-    state = _states_given(start, model, at.names)
+    at, state = coordinates(model), states_of(start, model)
+    cases = len(state)
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
-    def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
+    def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
         some = some_of(model, part)
         begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
-    for part, found in shared(cases, grown, workers, progress):
+    for part, found in shared(cases, apart_by, workers, progress):
         means[part], errors[part] = found
     return means, errors
-
-
-def _states_given(start: Any, model: Any, names: tuple[str, ...]) -> Array:
-    """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
-    rest = at_rest(model)
-    cases = len(rest)
-    try:
-        states = rest if start is None else np.atleast_2d(np.asarray(number(start), float))
-        if not np.all(abs(states) <= LARGEST_START):
-            raise ValueError(f"its numbers are not finite, or larger than {LARGEST_START:.0e}")
-        return np.broadcast_to(states, (cases, len(names))).copy()
-    except ValueError as error:
-        allowed = f"an array of shape ({cases}, {len(names)}) with {', '.join(names)} of each case, or one state for all"
-        raise InputError("largest_exponents", [f"start = {start!r} ({error}); allowed is {allowed}"]) from None
 
 
 def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
 from typing import Any
 
 from stickslip.arguments import Model, explains_arguments
@@ -16,11 +16,8 @@ from stickslip.errors import InputError, SolveError
 from stickslip.faces import Face
 from stickslip.sealing import sealed
 
-__all__ = ["Verdict", "verdict"]
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Verdict(Face):
     """The kind of steady motion of a robot, with the evidence.
 
@@ -110,10 +107,9 @@ def verdict(
     whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
     exponents = lyapunov(model, -(-periods // whole) * whole, settle=0, start=state[0], rtol=rtol, progress=progress)
     if back.period is not None:
-        try:
+        orbit = None
+        with suppress(SolveError, InputError):
             orbit = periodic_orbit(model, back.period, guess=back.state)
-        except (SolveError, InputError):
-            orbit = None
         if orbit is not None and orbit.stable:
             why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
             return Verdict("periodic", back.period, exponents, orbit, why)

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.sealing import sealed
 
-__all__ = ["Rotation", "rotation_number", "rotation_of_strobe", "rotation_on_curve"]
-
-Array = Any
 _LEAST = 100
 _TURNS, _SEEN = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
 _ROUGH = 0.25  # of the radius: neighbours on a closed curve differ by less, as seen from inside
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Rotation:
     """A rotation number.
 
@@ -159,10 +155,7 @@ def _weighted(turns: Array) -> float:
 
 def _checked(points: Any) -> Array:
     problems = Problems("rotation_number")
-    try:
-        x = np.asarray(number(points), float)
-    except (TypeError, ValueError):
-        x = np.empty(0)
+    x = floats(points)
     if x.ndim not in (1, 2) or (x.ndim == 2 and x.shape[1] != 2) or len(x) < _LEAST or not np.isfinite(x).all():
         allowed = f"allowed are {_LEAST} or more finite angles in a row, or as many points (n, 2) in a plane"
         problems.add(f"points has shape {x.shape}; {allowed}")

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import Problems
-from stickslip.fields import number
+from stickslip.fields import floats
 from stickslip.sealing import sealed
 
-__all__ = ["ZeroOne", "zero_one_test"]
-
-Array = Any
 _LEAST = 200  # numbers of a series
 _CHAOS, _ORDER = 0.8, 0.2  # of K: above is chaotic, below regular, between is not decided
 _BAND = (0.2, 0.8)  # of pi: frequencies outside come near those that every series resonates with
@@ -22,7 +19,6 @@ _CONSTANT = 1e-10  # of its size: a series that varies less has no motion in it
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class ZeroOne:
     """What the 0-1 test says of a series.
 
@@ -110,10 +106,7 @@ def zero_one_test(series: Numbers, *, frequencies: int = 100) -> ZeroOne:
 
 def _checked(series: Any, frequencies: Any) -> Array:
     problems = Problems("zero_one_test")
-    try:
-        x = np.asarray(number(series), float)
-    except (TypeError, ValueError):
-        x = np.empty(0)
+    x = floats(series)
     if x.ndim != 1 or len(x) < _LEAST or not np.isfinite(x).all():
         allowed = f"allowed are {_LEAST} or more finite numbers in a row"
         problems.add(f"series has shape {x.shape}; {allowed}; type ss.zero_one_test(ss.strobe(run).v.values)")

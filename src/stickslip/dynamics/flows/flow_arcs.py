@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.flows.step_extremes import extremes, first_fall, points
 from stickslip.dynamics.flows.user_functions import derivative, value
 from stickslip.errors import SolveError
 from stickslip.sealing import sealed
 
-__all__ = ["Arc", "Guard", "arc", "guards_of"]
-
-Array = Any
 _STEPS = 200_000  # of the integrator in one arc: minutes
 _ROUNDING = 64 * float(np.finfo(float).eps)
 
@@ -56,7 +54,6 @@ class Guard:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Arc:
     """Where an arc ends, its derivative M by its start, which guard ended it (None: its time was over), and the extremes on it."""
 

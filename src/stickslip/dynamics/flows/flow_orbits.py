@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
+from stickslip.contracts import Array
+from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
+from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, Problems, SolveError, is_whole
@@ -19,9 +20,6 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
-__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
-
-Array = Any
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case
 _APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
@@ -32,7 +30,6 @@ _ALIKE, _CANDIDATES = 2.0, 12  # times the nearest: what is taken for the same s
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class FlowOrbit(Repeating):
     """A periodic orbit of a switching flow.
 
@@ -315,10 +312,8 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
     """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
     y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
     done = passage(flow, y, mode, periods * float(flow.period))
-    known = np.isfinite(done.monodromy).all()
-    multipliers = multipliers_of(done.monodromy, done.forgets) if known else np.full(len(y), np.nan)
-    notes = () if known else (_touches(done),)
-    return FlowOrbit(y, mode, periods * float(flow.period), multipliers, residual, done, notes, flow)
+    notes = () if np.isfinite(done.monodromy).all() else (_touches(done),)
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.forgets), residual, done, notes, flow)
 
 
 @explains_arguments
@@ -375,19 +370,3 @@ def switching_flow(model: Model) -> SwitchingFlow:
         0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
     }
     return SwitchingFlow(fields, switches, model.period and float(model.period))
-
-
-def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
-    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
-    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
-    for _ in range(int(np.ceil(max(settle, 0.0) / every))):
-        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = done.state, done.mode, t + every
-    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
-    for k in range(len(logs)):
-        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
-        y, mode, t = done.state, done.mode, t + every
-        Q, R = np.linalg.qr(done.monodromy @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] = np.log(abs(np.diag(R)))
-    return logs, every

@@ -7,30 +7,25 @@ functions cannot be called with symbols is followed by SciPy's integrator on pla
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.flows.judged_flows import judged
-from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.errors import InputError, Problems, is_number, is_one_of
-from stickslip.fields import number
-from stickslip.flow import Switch, SwitchingFlow, is_flow, knows_mode, unknown_mode
+from stickslip.fields import floats
+from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.flow_run import extremes
 from stickslip.sealing import sealed
 from stickslip.solvers.flow_engine import followed, unknown
 
-__all__ = ["METHODS", "Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
-
-Array = Any
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Passage:
     """A stretch of a switching flow: where and when it ends, its switches, its derivative by the start, and its extremes.
 
@@ -134,10 +129,7 @@ def started(
     if not is_flow(flow):
         told = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
         raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
-    try:
-        y = np.atleast_1d(np.array(number(state), float))
-    except ValueError:
-        y = np.array([np.nan])
+    y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")
     if not knows_mode(flow.fields, mode):

@@ -11,14 +11,12 @@ L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, cha
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-__all__ = ["extremes", "first_fall", "points"]
+from stickslip.contracts import Array
 
-Array = Any
 _DEGREE = 8  # the dense output of DOP853 has degree 7
 _NODES = -np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
 _SERIES = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE))

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.forward_ad import Truth, slopes_of, variables
 from stickslip.errors import InputError, StickslipError
 
-__all__ = ["answer", "derivative", "numbers", "of_state", "value"]
-
-Array = Any
 _PLAIN = (
     "its derivatives come from its own lines, so write it in plain arithmetic and with stickslip.maths "
     "(sin, cos, exp, log, sqrt, tanh, where, ...) instead of NumPy or math"

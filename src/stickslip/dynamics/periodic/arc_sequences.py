@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError
@@ -27,9 +28,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
-__all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
-
-Array = Any
 Margin = tuple[str, int, int]  # name, number of the arc, side
 _SAMPLES = 96
 

@@ -15,8 +15,6 @@ from stickslip.engine.values import Arithmetic, needed_by
 from stickslip.optional import library
 from stickslip.sealing import sealed
 
-__all__ = ["Enclosure", "above_zero", "balls_of", "flint_for", "krawczyk"]
-
 Ball = Any
 _NAMES = {"absolute": "__abs__", "arctan": "atan", "arcsin": "asin", "arccos": "acos"}
 _MOST = 20_000  # parts of an interval after which a sign is given up

@@ -9,7 +9,6 @@ within its limits, and what follows each switch is what must follow.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,11 +22,8 @@ from stickslip.errors import InputError, Problems
 from stickslip.sealing import sealed
 from stickslip.solvers.closed_arcs import handles
 
-__all__ = ["Certificate", "certify"]
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Certificate:
     """Proved properties of a periodic motion.
 
@@ -132,10 +128,8 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
 
 def _check(orbit: Any, digits: Any) -> None:
     problems = Problems("certify")
-    problems.whole("digits", digits, 1, example=20)
+    problems.whole("digits", digits, 1, example=20, most=10_000)
     problems.check()
-    if digits > 10_000:
-        raise InputError("certify", [f"digits = {digits}; allowed are at most 10000; type digits=20"])
     if not isinstance(orbit, PeriodicOrbit):
         told = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
         raise InputError("certify", [told])

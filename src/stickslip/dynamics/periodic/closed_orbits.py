@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.faces import Drawn
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["NEUTRAL", "ClosedMotion", "Repeating", "largest_first", "multipliers_of", "resting", "stability_of"]
-
-Array = Any
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
@@ -63,6 +62,16 @@ class ClosedMotion(Repeating):
         """Names of the numbers of the state."""
         return coordinates(self.model).names
 
+    @cached_property
+    def patterns(self) -> dict[str, str]:
+        """Signs of the slip within the motion period by contact, such as "+0-0"; a cycle's begin with rest if there is any."""
+        modes = np.asarray(self.run.pieces.mode)
+        return {name: min(_turned(modes[:, i]), key=self._begins) for i, name in enumerate(self.run.contacts)}
+
+    @abstractmethod
+    def _begins(self, pattern: str) -> Any:
+        """What is least of the pattern that begins as it should."""
+
     @property
     def strobe_state(self) -> Array:
         """The state with all that is held beside it."""
@@ -84,6 +93,13 @@ class ClosedMotion(Repeating):
         """The derivative of the state after the motion with respect to the state before it."""
 
 
+def _turned(mode: Array) -> list[str]:
+    """The signs of a closed motion in order, beginning with each of them."""
+    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode]
+    kept = [sign for k, sign in enumerate(signs) if sign != signs[k - 1]] or signs[:1]
+    return ["".join(kept[k:] + kept[:k]) for k in range(len(kept))]
+
+
 def stability_of(multipliers: Array) -> str:
     """What multipliers say of small disturbances: "stable", "neutral", "unstable" or "of unknown stability".
 
@@ -98,17 +114,6 @@ def stability_of(multipliers: Array) -> str:
     if not np.isfinite(sizes).all():
         return "of unknown stability"
     return "stable" if np.all(sizes < 1.0 - NEUTRAL) else "unstable" if np.any(sizes > 1.0 + NEUTRAL) else "neutral"
-
-
-def largest_first(multipliers: Array) -> Array:
-    """Multipliers by their absolute values.
-
-    Examples
-    --------
-    >>> largest_first(np.array([0.5, -2.0, 1.0])).tolist()
-    [-2.0, 1.0, 0.5]
-    """
-    return multipliers[np.argsort(-abs(multipliers), kind="stable")]
 
 
 def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:

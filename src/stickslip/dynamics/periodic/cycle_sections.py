@@ -12,13 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.sections import halved, read
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["TURN", "Section", "far_end", "returns", "section_of", "states_of_returns"]
-
-Array = Any
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 
 

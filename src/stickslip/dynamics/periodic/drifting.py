@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
-__all__ = ["drift"]
-
-Array = Any
 _DRIFTS = 200  # drive periods after which a motion that speeds up for ever does so evenly
+_DRIFTS_AWAY = (
+    "its velocity grows by the same amount in every drive period, as a constant force exceeds the friction and nothing opposes it; "
+    "type a smaller constant force, a stiffness, or a damping that is not 0"
+)
 _GROWS, _EVENLY = 1e-3, 1e-3  # of the scale in a period, and of that growth
 
 
@@ -24,9 +26,4 @@ def drift(model: Any, place: Array, memory: Array) -> str:
     speeds = at.order.velocities
     change, again = ((b - a)[0, speeds] / at.scales[speeds] for a, b in ((end, once), (once, twice)))
     grows = np.max(abs(change)) > _GROWS and np.max(abs(again - change)) < _EVENLY * np.max(abs(change))
-    return (
-        "its velocity grows by the same amount in every drive period, as a constant force exceeds the friction and nothing opposes it; "
-        "type a smaller constant force, a stiffness, or a damping that is not 0"
-        if grows
-        else ""
-    )
+    return _DRIFTS_AWAY if grows else ""

@@ -7,25 +7,24 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels
+from stickslip.contracts import Array
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, states_of_parts, strobe_states
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.fields import floats, number
 from stickslip.flow import is_flow, knows_mode, unknown_mode
 from stickslip.layout import of_one_contact
 from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 
-__all__ = ["states_of"]
-
-Array = Any
-
 
 def states_of(start: Any, model: Any) -> Array:
-    """Strobe states from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
+    """Strobe states from a start as `solve` takes it, states, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
     at, rest = coordinates(model), at_rest(model)
     if start is None:
         return rest
+    if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:
+        return np.array(_checked(start, table, at))
     if is_flow(model):
         return np.tile(_flow_state(start, model, at), (len(rest), 1))
     if isinstance(start, dict) and at.mechanics is not None:
@@ -60,10 +59,7 @@ def _one_state(start: Any, at: Coordinates, rest: Array) -> Array:
         return _shared(start, at, rest)
     if hasattr(start, "strobe_v"):
         return _end_of(start, at)
-    try:
-        state = np.asarray(number(start), float).ravel()
-    except (TypeError, ValueError):
-        state = np.empty(0)
+    state = floats(start).ravel()
     if state.shape != (len(at.names),):
         raise InputError("start", [f"{start!r} is not a state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
     return _checked(start, state, at)

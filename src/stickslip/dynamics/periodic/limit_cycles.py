@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import jacobian_of
-from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, largest
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
 from stickslip.errors import InputError, SolveError
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.steadiness import way_of_machine
 
-__all__ = ["LimitCycle", "clock", "limit_cycle"]
-
-Array = Any
 _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for
 _LONGER, _REPEATS = (1, 4, 16), 1e-3  # times that, of machines with slow states; a distance in scales
@@ -30,7 +28,6 @@ _SAMPLES = 1200  # looks at a run of that length, times ten
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class LimitCycle(ClosedMotion):
     """A limit cycle: its turning points, period and multipliers.
 
@@ -94,26 +91,17 @@ class LimitCycle(ClosedMotion):
     @cached_property
     def differences(self) -> Array:
         """The multipliers once more, from differences of the flow: the second opinion."""
-        at, step = coordinates(self.model), 1e-6
-        d, size = at.smooth, step * at.scales
-        shifts = np.vstack([np.eye(d, len(size)), -np.eye(d, len(size))]) * size
-        ends = flow_map(self.model, self.state + shifts, self.duration, self.rtol).state[:, :d]
-        found = np.linalg.eigvals(((ends[:d] - ends[d:]) / (2 * size[:d, None])).T)
-        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
-        return largest_first(found)
+        return multipliers_of(difference_jacobian(self.model, self.state, rtol=self.rtol, span=self.duration), 0, autonomous=True)
 
     @cached_property
     def mean_velocity(self) -> float:
         """Mean velocity [m/s]: 0 on a belt, the speed of the pull; of several bodies that of their centre of mass."""
-        x = (self.run if machine_of(self.model).is_single else self.run.parted).at(np.array([0.0, self.duration]))["x"]
+        x = self.run.parted.at(np.array([0.0, self.duration]))["x"]
         first, last = x if np.ndim(x) == 1 else way_of_machine(self.model, x)
         return float((last - first) / self.duration)
 
-    @cached_property
-    def patterns(self) -> dict[str, str]:
-        """Signs of the slip within the cycle by contact, rest as 0, beginning with rest if there is any."""
-        modes = np.asarray(self.run.pieces.mode)
-        return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
+    def _begins(self, pattern: str) -> int:
+        return "0+-".index(pattern[0])
 
     @property
     def pattern(self) -> str:
@@ -171,7 +159,7 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    state, duration, section = _guessed(model, period, guess, rtol)
+    state, duration, section = _guessed(model, period, guess)
     at, unit = coordinates(model), clock(model)
 
     def problem(memory: Array) -> Any:
@@ -216,7 +204,7 @@ def clock(model: Any) -> float:
 
 
 # ---- guesses ----
-def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, float, Section]:
+def _guessed(model: Any, period: int, guess: Any) -> tuple[Array, float, Section]:
     """A state on the section, and how long it takes to come back."""
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration, guess.section
@@ -225,9 +213,8 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     if hasattr(guess, "pieces"):
         return _last_turn(guess, period)
     if guess is not None and not isinstance(guess, dict):
-        raise InputError(
-            "periodic_orbit", [f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"]
-        )
+        told = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
+        raise InputError("periodic_orbit", [told])
     return _last_turn(_settled(model, guess), period)
 
 
@@ -250,7 +237,7 @@ def _last_turn(run: Any, period: int) -> tuple[Array, float, Section]:
     section, column, value, direction = section_of(run)
     t = returns(run, column, value, direction)
     speed = coordinates(run.model).speed
-    steady = len(t) < 2 or float(np.max(np.ptp(_velocities(run, np.linspace(t[-2], t[-1], 64)), axis=0))) <= _STEADY * speed
+    steady = len(t) < 2 or float(np.max(np.ptp(run.parted.at(np.linspace(t[-2], t[-1], 64))["v"], axis=0))) <= _STEADY * speed
     if steady or len(t) < period + 2:
         end = "it rests, or slides on steadily" if steady else f"only {len(t)} oscillations were found"
         raise SolveError(
@@ -258,15 +245,3 @@ def _last_turn(run: Any, period: int) -> tuple[Array, float, Section]:
             "(guess=ss.solve(mechanism, duration=...))"
         )
     return states_of_returns(run, t[-1:])[0], float(t[-1] - t[-1 - period]), section
-
-
-def _velocities(run: Any, t: Array) -> Array:
-    return np.asarray(run.parted.at(t)["v"])
-
-
-def _pattern(mode: Array) -> str:
-    """Signs of a contact's velocity in order, beginning with rest if there is any."""
-    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode[np.append(True, np.diff(mode) != 0)]]
-    signs = signs[:-1] if len(signs) > 1 and signs[0] == signs[-1] else signs
-    first = signs.index("0") if "0" in signs else 0
-    return "".join(signs[first:] + signs[:first])

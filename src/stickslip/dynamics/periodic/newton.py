@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.sealing import sealed
 
-__all__ = ["Found", "newton", "newton_within"]
+P = TypeVar("P", bound=Any)
 
-Array = Any
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
 Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, and their Jacobian
 
@@ -22,7 +22,6 @@ SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went to
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Found:
     """Where Newton's method ended."""
 
@@ -149,6 +148,26 @@ def newton_within(
             return replace(found, memory=memory)
         guess, memory = found.at if found.good else guess, now
     return replace(found, memory=memory, good=False, why="the memory of the law at the strobe does not return")
+
+
+def root_between(ahead: Callable[[float], P | None], a: P, b: P, test: Callable[[P], float]) -> P:
+    """Where a test vanishes between two points of a curve, of which `ahead` gives the one that lies so far ahead of the first, if any."""
+    from scipy.optimize import brentq
+
+    length = float((b.u - a.u) @ a.tangent)
+    kept = {0.0: (test(a), a), length: (test(b), b)}
+
+    def value(s: float) -> float:
+        if s not in kept:
+            point = ahead(s)
+            there = np.nan if point is None else test(point)
+            if point is None or np.isnan(there):  # no number here: take the nearest there is, so that the search goes on
+                return kept[min(kept, key=lambda k: abs(k - s))][0]
+            kept[s] = there, point
+        return kept[s][0]
+
+    s = brentq(value, 0.0, length, xtol=1e-15, rtol=1e-14, maxiter=100, disp=False)
+    return kept.get(s, min(kept.values(), key=lambda each: abs(each[0])))[1]
 
 
 def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:

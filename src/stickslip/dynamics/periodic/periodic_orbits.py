@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
-from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.drifting import drift
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
@@ -41,9 +42,6 @@ if TYPE_CHECKING:
     from stickslip.mechanisms import BlockOnBelt, ForcedOscillator, PulledMass
     from stickslip.robot import Robot
 
-__all__ = ["PeriodicOrbit", "periodic_orbit"]
-
-Array = Any
 RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
@@ -52,7 +50,6 @@ _SAME = 1e-7  # strobe states closer than this are one
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and its properties. The velocity is periodic, the position drifts.
 
@@ -125,8 +122,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def differences(self) -> Array:
         """The multipliers from finite differences of the strobe map, as an independent check; NaN at a state next to a stop."""
-        found = difference_jacobian(self.model, self.state, self.period, self.rtol)
-        return largest_first(np.linalg.eigvals(found)) if np.isfinite(found).all() else np.full(len(found), np.nan)
+        return multipliers_of(self._jacobian(STEP), 0)
 
     @cached_property
     def mean_velocity(self) -> float:
@@ -149,11 +145,8 @@ class PeriodicOrbit(ClosedMotion):
         """Signs of the motion period in order, such as "+0-0"."""
         return self.motion.pattern
 
-    @cached_property
-    def patterns(self) -> dict[str, str]:
-        """Signs of the slip within the motion period by contact, such as "+0-0", of any machine."""
-        modes = np.asarray(self.run.pieces.mode)
-        return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
+    def _begins(self, pattern: str) -> tuple[int, str]:
+        return "+-0".index(pattern[0]), pattern
 
     @property
     def _is_neutral(self) -> bool:
@@ -250,7 +243,7 @@ def periodic_orbit(
     if autonomous:
         return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
     at, tried = coordinates(model), []
-    for state in _guesses(model, int(period), guess, at):
+    for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
         found = _solve(model, int(period), state, rtol, tolerance)
         tried.append(found)
         state = np.append(found.at * at.scales[: at.smooth], found.memory)
@@ -320,18 +313,6 @@ def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
     points = strobe_orbit(model, state, period, rtol)[0][:, 0]
     at = coordinates(model)
     return any(period % k == 0 and at.distance(points[k - 1], state) < _SAME for k in range(1, period))
-
-
-def _guesses(model: Any, period: int, guess: Any, at: Coordinates) -> list[Array]:
-    return _from_rest(model, period, at) if guess is None else [states_of(guess, model)[0]]
-
-
-def _pattern(mode: Array) -> str:
-    """The signs of a closed motion in order, from a "+" on if there is one, else from a "-"."""
-    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode]
-    kept = [sign for k, sign in enumerate(signs) if sign != signs[k - 1]] or signs[:1]
-    turned = ["".join(kept[k:] + kept[:k]) for k in range(len(kept))]
-    return min(turned, key=lambda text: ("+-0".index(text[0]), text))
 
 
 def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:

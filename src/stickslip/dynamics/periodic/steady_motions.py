@@ -7,21 +7,19 @@ the change of the state with which the motion stays periodic.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import labels_of, some_of, spread
+from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
 from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["NEUTRAL", "Closed", "Closing", "Settled", "settled"]
-
-Array = Any
 NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion can be shifted freely
 _CLOSED, _CLOSED_WITHIN_TOLERANCE = 1e-12, 1e-6  # of the scales: a motion that misses itself by less is closed
 _FLOOR = 1e-9  # by less than this it is, if it gets no better
@@ -30,7 +28,6 @@ _MOST = 12  # steps of Newton's method from a run that has settled
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Settled:
     """The motions in which runs from rest have ended: strobe state, number of drive periods (0: it does not repeat), mean velocity.
 
@@ -83,7 +80,6 @@ def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rto
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Closed:
     """Motions that begin in some states, and their derivatives along directions in the numbers while they stay periodic.
 

@@ -9,12 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from stickslip import pool
-from stickslip.pool import Cancelled
 from stickslip.sweeps.progress import Progress, Watch
 
-__all__ = ["Report", "parts_of", "shared"]
-
-Array = Any
 T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.
 Report = Callable[[Progress], Any] | bool
@@ -60,9 +56,7 @@ def shared(
 
     def done(part: slice) -> T:
         def tell(share: float) -> None:
-            watch.begun(part.start, int(share * (part.stop - part.start)))
-            if watch.stopped:
-                raise Cancelled
+            watch.at_work(part.start, int(share * (part.stop - part.start)))
 
         tell(0.0)
         return work(part, tell)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.contracts import Array
 from stickslip.dynamics.attractors.bifurcation_diagrams import LONGEST, seen
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.recurrence import apart, approach
 from stickslip.sealing import sealed
 
-__all__ = ["LONGEST", "Repetition", "repetition"]
-
-Array = Any
-
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Repetition:
     """After how many drive periods a motion comes back, if it does.
 

@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.tracks import VaryingInTime, grip_of
 
-__all__ = ["ShiftedTrack", "shifted"]
-
 _SAME = 1e-9  # of the largest value: how well a shifted model must be the model at the later time
 
 

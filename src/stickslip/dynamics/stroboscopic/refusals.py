@@ -15,22 +15,27 @@ from stickslip.fields import leaves
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import is_machine, machine_of
 
-__all__ = ["needs_model"]
-
 
 def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""
-    if is_flow(model):
-        _needs_flow(what, model, batch, flows)
-        return
-    if not is_machine(model):
+    flow = is_flow(model)
+    if flow and not flows:
+        taken = (
+            "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.atlas, ss.bifurcation, ss.lyapunov or ss.verdict, "
+            "which take a flow"
+        )
+        raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
+    if not flow and not is_machine(model):
         raise InputError(
             what, [f"{model!r} is not a model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
         )
     if not batch and any(np.ndim(value) for _, value in leaves(model)):
-        raise InputError(
-            what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
-        )
+        kind = "flow" if flow else "robot"
+        told = f"the {kind} is a batch (some of its numbers are arrays); allowed is one {kind}; type each number as a single value"
+        raise InputError(what, [told])
+    if flow:
+        _needs_period(what, model)
+        return
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"
@@ -44,18 +49,8 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False,
                                 "that is not 0"])  # fmt: skip
 
 
-def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
-    """The same of a flow that switches."""
-    if not flows:
-        taken = (
-            "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.atlas, ss.bifurcation, ss.lyapunov or ss.verdict, "
-            "which take a flow"
-        )
-        raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
-    if not batch and any(np.ndim(value) for _, value in leaves(flow)):
-        raise InputError(
-            what, ["the flow is a batch (some of its numbers are arrays); allowed is one flow; type each number as a single value"]
-        )
+def _needs_period(what: str, flow: Any) -> None:
+    """The same of the period of a flow that switches."""
     if flow.period is None:
         hint = (
             "its equations need not depend on time: give it the time between two looks, such as SwitchingFlow(..., period=0.5), of which "

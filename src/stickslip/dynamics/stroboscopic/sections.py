@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.analysis.steady import is_run, period_number
 from stickslip.arguments import Run, explains_arguments
+from stickslip.contracts import Array
 from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.steadiness import way_of_machine
 from stickslip.variables import VARIABLES, unit_of
@@ -16,9 +17,6 @@ from stickslip.variables import VARIABLES, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["halved", "poincare", "spectrum", "strobe"]
-
-Array = Any
 _WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 
@@ -152,39 +150,25 @@ def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array
 
 
 def _dataset(run: Any, t: Array) -> Any:
+    """The states at some times; of several bodies and contacts with theirs."""
     import xarray as xr
 
-    if not run.pieces.layout.own:
-        return _dataset_of_parts(run, t)
-    found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
-    columns: dict[str, Any] = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
-    if found["z"] is not None:
-        dims = ("point",) if np.ndim(found["z"]) == 1 else ("point", "inner_state")
-        columns["z"] = (dims, found["z"], {"long_name": "inner state"})
-    columns["displacement"] = (
-        "point",
-        np.diff(found["x"], prepend=np.nan),
-        {"units": "m", "long_name": "displacement since the previous point"},
-    )
-    columns["phase"] = ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"})
-    return xr.Dataset(columns)
-
-
-def _dataset_of_parts(run: Any, t: Array) -> Any:
-    """The same of several bodies and contacts."""
-    import xarray as xr
-
-    x, v, z = run._states_at(t, run._index(t))
-    way = way_of_machine(run.model, x)
+    parts = {} if run.pieces.layout.own else {"body": list(run.bodies), "contact": list(run.contacts)}
+    if parts:
+        x, v, z = run._states_at(t, run._index(t))
+        way, since = way_of_machine(run.model, x), _WAY
+    else:
+        found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
+        way, v, z, since = found["x"], found["v"], found["z"], "displacement since the previous point"
     columns: dict[str, Any] = {
         "time": ("point", t, {"units": "s"}),
-        "v": (("point", "body"), v, {"units": "m/s", "long_name": "velocity"}),
-        "displacement": ("point", np.diff(way, prepend=np.nan), {"units": "m", "long_name": _WAY}),
+        "v": (("point", *list(parts)[:1]), v, {"units": "m/s", "long_name": "velocity"}),
+        "displacement": ("point", np.diff(way, prepend=np.nan), {"units": "m", "long_name": since}),
         "phase": ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"}),
     }
-    if z.shape[-1]:
-        columns["z"] = (("point", "contact", "inner_state"), z, {"long_name": "inner state"})
-    return xr.Dataset(columns, {"body": list(run.bodies), "contact": list(run.contacts)})
+    if z is not None and z.shape[-1]:
+        columns["z"] = (("point", *list(parts)[1:], "inner_state")[: z.ndim], z, {"long_name": "inner state"})
+    return xr.Dataset(columns, parts)
 
 
 @explains_arguments

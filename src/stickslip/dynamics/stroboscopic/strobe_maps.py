@@ -8,31 +8,24 @@ their positions are coordinates, and the way made is that of their centre of mas
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import cases_of, labels_of, spread
+from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
 from stickslip.flow import is_flow
 from stickslip.forces import inner_start
 from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.position import knows_position
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.steadiness import way_of_machine
 
-__all__ = [
-    "Coordinates", "Ends", "as_it_ends", "at_rest", "coordinates", "difference_jacobian", "flight",
-    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "state_at", "strobe_map", "strobe_orbit",
-]  # fmt: skip
-
-Array = Any
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9
 _DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
@@ -41,7 +34,6 @@ _FINEST = 1e-12  # tolerance of series on the slow manifold: below it two sweeps
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Coordinates:
     """The coordinates of a strobe state: their names, and the size against which each is measured.
 
@@ -116,7 +108,6 @@ class Coordinates:
 
 
 @sealed
-@dataclass(frozen=True, eq=False)
 class Ends:
     """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period.
 
@@ -266,7 +257,7 @@ def strobe_map(
     """
     states = np.atleast_2d(np.asarray(states, float))
     if stepped:
-        return _in_lanes(model, states, periods, rtol, at=at, known=True)
+        return _ended(model, *run_lanes(model, states, periods, rtol, at=at, known=True), periods)
     return _map_of(model, rtol, at)(states, periods)
 
 
@@ -318,13 +309,6 @@ def _steps(model: Any, rtol: float) -> tuple[Any, float]:
     from stickslip.solvers import series
 
     return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
-
-
-def _in_lanes(
-    model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None, known: bool = False
-) -> Ends:
-    """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    return _ended(model, *run_lanes(model, states, periods, rtol, span, at=at, known=known), periods)
 
 
 def _ended(model: Any, found: Any, table: Any, end: Array, periods: int) -> Ends:
@@ -420,7 +404,7 @@ def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> End
         raise InputError(
             type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
         )
-    return _in_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float))
+    return _ended(model, *run_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float)), 1)
 
 
 def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
@@ -461,11 +445,7 @@ def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
     run = run.parted
     x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
-    held = [] if memory is None else [memory]
-    if machine_of(run.model).is_single:
-        placed = [x] if knows_position(run.model) else []
-        return np.column_stack([*placed, v, *([] if z is None else [z]), *held])
-    return np.column_stack([*columns_of(run.model, x, v, z), *held])
+    return np.column_stack([*columns_of(run.model, x, v, z), *([] if memory is None else [memory])])
 
 
 def state_at(run: Any, t: float) -> Array:
@@ -473,19 +453,15 @@ def state_at(run: Any, t: float) -> Array:
     if is_flow(run.model):
         found = run.at(t)
         return np.array([found[name] for name in run.names])
-    if machine_of(run.model).is_single:
-        found = run.at(t)
-        places, inner = [found["x"]] if knows_position(run.model) else [], [] if found["z"] is None else np.ravel(found["z"]).tolist()
-        return np.array([*places, found["v"], *inner])
     run, times = run.parted, np.array([t])
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
 
 def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
-    """The coordinates of a machine of several bodies, without memories, from columns of a run: (time, body) and (time, contact, state)."""
+    """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
-    q, u = m.coordinates_of(tuple(x.T)), m.coordinates_of(tuple(v.T))
-    inner = [z[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
+    q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
+    inner = [np.reshape(z, (len(v), len(m.inner), -1))[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
     return order_of(model).joined(q, u, inner)
 
 
@@ -530,7 +506,9 @@ def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tup
     return np.array(kept), np.array(ways)
 
 
-def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6) -> Array:
+def difference_jacobian(
+    model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6, span: float | None = None
+) -> Array:
     """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
 
     Parameters
@@ -541,5 +519,6 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
     at = coordinates(model)
     d, scales = at.smooth, at.scales[: at.smooth]
     shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
-    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
+    states = np.asarray(state, float) + shifts
+    ends = (strobe_map(model, states, periods, rtol) if span is None else flow_map(model, states, span, rtol)).state[:, :d]
     return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T

@@ -14,10 +14,6 @@ from stickslip.layout import StateLayout
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.position import knows_position
 
-__all__ = ["Order", "needs_one_body", "order_of"]
-
-Array = Any
-
 
 @dataclass(frozen=True)
 class Order:
