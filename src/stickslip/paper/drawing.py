@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper.texts import filled, texts
+from stickslip.plot.runs import rests
 from stickslip.plot.style import SHADE, WIDTH, publication
 from stickslip.report.drawn import svg
 
@@ -49,8 +51,10 @@ class Picture:
     panels: tuple[str, ...]
 
 
-def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, **texts: str) -> Picture:
-    """Draw panels side by side into PNG and SVG files, and each alone for the report."""
+def render(
+    folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, text: str = "", **values: Any
+) -> Picture:
+    """Draw panels side by side into PNG and SVG files, and each alone for the report; its text is that of its key, or a shared one."""
     from matplotlib.figure import Figure
 
     with publication():
@@ -65,7 +69,8 @@ def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2,
         for file in files:
             whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
             whole.set_layout_engine("none")  # the second file is laid out as the first: half of the work
-        return Picture(key=key, files=files, panels=tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
+        alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
+        return Picture(key=key, files=files, panels=alone, **filled(texts("pictures")[text or key], values))
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
@@ -83,22 +88,8 @@ def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
         "s": swing - middle,
         "strobe_v": strobe["v"],
         "strobe_s": strobe["x"] - drift * (strobe["t"] - start) - middle,
-        "rest": _rests(run, periods),
+        "rest": [((a - start) / run.period_time, (b - start) / run.period_time) for a, b in rests(run, start, end)],
     }
-
-
-def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
-    """Where the body rests, in drive periods from the start of the curve: exactly, or by the rule for LuGre words."""
-    from stickslip.analysis.motion import motion
-
-    told = motion(run)
-    if told.type in ("rest", "presliding"):
-        return []
-    count, found = told.period or 1, []
-    for first in range(periods % count - count, periods, count):
-        found += [(first + a, first + a + b) for a, b, sign in told.intervals if sign == 0]
-        found += [(first - count + a, first - count + a + b) for a, b, sign in told.intervals if sign == 0 and a + b > count]
-    return [(max(a, 0.0), min(b, float(periods))) for a, b in found if b > 0 and a < periods]
 
 
 def shade_rest(ax: Any, rests: list[tuple[float, float]], factor: float = 1.0) -> None:
