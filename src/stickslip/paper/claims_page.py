@@ -12,9 +12,9 @@ from stickslip.paper.beam import Beam
 from stickslip.paper.coexistence import Coexistence
 from stickslip.paper.parameter_map import Around
 from stickslip.paper.section5_motions import Motion
+from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
-from stickslip.paper.texts import filled, texts
 
 __all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "judged"]
 
@@ -85,7 +85,7 @@ class Study:
 
 
 def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> Claim:
-    """The claim of a key in the words of ``texts.toml``, in which its numbers and other values stand.
+    """The claim of a key in the words of ``sentences.toml``, in which its numbers and other values stand.
 
     Whether it holds is None where nobody can say. A part is whether it holds, and values of its own; where the text has one
     template of a part, it serves them all.

@@ -7,7 +7,7 @@ from typing import Any
 from stickslip.paper.amplitudes import Interval
 from stickslip.paper.cases import CASES
 from stickslip.paper.parameter_map import FULL
-from stickslip.paper.texts import filled, texts
+from stickslip.paper.sentences import filled, texts
 from stickslip.paper.words import listed, percent, plain
 
 __all__ = ["content"]

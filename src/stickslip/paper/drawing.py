@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.texts import filled, texts
+from stickslip.paper.sentences import filled, texts
 from stickslip.plot.runs import rests
 from stickslip.plot.style import SHADE, WIDTH, publication
 from stickslip.report.drawn import svg

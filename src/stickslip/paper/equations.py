@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from stickslip.engine.latex import aligned, latex, written
 from stickslip.nondimensional import dimensionless, ratios
 from stickslip.paper.cases import EXPERIMENTS, rig
-from stickslip.paper.texts import texts
+from stickslip.paper.sentences import texts
 from stickslip.tracks import fold
 
 __all__ = ["Equation", "equations"]

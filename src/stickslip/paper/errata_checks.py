@@ -1,4 +1,4 @@
-"""The checks of the errata: a function for each, named as its text in ``texts.toml``; what cannot be computed has none."""
+"""The checks of the errata: a function for each, named as its text in ``sentences.toml``; what cannot be computed has none."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from stickslip.paper.amplitudes import ROUNDING
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 from stickslip.paper.claims_page import Study
 from stickslip.paper.errata import Erratum
+from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import batch
-from stickslip.paper.texts import filled, texts
 
 __all__ = ["errata"]
 

@@ -19,13 +19,13 @@ from stickslip.paper.claims_static import static_map
 from stickslip.paper.coexistence import coexistence
 from stickslip.paper.parameter_map import around
 from stickslip.paper.section5_motions import motions
+from stickslip.paper.sentences import texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
-from stickslip.paper.texts import texts
 
 __all__ = ["claims", "study_of"]
 
-#: A function for each claim, named as its text in ``texts.toml``.
+#: A function for each claim, named as its text in ``sentences.toml``.
 JUDGES = (claims_beam, claims_comparison, claims_excitation, claims_friction, claims_irregular, claims_laws, claims_static)
 
 

@@ -22,9 +22,9 @@ from stickslip.paper.errata import Erratum
 from stickslip.paper.errata_checks import errata
 from stickslip.paper.judging import claims, study_of
 from stickslip.paper.section5_motions import Motion
+from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import Runs, Tell, solve_all
 from stickslip.paper.table import rows
-from stickslip.paper.texts import filled, texts
 
 __all__ = ["FORMAT", "Reproduction", "reproduce"]
 

@@ -1,4 +1,4 @@
-"""What the report says: templates in ``texts.toml``, in the order of the paper, into which the numbers of a run are put."""
+"""What the report says: templates in ``sentences.toml``, in the order of the paper, into which the numbers of a run are put."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["filled", "texts"]
 
 @cache
 def _all_texts() -> dict[str, Any]:
-    return tomllib.loads(Path(__file__).with_name("texts.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
 
 
 def texts(kind: str) -> Any:
