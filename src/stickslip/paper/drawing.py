@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.sentences import filled, texts
-from stickslip.plot.runs import rests
 from stickslip.plot.style import SHADE, WIDTH, publication
 from stickslip.report.drawn import svg
 
@@ -88,8 +87,22 @@ def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
         "s": swing - middle,
         "strobe_v": strobe["v"],
         "strobe_s": strobe["x"] - drift * (strobe["t"] - start) - middle,
-        "rest": [((a - start) / run.period_time, (b - start) / run.period_time) for a, b in rests(run, start, end)],
+        "rest": _rests(run, periods),
     }
+
+
+def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
+    """Where the body rests, in drive periods from the start of the curve: exactly, or by the rule for LuGre words."""
+    from stickslip.analysis.motion import motion
+
+    told = motion(run)
+    if told.type in ("rest", "presliding"):
+        return []
+    count, found = told.period or 1, []
+    for first in range(periods % count - count, periods, count):
+        found += [(first + a, first + a + b) for a, b, sign in told.intervals if sign == 0]
+        found += [(first - count + a, first - count + a + b) for a, b, sign in told.intervals if sign == 0 and a + b > count]
+    return [(max(a, 0.0), min(b, float(periods))) for a, b in found if b > 0 and a < periods]
 
 
 def shade_rest(ax: Any, rests: list[tuple[float, float]], factor: float = 1.0) -> None:
