@@ -15,7 +15,6 @@ from stickslip.paper.claims_page import Claim, Study
 from stickslip.paper.coexistence import STARTS, Coexistence
 from stickslip.paper.drawing import COULOMB, LUGRE, Picture, render
 from stickslip.paper.parameter_map import Around
-from stickslip.plot.spacing import cells
 from stickslip.plot.style import INK
 
 __all__ = ["draw"]
@@ -81,6 +80,12 @@ def _steps(ladder: list[dict[str, Any]], best: float, ax: Any) -> None:
 
 
 # ---- maps ----
+def _mesh(ax: Any, x: Any, y: Any, index: Any, colours: list[str]) -> None:
+    from matplotlib.colors import ListedColormap
+
+    ax.pcolormesh(x, y, index, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5, rasterized=True, shading="nearest")
+
+
 def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
     from matplotlib.patches import Patch
 
@@ -131,7 +136,7 @@ def _static(found: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
 def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
     order = ["rest", "II", "I", "III", "IV", "other"]
     index = np.select([types == name for name in order[1:-1]] + [np.isin(types, ("rest", "presliding"))], [1, 2, 3, 4, 0], 5)
-    cells(ax, found["f0"], 1e3 * found["amplitude"], index, [TYPES[name] for name in order])
+    _mesh(ax, found["f0"], 1e3 * found["amplitude"], index, [TYPES[name] for name in order])
     _key(ax, [(_called(name, types), TYPES[name]) for i, name in enumerate(order) if (index == i).any()])
     _frame(ax, found["f0"][found["printed"]], title)
 
@@ -142,7 +147,7 @@ def _called(name: str, types: Any) -> str:
 
 
 def _both_panel(both: Coexistence, ax: Any) -> None:
-    cells(ax, both.f0, 1e3 * both.amplitude, both.two.astype(int), [TYPES["rest"], BOTH])
+    _mesh(ax, both.f0, 1e3 * both.amplitude, both.two.astype(int), [TYPES["rest"], BOTH])
     _key(ax, [("one motion", TYPES["rest"]), ("two motions", BOTH)])
     _frame(ax, both.printed, "LuGre, from several starts")
 
