@@ -26,11 +26,11 @@ class Commands(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The sections."""
-        from stickslip.cli import COMMANDS, act_of
-        from stickslip.cli.arguments import parser_of
+        from stickslip.cli import COMMANDS
+        from stickslip.cli.arguments import parser
         from stickslip.cli.transcripts import transcript
 
-        return [section(name, about, parser_of(act_of(name), name), transcript(name)) for name, (_, about) in COMMANDS.items()]
+        return [section(name, about, parser(name), transcript(name)) for name, (_, about) in COMMANDS.items()]
 
 
 def section(name: str, about: str, parser, example: str) -> nodes.section:

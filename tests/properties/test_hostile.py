@@ -11,8 +11,8 @@ import pytest
 
 import stickslip as ss
 from hostile import Outcome, damaged, limits, warm
-from stickslip.cli import COMMANDS, act_of, identify, main, study_files
-from stickslip.cli.arguments import parser_of
+from stickslip.cli import COMMANDS, identify, main, study_files
+from stickslip.cli.arguments import parser
 from stickslip.tables import PARTS
 
 #: A time limit may strike in a finalizer, which cannot pass it on.
@@ -107,7 +107,7 @@ LONG = ("explore", "paper", "warmup")
 
 def options():
     """Every option of every command, from its own parser."""
-    return {name: [o for action in parser_of(act_of(name), name)._actions for o in action.option_strings] for name in COMMANDS}
+    return {name: [o for action in parser(name)._actions for o in action.option_strings] for name in COMMANDS}
 
 
 def command(rng, known):

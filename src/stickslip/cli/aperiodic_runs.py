@@ -40,7 +40,6 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
 def as_text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
-    made = record["provenance"]
     rows = [
         ("mechanism", f"{record['mechanism']} with {record['law']} friction"),
         ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
@@ -50,8 +49,5 @@ def as_text(record: dict[str, Any]) -> str:
         ("energy", f"drive {record['energy']['drive']:.4g} J, friction {record['energy']['friction']:.4g} J"),
         ("energy balance", f"worst residual {record['energy']['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {record['duration']:.6g} s"),
-        *(("note", note) for note in record["notes"]),
-        *(("written", path) for path in record["written"]),
-        ("made by", f"stickslip {made['versions']['stickslip']}, {made['settings']['method']}"),
     ]
-    return f"{record['robot']}\n{show.facts(rows)}"
+    return show.of_run(record, rows, record["provenance"]["settings"]["method"])

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
-from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, NoReturn
 
 from stickslip.cli.probing import probe, probe_axes
+from stickslip.cli.show import writable
 from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
 from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
@@ -18,19 +20,9 @@ from stickslip.naming import axis_of, example_for
 from stickslip.typed_numbers import in_unit
 
 __all__ = [
-    "SOLVER", "Parser", "Subject", "check_driven", "named_words", "names_of", "parser", "parser_of", "settings", "subject", "units_of",
-    "value", "without_default",
+    "SOLVER", "Parser", "Subject", "asked", "ends", "named_words", "names_of", "parser", "settings", "several", "subject", "units_of",
+    "value",
 ]  # fmt: skip
-
-
-_CATCHING: ContextVar[bool] = ContextVar("catching", default=False)
-
-
-class _Caught(Exception):
-    """A parser that is complete and about to read."""
-
-    def __init__(self, made: Parser):
-        self.parser = made
 
 
 class _Allow(argparse.Action):
@@ -41,13 +33,11 @@ class _Allow(argparse.Action):
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse, with our sentences for its errors."""
+    """argparse, with our sentences for its errors; `files` are arguments that name one, with how it is typed and its endings."""
 
-    def parse_known_args(self, *args: Any, **kwargs: Any) -> Any:
-        """Read the words, unless somebody only wants to see this parser (`parser_of`)."""
-        if _CATCHING.get():
-            raise _Caught(self)
-        return super().parse_known_args(*args, **kwargs)
+    def __init__(self, **how: Any):
+        super().__init__(**how)
+        self.files: dict[str, tuple[Any, Sequence[str]]] = {}
 
     def error(self, message: str) -> NoReturn:
         """Raise what is wrong as an `InputError`, with the nearest option there is."""
@@ -83,42 +73,55 @@ class Parser(argparse.ArgumentParser):
         return str(action.metavar or action.dest.upper())
 
 
-_ROBOT = "name of a preset, path of a TOML study file, or module:function of your own"
+_FOLDER = Path(__file__).parent / "commands"
+_TYPES = {"int": int, "float": float}
 
 
-def parser(command: str, about: str, robot: bool | str = True, more: str = "", code: bool = False) -> Parser:
-    """A parser with what all commands share; `robot` may say what else stands there, `code` that one without takes study files too."""
-    plain = argparse.RawDescriptionHelpFormatter
-    end = "\n\n".join(part.rstrip("\n") for part in (more, transcript(command)) if part)
-    made = Parser(prog=f"stickslip {command}", description=about, epilog=end, allow_abbrev=False, formatter_class=plain)
-    if robot:
-        made.add_argument("robot", metavar="ROBOT", help=robot if isinstance(robot, str) else _ROBOT)
-        made.add_argument(
-            "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
-        )
-    if robot or code:
-        made.add_argument("--allow-code", action=_Allow, nargs=0, help="run the Python code that a study file names")
-    made.add_argument("--json", action="store_true", help="print all results as JSON on stdout")
-    return made
-
-
-def parser_of(act: Callable[[str, list[str]], int], command: str) -> Parser:
-    """The parser of a command, caught at the moment when it would begin to read: help pages and completion are made from it.
+def parser(command: str) -> Parser:
+    """The parser of a command, made of its file in ``cli/commands``.
 
     Examples
     --------
-    >>> from stickslip.cli.run import act
-    >>> parser_of(act, "run").prog
+    >>> parser("run").prog
     'stickslip run'
     """
-    before = _CATCHING.set(True)
-    try:
-        act(command, [])
-    except _Caught as caught:
-        return caught.parser
-    finally:
-        _CATCHING.reset(before)
-    raise LookupError(f"the command {command} reads no words")
+    told, plain = _told(command), argparse.RawDescriptionHelpFormatter
+    end = "\n\n".join(part.rstrip("\n") for part in (told.get("more", ""), transcript(command)) if part)
+    made = Parser(prog=f"stickslip {command}", description=told["about"], epilog=end, allow_abbrev=False, formatter_class=plain)
+    made.register("action", "allow", _Allow)
+    for names, how in _arguments(told):
+        ends = how.pop("ends", ())
+        action = made.add_argument(*names.split(", "), **how | ({"type": _TYPES[how["type"]]} if "type" in how else {}))
+        made.files |= {action.dest: (names.partition(",")[0] if action.option_strings else action.metavar, ends)} if ends else {}
+    return made
+
+
+def _told(command: str) -> dict[str, Any]:
+    return tomllib.loads((_FOLDER / f"{command}.toml").read_text(encoding="utf-8"))
+
+
+def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Names and properties of each argument; a name such as ``_json`` stands for those that several commands share."""
+    for names, how in told["arguments"].items():
+        if names.startswith("_"):
+            yield from _arguments(_told(names))
+        else:
+            yield names, how
+
+
+def asked(command: str, words: list[str]) -> Any:
+    """What is asked of a command, with its files checked before the work."""
+    made, told = parser(command), _told(command)
+    mixed = any(action.nargs == "*" for action in made._actions)  # words of two kinds, with options between them
+    read = made.parse_intermixed_args if mixed else made.parse_args
+    found: Any = made.parse_known_args(words)[0] if told.get("open") else read(words)
+    if told.get("driven"):
+        check_driven(command, found.robot)
+    for name, (option, ends) in made.files.items():
+        setattr(found, name, writable(option, getattr(found, name), ends))
+    found.command, found.typed = command, " ".join(["stickslip", command, *words])
+    found.words = words
+    return found
 
 
 def value(text: str, unit: str = "") -> Any:
@@ -139,6 +142,18 @@ def value(text: str, unit: str = "") -> Any:
         return float(text)
     except ValueError:
         return None if text.lower() == "none" else in_unit(text, unit) if unit else text
+
+
+def ends(text: str) -> tuple[float, float]:
+    """Both numbers of A..B.
+
+    Examples
+    --------
+    >>> ends("1e-3..2")
+    (0.001, 2.0)
+    """
+    low, high = map(float, text.split(".."))
+    return low, high
 
 
 def values(text: str, unit: str = "") -> Any:
@@ -331,14 +346,14 @@ def check_driven(command: str, name: str) -> None:
     raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
 
 
-def without_default(name: str) -> list[str]:
-    """The arguments for which a preset, a study file or a function has no default."""
-    return names_of(found(name).make)[0]
-
-
-def all_of(name: str) -> list[str]:
-    """All arguments of a preset, a study file or a function."""
-    return names_of(found(name).make)[1]
+def several(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:
+    """The names of the arguments that have several values, of which there are to be so many, and the other arguments."""
+    many = [name for name, value in arguments.items() if isinstance(value, list)]
+    if len(many) != count:
+        given = f"{' and '.join(many)} {'has' if len(many) == 1 else 'have'} several" if many else "no argument has several"
+        allowed = f"allowed {'is exactly one' if count == 1 else 'are exactly two'}, as NAME=a..b:n"
+        raise InputError(command, [f"{given} values; {allowed}; type for example {example}"])
+    return many, {name: value for name, value in arguments.items() if name not in many}
 
 
 def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:

@@ -6,8 +6,8 @@ import re
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import check_driven, parser, subject, units_of, values
-from stickslip.cli.outputs import Outcome, add_targets, finish, targets
+from stickslip.cli.arguments import subject, units_of, values
+from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError, Problems
@@ -19,49 +19,35 @@ _SOLVER = ("settle", "rtol", "workers")
 _START = re.compile(rf"({_NAME.pattern})=(.+)")
 
 
-def act(command: str, typed: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(
-        command,
-        "Basins of attraction over a grid of initial states: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10. "
-        "With a range of one of the robot's numbers: the attractors along it.",
-    )
-    add_targets(made, "the map", "the map")
-    asked = made.parse_intermixed_args(typed)
-    check_driven(command, asked.robot)
-    files = targets(asked)
     filed = {name: v for name, v in in_file(asked.robot).arguments.items() if _NAME.fullmatch(name)}
     starts = {**_starts([f"{name}={_text(v)}" for name, v in filed.items()]), **_starts(asked.settings)}
     words = [word for word in asked.settings if not _START.fullmatch(word)]
     study = subject(asked.robot, words, many=True, solver=_SOLVER, own=tuple(filed), strict=False)
     ranges = [name for name, given in study.arguments.items() if hasattr(given, "__len__") and not isinstance(given, str)]
-    if not ranges and files.figure is not None and sum(isinstance(v, list) and len(v) > 1 for v in starts.values()) < 2:
+    if not ranges and asked.figure is not None and sum(isinstance(v, list) and len(v) > 1 for v in starts.values()) < 2:
         raise InputError("--figure", ["a map needs two coordinates with several values; type for example v=-0.1..0.1:41 z=-2e-6..2e-6:21"])
-    return finish(asked, files, _along(study, ranges, starts) if ranges else _one(study, starts))
+    return _along(asked, study, ranges, starts) if ranges else _one(asked, study, starts)
 
 
-def _one(study: Any, starts: dict[str, Any]) -> Outcome:
+def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: which start goes where."""
     from stickslip.dynamics.attractors.basins import basins
 
     found = basins(study.robot(), progress=watcher(), **study.options, **starts)
-
-    def draw() -> Any:
-        from stickslip import plot
-
-        return plot.basins(found)
-
     attractors = [
         {"period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval} for a in found.attractors
     ]
     axes = {str(name): found.map[name].values for name in found.map.attractor.dims}
     columns = {str(name): found.map[name].values for name in found.map.data_vars}
     record = {"robot": study.title(), "attractors": attractors, "axes": axes, "columns": columns}
-    return Outcome(record, _told(study, found), found.map, draw)
+    return Outcome(record, _told(study, found), ((asked.figure, found.plot),), asked.out, found.map)
 
 
-def _along(study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
+def _along(asked: Any, study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
     """Robots along a number: what becomes of the attractors."""
+    from stickslip import plot
     from stickslip.dynamics.attractors.attractor_continuation import attractors
 
     if len(ranges) > 1:
@@ -72,15 +58,9 @@ def _along(study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
     rest = {name: given for name, given in study.arguments.items() if name != parameter}
     along = {"parameter": parameter, "values": study.arguments[parameter], "starts": starts}
     found = attractors(study.make, progress=watcher(), **along, **study.options, **rest)
-
-    def draw() -> Any:
-        from stickslip import plot
-
-        return plot.attractors(found)
-
     columns = {str(name): found[name].values for name in found.data_vars}
     record = {"robot": study.name, "axes": {n: found[n].values for n in ("attractor", parameter)}, "columns": columns}
-    return Outcome(record, _lives(study.name, parameter, found), found, draw)
+    return Outcome(record, _lives(study.name, parameter, found), ((asked.figure, lambda: plot.attractors(found)),), asked.out, found)
 
 
 def _lives(name: str, parameter: str, found: Any) -> str:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import names_of, parser, settings, subject
+from stickslip.cli.arguments import names_of, settings, subject
+from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.friction.law_adapter import is_law
@@ -16,26 +17,11 @@ __all__ = ["act", "asked_laws"]
 
 #: Arguments of the bench itself; every other name is a number of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
-_MORE = """\
-LAW is the name of a friction law (see `stickslip laws`), `all`, a study file, whose law with its numbers is meant, or your own, as
-file.py:Name or module:Name of a law or of a function that makes a robot. NAME=VALUE, such as mu_plus=0.2, is set in every law that has
-it, and in every robot of a file or function; what is not set is as in the law's example. load, mass, stiffness and speed are those of
-the experiments.
-
-example: stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png"""
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(
-        command, "Perform the standard experiments of the friction literature on one or more laws.", robot=False, more=_MORE, code=True
-    )
-    made.add_argument("words", metavar="LAW | NAME=VALUE", nargs="*", default=[], help="laws, and numbers that are set")
-    made.add_argument("--figure", metavar="FILE", help="draw all experiments (.png, .svg or .pdf)")
-    made.add_argument("--only", metavar="NAME", action="append", help="perform only this experiment (may be repeated)")
-    asked = made.parse_intermixed_args(words)
-    figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
-    laws, own = asked_laws(asked.words)
+    laws, own = asked_laws(asked.laws)
 
     from stickslip.benching import bench
 
@@ -46,12 +32,8 @@ def act(command: str, words: list[str]) -> int:
         progress=None if tell is None else lambda what, done, whole: tell(done, whole),
         **own,
     )
-    written = [str(path) for path in (_drawn(done, figure),) if path is not None]
-    if asked.json:
-        show.print_json({**done.to_dict(), "written": written})
-    else:
-        print("\n".join([done.table, *(f"written: {path}" for path in written)]))
-    return 0
+    written = [str(path) for path in (_drawn(done, asked.figure),) if path is not None]
+    return Outcome({**done.to_dict(), "written": written}, "\n".join([done.table, *(f"written: {path}" for path in written)]))
 
 
 def asked_laws(words: list[str], own: tuple[str, ...] = OWN, command: str = "bench") -> tuple[list[Any], dict[str, Any]]:

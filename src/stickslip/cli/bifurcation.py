@@ -5,31 +5,19 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from stickslip.cli.arguments import Subject, check_driven, parser, subject
-from stickslip.cli.outputs import Outcome, add_targets, finish, targets
+from stickslip.cli.arguments import Subject, several, subject
+from stickslip.cli.outputs import Outcome
 from stickslip.cli.sweep import watcher
-from stickslip.errors import InputError
 
 __all__ = ["act"]
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(
-        command,
-        "How a motion changes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
-    )
-    made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
-    made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")
-    made.add_argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)")
-    made.add_argument("--observable", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default: the first velocity)")
-    add_targets(made, "the diagram", "the diagram")
-    asked = made.parse_intermixed_args(words)
-    check_driven(command, asked.robot)
-    files = targets(asked)
     known = ("settle", "rtol", "workers", "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
-    parameter, values, fixed = _split(command, study.arguments)
+    (parameter,), fixed = several(asked.command, study.arguments, 1, "mu0=0.034..0.05:200")
+    values = study.arguments[parameter]
 
     from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation
 
@@ -37,16 +25,7 @@ def act(command: str, words: list[str]) -> int:
     diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=watcher(), **options)
     branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
     record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
-    return finish(asked, files, Outcome(record, text, diagram, lambda: _drawn(diagram, branches, asked.observable)))
-
-
-def _split(command: str, arguments: dict[str, Any]) -> tuple[str, list[float], dict[str, Any]]:
-    """The one argument that has several values, and the others."""
-    many = [name for name, value in arguments.items() if isinstance(value, list)]
-    if len(many) != 1:
-        given = f"{' and '.join(many)} have several" if many else "no argument has several"
-        raise InputError(command, [f"{given} values; allowed is exactly one, as NAME=a..b:n; type for example mu0=0.034..0.05:200"])
-    return many[0], arguments[many[0]], {name: value for name, value in arguments.items() if name != many[0]}
+    return Outcome(record, text, ((asked.figure, lambda: _drawn(diagram, branches, asked.observable)),), asked.out, diagram)
 
 
 def _followed(make: Any, parameter: str, values: list[float], period: int, fixed: dict[str, Any]) -> list[Any]:

@@ -73,7 +73,7 @@ def _energy(run: Any) -> dict[str, Any]:
 
 def as_text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
-    work, made = record["energy"], record["provenance"]["versions"]
+    work = record["energy"]
     driven, period = record["period_time"] is not None, record.get("period")
     per_second = record["velocity_unit"]
     mean = show.quantity(record["mean_velocity"], per_second)
@@ -85,11 +85,8 @@ def as_text(record: dict[str, Any]) -> str:
         *([("repeats after", "not found" if period is None else show.counted(period, "drive period"))] if driven else []),
         *_balance(work, driven),
         ("status", f"{record['status']}, {record['duration']:.6g} s"),
-        *(("note", note) for note in record["notes"]),
-        *(("written", path) for path in record["written"]),
-        ("made by", f"stickslip {made['stickslip']}, {record['provenance']['settings']['method']}"),
     ]
-    return f"{record['robot']}\n{show.facts(rows)}"
+    return show.of_run(record, rows, record["provenance"]["settings"]["method"])
 
 
 def _of_body(body: dict[str, float], per_second: str) -> str:

@@ -6,24 +6,15 @@ import inspect
 from typing import Any
 
 from stickslip.cli import recorded, show
-from stickslip.cli.arguments import parser, subject
+from stickslip.cli.arguments import subject
+from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
-_MORE = "example: stickslip compare piezo_rig tilt_deg=1.7 amplitude=5.525e-4 --record run.csv --laws coulomb,lugre --report out.html"
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Compare a record with several laws, aligned in phase: mean velocity, type, rms over the cycle.", more=_MORE)
-    made.add_argument("--record", metavar="FILE", required=True, help="the measured record")
-    made.add_argument("--laws", metavar="A,B", default="coulomb,lugre", help="laws (default: coulomb,lugre)")
-    recorded.add_options(made)
-    made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
-    made.add_argument("--figure", metavar="FILE", help="draw record and laws (.png, .svg or .pdf)")
-    asked = made.parse_intermixed_args(words)
-    report, figure = show.writable("--report", asked.report, (".html",)), show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     _check_robot(asked.robot)
     study = subject(asked.robot, asked.settings, solver=())
 
@@ -32,18 +23,13 @@ def act(command: str, words: list[str]) -> int:
     with recorded.in_words_of_the_shell():
         rec = recorded.opened(asked.record, asked)
         found = compare(rec, study.robot(), laws=_laws(asked.laws, study), settle=recorded.settle(asked))
-    if report is not None:
-        found.report(report)
-    if figure is not None:
-        show.draw_to(figure, found.plot().figure)
-    if asked.json:
-        show.print_json(
-            {"robot": study.title(), "rows": found.to_table(), "noise": found.noise, "best": found.best.label, "notes": list(found.notes)}
-        )
-    else:
-        print(study.title())
-        print("\n".join([recorded.typed(str(found)), *(f"written to {path}" for path in (report, figure) if path is not None)]))
-    return 0
+    if asked.report is not None:
+        found.report(asked.report)
+    if asked.figure is not None:
+        show.draw_to(asked.figure, found.plot().figure)
+    record = {"robot": study.title(), "rows": found.to_table(), "noise": found.noise, "best": found.best.label, "notes": list(found.notes)}
+    written = [f"written to {path}" for path in (asked.report, asked.figure) if path is not None]
+    return Outcome(record, "\n".join([study.title(), recorded.typed(str(found)), *written]))
 
 
 def _check_robot(name: str) -> None:

@@ -2,70 +2,24 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
-from stickslip.cli import show
-from stickslip.cli.arguments import parser, parser_of
+from stickslip.cli.arguments import parser
+from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, did_you_mean
 
 __all__ = ["act", "script", "vocabulary"]
 
 SHELLS = ("bash", "zsh", "fish")
 
-_BASH = """\
-# stickslip: completion for bash. Type: source <(stickslip completion bash)
-_stickslip() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} words
-    case ${{COMP_WORDS[1]}} in
-{cases}
-        *) words="{commands}" ;;
-    esac
-    (( COMP_CWORD == 1 )) && words="{commands}"
-    COMPREPLY=($(compgen -W "$words" -- "$word"))
-    (( ${{#COMPREPLY[@]}} )) || COMPREPLY=($(compgen -f -- "$word"))
-    [[ ${{#COMPREPLY[@]}} -eq 1 && ${{COMPREPLY[0]}} == *= ]] && compopt -o nospace
-}}
-complete -F _stickslip stickslip
-"""
-_ZSH = """\
-#compdef stickslip
-# stickslip: completion for zsh. Type: source <(stickslip completion zsh)
-_stickslip() {{
-    local -a names
-    if (( CURRENT == 2 )); then
-        names=({commands})
-    else
-        case $words[2] in
-{cases}
-        esac
-    fi
-    compadd -S '' -- ${{(M)names:#*=}}
-    compadd -- ${{names:#*=}}
-    _files
-}}
-compdef _stickslip stickslip
-"""
-_FISH = """\
-# stickslip: completion for fish. Type: stickslip completion fish | source
-complete -c stickslip -n __fish_use_subcommand -f
-{commands}
-{cases}
-"""
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Print a script that makes the Tab key complete commands, options, presets and names.", robot=False)
-    made.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
-    asked = made.parse_args(words)
     if asked.shell not in SHELLS:
         raise InputError("completion", [f"{asked.shell!r} is not a known shell; {did_you_mean(asked.shell, SHELLS)}"])
     text = script(asked.shell)
-    if asked.json:
-        show.print_json({"shell": asked.shell, "script": text})
-    else:
-        print(text, end="")
-    return 0
+    return Outcome({"shell": asked.shell, "script": text}, text.removesuffix("\n"))
 
 
 def vocabulary() -> dict[str, list[str]]:
@@ -77,9 +31,9 @@ def vocabulary() -> dict[str, list[str]]:
     >>> "--figure" in words, "piezo_rig" in words, "tilt_deg=" in words, "periods=" in words
     (True, True, True, True)
     """
-    from stickslip.cli import COMMANDS, act_of
+    from stickslip.cli import COMMANDS
 
-    return {command: _words(command, parser_of(act_of(command), command)) for command in COMMANDS}
+    return {command: _words(command, parser(command)) for command in COMMANDS}
 
 
 def _words(command: str, made: Any) -> list[str]:
@@ -116,17 +70,15 @@ def script(shell: str) -> str:
     """
     from stickslip.cli import COMMANDS
 
-    words = vocabulary()
-    if shell == "bash":
-        cases = "\n".join(f'        {name}) words="{" ".join(known)}" ;;' for name, known in words.items())
-        return _BASH.format(cases=cases, commands=" ".join(COMMANDS))
-    if shell == "zsh":
-        cases = "\n".join(f"            {name}) names=({' '.join(known)}) ;;" for name, known in words.items())
-        return _ZSH.format(cases=cases, commands=" ".join(COMMANDS))
-    commands = "\n".join(
-        f"complete -c stickslip -n __fish_use_subcommand -a {name} -d {_quoted(about)}" for name, (_, about) in COMMANDS.items()
-    )
-    return _FISH.format(commands=commands, cases="\n".join(_fish(name, known) for name, known in words.items()))
+    words, form = vocabulary(), (Path(__file__).parent / "commands" / f"completion.{shell}").read_text(encoding="utf-8")
+    if shell == "fish":
+        commands = "\n".join(
+            f"complete -c stickslip -n __fish_use_subcommand -a {name} -d {_quoted(about)}" for name, (_, about) in COMMANDS.items()
+        )
+        return form.format(commands=commands, cases="\n".join(_fish(name, known) for name, known in words.items()))
+    line = {"bash": '        {0}) words="{1}" ;;', "zsh": "            {0}) names=({1}) ;;"}[shell]
+    cases = "\n".join(line.format(name, " ".join(known)) for name, known in words.items())
+    return form.format(cases=cases, commands=" ".join(COMMANDS))
 
 
 def _fish(name: str, known: list[str]) -> str:

@@ -13,32 +13,27 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser
+from stickslip.cli.outputs import Outcome
 
 __all__ = ["act"]
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "matplotlib")
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    return _doctor(words) if command == "doctor" else _warmup(words)
+    return _doctor() if asked.command == "doctor" else _warmup()
 
 
 # ---- doctor ----
-def _doctor(words: list[str]) -> int:
-    asked = parser("doctor", "Show versions, the cache folder, and any problems.", robot=False).parse_args(words)
+def _doctor() -> Outcome:
     record = _findings()
-    if asked.json:
-        show.print_json(record)
-    else:
-        cache = record["cache"]
-        rows = [(name, version or "not installed") for name, version in record["versions"].items()]
-        rows += [("processors", str(record["processors"])), ("cache folder", cache["folder"])]
-        rows += [("  writable", "yes" if cache["writable"] else "no"), ("  kernels", f"{cache['kernels']}, {cache['bytes'] / 1e6:.1f} MB")]
-        print(show.facts(rows))
-        print("\n".join(f"problem: {p}" for p in record["problems"]) or "all is in order")
-    return 1 if record["missing"] else 0
+    cache = record["cache"]
+    rows = [(name, version or "not installed") for name, version in record["versions"].items()]
+    rows += [("processors", str(record["processors"])), ("cache folder", cache["folder"])]
+    rows += [("  writable", "yes" if cache["writable"] else "no"), ("  kernels", f"{cache['kernels']}, {cache['bytes'] / 1e6:.1f} MB")]
+    problems = "\n".join(f"problem: {p}" for p in record["problems"]) or "all is in order"
+    return Outcome(record, f"{show.facts(rows)}\n{problems}", code=1 if record["missing"] else 0)
 
 
 def _findings() -> dict[str, Any]:
@@ -76,29 +71,22 @@ def _version(name: str) -> str | None:
 
 def _can_write(place: Path) -> bool:
     """Whether a file can be made there, or the folder itself where it is not there yet."""
-    while not place.exists() and place != place.parent:
-        place = place.parent
     try:
-        with tempfile.TemporaryFile(dir=place):
+        with tempfile.TemporaryFile(dir=show.existing(place)):
             return True
     except OSError:
         return False
 
 
 # ---- warmup ----
-def _warmup(words: list[str]) -> int:
-    asked = parser("warmup", "Compile the usual kernels now, for every later process.", robot=False).parse_args(words)
+def _warmup() -> Outcome:
     times = {}
     for name, work in _kernels().items():
         begin = time.perf_counter()
         work()
         times[name] = time.perf_counter() - begin
         print(f"{name}: {times[name]:.1f} s", file=sys.stderr, flush=True)
-    if asked.json:
-        show.print_json({"seconds": times})
-    else:
-        print(f"{len(times)} kernels are ready")
-    return 0
+    return Outcome({"seconds": times}, f"{len(times)} kernels are ready")
 
 
 def _kernels() -> dict[str, Callable[[], Any]]:

@@ -5,44 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.cli.arguments import parser, subject
+from stickslip.cli.arguments import subject
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
-_MORE = """\
-With ROBOT the page opens with its numbers: a preset, a study file (such as the study.toml that the page saves), or a function of your own.
-A chain, a bench, a machine or a robot with parts of your own has a page with a slider for each of its numbers. The page works without
-a network. It is served to this machine only, unless --host says otherwise. Its address carries a token: whoever has it may use
-this machine's processors, and nobody else. --no-token does without, for an address to be kept as a bookmark on a machine that has no
-other users. Ctrl-C ends it.
-"""
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> int:
     """Do the command."""
-    made = parser(
-        command,
-        "Open a page with a slider for each number of a robot, and see how it moves.",
-        robot=False,
-        more=_MORE,
-        code=True,
-    )
-    made.add_argument("robot", metavar="ROBOT", nargs="?", help="preset, TOML study file or module:function to begin with (optional)")
-    made.add_argument("settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot (optional)")
-    made.add_argument("--port", metavar="N", default="8765", help="port to serve on; 0 takes a free one (8765)")
-    made.add_argument("--host", metavar="HOST", default="127.0.0.1", help="where to listen (127.0.0.1: this machine only)")
-    made.add_argument("--workers", metavar="N", help="threads that compute (as many as there are processors, from 2 to 8)")
-    made.add_argument("--no-token", action="store_true", help="let every user of this machine use the page, at an address without a token")
-    made.add_argument("--no-browser", action="store_true", help="only print the address")
-    asked = made.parse_intermixed_args(words)
     port = _whole("--port", asked.port, 0, 65535, "8765")
     workers = None if asked.workers is None else _whole("--workers", asked.workers, 1, 64, "2")
     place, shown = ("", None) if asked.robot is None else _opened(asked.robot, asked.settings)
 
-    from stickslip.explorer.server import serve
+    from stickslip.explorer.server import server_of
 
-    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers, not asked.no_token, shown)
+    tell = _announced(not asked.no_browser, asked.json, place)
+    server_of(asked.host, port, tell, workers, not asked.no_token, shown=shown).run()
     return 0
 
 

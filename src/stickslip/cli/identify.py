@@ -7,104 +7,44 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import recorded, show
-from stickslip.cli.arguments import parser, settings
+from stickslip.cli.arguments import ends, settings
+from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 
 __all__ = ["act"]
 
-_ROBOT = "name of a preset, of a law (see `stickslip laws`; its force is fitted over the record's motion), or path of a TOML study file"
-_MORE = """\
-example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv
-           --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
-
-A study file says the same in TOML:
-  [identify]
-  make = "piezo_rig"
-  records = ["a.csv", "b.csv"]      # or: means = [0.0017, 0.0036]
-  [identify.arguments]
-  tilt_deg = 1.7
-  amplitude = [5e-4, 8e-4]
-  [identify.free]
-  mu0 = [0.05, 0.5]
-  v_s = [2e-4, 2e-2, "log"]
-  [identify.sensor]                 # left out: offset, drift, gain, delay are fitted; empty: an ideal sensor
-  offset = 0.0
-  gain = ["normal", 1.0, 0.02]
-and `stickslip identify study.toml` does it."""
-_KEYS = (
-    "make",
-    "records",
-    "means",
-    "arguments",
-    "free",
-    "tied",
-    "using",
-    "noise",
-    "starts",
-    "seed",
-    "load",
-    "frequency",
-    "settle",
-    "transient",
-    "sensor",
-    "units",
-    "roles",
-    "columns",
-)
+_OPTIONS = ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor")
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    about = "Fit parameters of a robot, or of a friction law, to measured records, with intervals and a check of the residuals."
-    made = parser(command, about, robot=_ROBOT, more=_MORE)
-    made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (may be repeated)")
-    made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
-    made.add_argument(
-        "--free",
-        metavar="NAME=A..B",
-        action="append",
-        default=[],
-        help="a free parameter and its bounds; append :log to search its logarithm",
-    )
-    made.add_argument("--noise", type=float, help="standard deviation of one value [SI]")
-    made.add_argument("--transient", action="store_true", help="fit the transients of the records too, simulated from their first samples")
-    made.add_argument(
-        "--sensor", metavar="NAME=VALUE", action="append", default=[],
-        help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
-    )  # fmt: skip
-    made.add_argument("--level", type=float, default=0.95, help="level of the intervals (default 0.95)")
-    made.add_argument("--profile", action="store_true", help="intervals from profile likelihoods")
-    recorded.add_options(made)
-    made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
-    asked = made.parse_intermixed_args(words)
     if not 0 < asked.level < 1:
         raise InputError("--level", [f"{asked.level:g}; allowed is above 0 and below 1; type for example --level 0.95"])
-    report = show.writable("--report", asked.report, (".html",))
     job = _study(asked) if _is_study(asked.robot) else _typed(asked)
     make = _maker(job["make"])
 
     from stickslip.identifying import identify
-    from stickslip.identifying.fit_text import NOT_DETERMINED
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
         fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
-    if report is not None:
-        fit.report(report)
-    if asked.json:
-        show.print_json(_numbers(fit, intervals, asked.level, method))
-    else:
-        print(recorded.typed(fit.report()))
-        if asked.profile or asked.level != 0.95:
-            for name, (low, high) in intervals.items():
-                how = " (profile)" if asked.profile else ""
-                ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g}{how}"
-                print(f"  {name}: {ends}")
-        if report is not None:
-            print(f"written to {report}")
-    return 0
+    if asked.report is not None:
+        fit.report(asked.report)
+    return Outcome(lambda: _numbers(fit, intervals, asked.level, method), lambda: _text(fit, intervals, asked))
+
+
+def _text(fit: Any, intervals: dict[str, Any], asked: Any) -> str:
+    """The report, with the intervals that were asked for."""
+    from stickslip.identifying.fit_text import NOT_DETERMINED
+
+    lines, how = [recorded.typed(fit.report())], " (profile)" if asked.profile else ""
+    if asked.profile or asked.level != 0.95:
+        for name, (low, high) in intervals.items():
+            ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g}{how}"
+            lines.append(f"  {name}: {ends}")
+    return "\n".join([*lines, *([] if asked.report is None else [f"written to {asked.report}"])])
 
 
 def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
@@ -153,9 +93,8 @@ def _typed(asked: Any) -> dict[str, Any]:
     for word in asked.free:
         name, _, bounds = word.partition("=")
         text, _, log = bounds.partition(":")
-        low, _, high = text.partition("..")
         try:
-            free[name] = (float(low), float(high), "log") if log == "log" else (float(low), float(high))
+            free[name] = (*ends(text), "log") if log == "log" else ends(text)
         except ValueError:
             problems.add(f"--free {word!r} is not NAME=A..B; type for example --free mu0=0.05..0.5")
     sensor = _sensor(asked.sensor, problems)
@@ -201,6 +140,9 @@ _SHAPES: dict[str, tuple[type, str]] = {
 }  # fmt: skip
 
 
+_KEYS = tuple(dict.fromkeys((*_SHAPES, *_OPTIONS)))
+
+
 def _study(asked: Any) -> dict[str, Any]:
     """What is to be done, from a study file; paths count from its folder."""
     path = as_path(asked.robot, "identify")
@@ -208,11 +150,7 @@ def _study(asked: Any) -> dict[str, Any]:
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
     asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]
     asked.columns = asked.columns or (",".join(table["columns"]) if "columns" in table else None)
-    options = {
-        k: table[k]
-        for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor")
-        if k in table
-    }
+    options = {k: table[k] for k in _OPTIONS if k in table}
     return {
         "make": table.get("make", str(path)),
         "records": [str(path.parent / name) for name in table.get("records", [])],

@@ -3,59 +3,31 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
-from stickslip.cli import show
-from stickslip.cli.arguments import Parser, all_of, parser, subject, without_default
+from stickslip.cli.arguments import names_of, subject
 from stickslip.cli.docstrings import about, meanings
+from stickslip.cli.outputs import Outcome
+from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.naming import axis_of, example_for
 from stickslip.quantities import with_unit
 
 __all__ = ["act", "commented"]
 
-_SOLVE = """
-[solve]                          # arguments of the solver; take the # away to set one
-periods = 200                    # drive periods to simulate
-# settle = 100                   # of them, how many to leave out of the mean velocity
-# rtol = 1e-6                    # relative tolerance, 1e-3 to 1e-12; exact arcs do not need it
-# start = { v = 0.0 }            # start values of x [m], v [m/s], z [m]
-"""
-_ARGUMENTS = """
-# [arguments]                    # what the command line would give as NAME=VALUE; several values are for `stickslip sweep`
-# "drive.{name}" = "{low:.6g}..{high:.6g}:9"
-"""
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = _parser(command)
-    asked = made.parse_intermixed_args(words)
-    target = None if asked.file is None else show.writable("FILE", asked.file, (".toml",))
+    target = asked.file
     if target is not None and target.exists() and not asked.force:
         raise InputError("FILE", [f"{str(target)!r} is there already; give another name, or type --force to write over it"])
     text = commented(_robot(asked))
-    if target is not None:
-        target.write_text(text, encoding="utf-8")
-    if asked.json:
-        show.print_json({"written": None if target is None else str(target), "text": text})
-    elif target is None:
-        print(text, end="")
-    else:
-        typed = f'"{target}"' if " " in str(target) else target
-        print(f"written to {target}; try: stickslip run {typed}")
-    return 0
-
-
-def _parser(command: str) -> Parser:
-    made = parser(command, "Write a commented study file to start from: a preset, or a robot with any law and drive.", False)
-    made.add_argument("file", metavar="FILE", nargs="?", help="the .toml file to write (default: on stdout)")
-    made.add_argument("--preset", metavar="NAME", help="begin with this preset (default piezo_rig)")
-    made.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the preset (may be repeated)")
-    made.add_argument("--law", metavar="NAME", help="with this law, its numbers an example (see `stickslip laws`)")
-    made.add_argument("--drive", metavar="NAME", help="with this drive, its numbers an example (see `stickslip drives`)")
-    made.add_argument("--force", action="store_true", help="overwrite an existing file")
-    return made
+    if target is None:
+        return Outcome({"written": None, "text": text}, text.removesuffix("\n"))
+    target.write_text(text, encoding="utf-8")
+    typed = f'"{target}"' if " " in str(target) else target
+    return Outcome({"written": str(target), "text": text}, f"written to {target}; try: stickslip run {typed}")
 
 
 def _robot(asked: Any) -> Any:
@@ -71,8 +43,9 @@ def _robot(asked: Any) -> Any:
             changes[field] = known[word].example()
     problems.check()
     preset, typed = asked.preset or "piezo_rig", [word.partition("=")[0] for word in asked.set]
-    usual = [f"{name}={example_for(name):.6g}" for name in without_default(preset) if axis_of(name) and name not in typed]
-    if "friction" in changes and "incline" in all_of(preset) and "incline" not in typed:
+    needed, known_names = names_of(found(preset).make)
+    usual = [f"{name}={example_for(name):.6g}" for name in needed if axis_of(name) and name not in typed]
+    if "friction" in changes and "incline" in known_names and "incline" not in typed:
         usual.append("incline=gravity")  # another law would lose the incline that is folded into the preset's own
     return subject(preset, [*asked.set, *usual], solver=()).robot().replace(**changes)
 
@@ -98,7 +71,8 @@ def commented(robot: Any) -> str:
     ]
     body = _table(robot, "robot")
     name, value = next(iter(leaves(robot.drive)), ("amplitude", 1.0))
-    return "\n".join([*head, *body]) + "\n" + _SOLVE + _ARGUMENTS.format(name=name, low=0.8 * value, high=1.2 * value)
+    end = (Path(__file__).parent / "commands" / "study_end.txt").read_text(encoding="utf-8")
+    return "\n".join([*head, *body]) + "\n" + end.format(name=name, low=0.8 * value, high=1.2 * value)
 
 
 def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed: bool = False) -> list[str]:

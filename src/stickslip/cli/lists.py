@@ -2,40 +2,35 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import re
 from typing import Any
 
 from stickslip.arguments import described_arguments
 from stickslip.cli import show
-from stickslip.cli.arguments import parser
 from stickslip.cli.docstrings import about, meanings
+from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, did_you_mean
 from stickslip.quantities import symbol_text
 
 __all__ = ["act", "things"]
 
+_LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mechanisms": ("mechanisms", "MECHANISMS")}
 _FEW = 4  # things of which every argument is shown at once
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    parse = parser(command, f"List the {command}, and the arguments of those that are named.", robot=False)
-    parse.add_argument("names", metavar="NAME", nargs="*", help=f"{command} to explain (default: a line on each)")
-    asked = parse.parse_intermixed_args(words)
-    known = things(command)
+    command, known = asked.command, things(asked.command)
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
     if unknown:
         raise InputError(command, unknown)
     found = {name: _entry(known[name]) for name in asked.names or known}
-    if asked.json:
-        show.print_json({command: found})
-    elif asked.names or len(found) <= _FEW:
-        print("\n".join(_text(name, entry) for name, entry in found.items()))
-    else:
-        print(show.facts((name, entry["about"]) for name, entry in found.items()))
-        print(f"stickslip {command} NAME explains one of them, --json all.")
-    return 0
+    if asked.names or len(found) <= _FEW:
+        return Outcome({command: found}, lambda: "\n".join(_text(name, entry) for name, entry in found.items()))
+    brief = show.facts((name, entry["about"]) for name, entry in found.items())
+    return Outcome({command: found}, f"{brief}\nstickslip {command} NAME explains one of them, --json all.")
 
 
 def _text(name: str, entry: dict[str, Any]) -> str:
@@ -46,18 +41,9 @@ def _text(name: str, entry: dict[str, Any]) -> str:
 
 def things(command: str) -> dict[str, Any]:
     """What the command lists, by name."""
-    if command == "presets":
-        from stickslip.presets import PRESETS
-
-        return dict(PRESETS)
-    if command == "laws":
-        from stickslip.friction import LAWS
-
-        return dict(LAWS)
-    if command == "mechanisms":
-        from stickslip.mechanisms import MECHANISMS
-
-        return dict(MECHANISMS)
+    if command in _LISTED:
+        module, name = _LISTED[command]
+        return dict(getattr(importlib.import_module(f"stickslip.{module}"), name))
     from stickslip.robot import Robot
 
     return dict(Robot.part_kinds["drive"])

@@ -5,32 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import check_driven, parser, subject, value
-from stickslip.cli.outputs import Outcome, add_targets, finish, targets
+from stickslip.cli.arguments import subject, value
+from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 
 __all__ = ["act"]
 
-_MORE = """\
-values
-  mu0=0.04                one motion: all exponents, and the kind of motion
-  mu0=0.03..0.06:100      several: period number and largest exponent for each
-  mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map
-"""
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(
-        command,
-        "Lyapunov exponents per drive period, and the kind of motion: periodic, quasi-periodic or chaotic. Over one or two ranges: a map.",
-        more=_MORE,
-    )
-    add_targets(made, "their convergence, or the map", "their convergence, or the map")
-    asked = made.parse_intermixed_args(words)
-    check_driven(command, asked.robot)
-    return finish(asked, targets(asked), (_map if _several(asked) else _one)(asked))
+    return (_map if _several(asked) else _one)(asked)
 
 
 def _several(asked: Any) -> bool:
@@ -55,7 +40,7 @@ def _one(asked: Any) -> Outcome:
         "multipliers": None if found.orbit is None else [[m.real, m.imag] for m in map(complex, found.orbit.multipliers)],
     }  # fmt: skip
     text = f"{study.title()}\n{show.facts(_rows(found))}"
-    return Outcome(record, text, _convergence(found, study.title()), lambda: convergence(l))
+    return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(found, study.title()))
 
 
 def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
@@ -103,7 +88,7 @@ def _map(asked: Any) -> Outcome:
         "robot": study.name, "axes": {name: found[name].values for name in axes},
         "columns": {str(name): found[name].values for name in found.data_vars},
     }  # fmt: skip
-    return Outcome(record, _text(study.name, axes, found), found, lambda: draw(found))
+    return Outcome(record, _text(study.name, axes, found), ((asked.figure, lambda: draw(found)),), asked.out, found)
 
 
 def _text(name: str, axes: list[str], found: Any) -> str:

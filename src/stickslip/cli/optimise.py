@@ -6,33 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, subject
-from stickslip.cli.searches import asked_for, table_of, typed
+from stickslip.cli.arguments import subject
+from stickslip.cli.outputs import Outcome
+from stickslip.cli.recorded import in_words_of_the_shell
+from stickslip.cli.searches import asked_for, table_of
 from stickslip.cli.study_files import found as in_file
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
-_MORE = """\
-what varies, by names of the machine's numbers (`stickslip init` lists them with their meaning)
-  --over drive.amplitude=2e-4..8e-4   a number between bounds
-  --over drive=pieces:4               a waveform: pieces:N, fourier:N or spline:N
-limits, of stroke, relative_velocity and relative_acceleration of the drives and of results
-  --limit stroke=..0.01 --limit mean_velocity=2e-3..
-uncertain numbers
-  --uncertain friction.mu_plus=0.13..0.17 --uncertain friction.mu_minus=0.25+-0.01 --uncertain track.tilt=0.03+-1%
-
-A study file says the same in TOML, and --out writes such a file with the best machine in it:
-  [optimise]
-  maximise = "mean_velocity"
-  [optimise.over]
-  "drive.amplitude" = [2e-4, 8e-4]
-  [optimise.subject_to]
-  stroke = "..0.01"
-  [optimise.robust]
-  "friction.mu_plus" = ["uniform", 0.13, 0.17]
-
-Ctrl-C ends the search; the best so far is printed and written."""
 _TOLD = (
     ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
     ("stroke", "stroke", "m"), ("relative velocity", "relative_velocity", "m/s"),
@@ -40,49 +22,22 @@ _TOLD = (
 )  # fmt: skip
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Find the best numbers and drives of a robot or a machine, within limits.", more=_MORE)
-    made.add_argument("--over", metavar="NAME=A..B", action="append", default=[], help="what varies, with its bounds (may be repeated)")
-    made.add_argument("--maximise", metavar="NAME", help="what to maximise: a column of a sweep (default: mean_velocity)")
-    made.add_argument("--minimise", metavar="NAME", help="what to minimise instead, such as cost_of_transport")
-    made.add_argument(
-        "--limit", metavar="NAME=A..B", action="append", default=[], help="a limit; either end may be omitted (may be repeated)"
-    )
-    made.add_argument("--uncertain", metavar="NAME=A..B", action="append", default=[], help="an uncertain number (may be repeated)")
-    made.add_argument(
-        "--quantile", type=float, help="the fraction of the sample that may be worse than the result that counts (default: none)"
-    )
-    made.add_argument("--starts", metavar="WORD", help="closed: begin also with drives known in closed form (default); none: without")
-    made.add_argument("--seed", type=int, help="the same seed gives the same result (0)")
-    made.add_argument("--out", metavar="FILE", help="write the best machine as a study file (.toml)")
-    made.add_argument("--search", metavar="FILE", help="write a record of the search (.json): options, candidates, result")
-    made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
-    asked = made.parse_intermixed_args(words)
-    files = [
-        show.writable(f"--{name}", getattr(asked, name), (end,))
-        for name, end in (("out", ".toml"), ("search", ".json"), ("report", ".html"))
-    ]
+    files = [asked.out, asked.search, asked.report]
     study = subject(asked.robot, asked.settings, solver=("workers",), strict=False)
     job, model = asked_for(asked, in_file(asked.robot).optimise), study.robot()
-    if files[0] is not None:
+    if asked.out is not None:
         model.to_toml()  # what a file cannot name is said before the search
 
     from stickslip.optimising import optimise
 
-    try:
+    with in_words_of_the_shell("searches"):
         best = optimise(model, **job, **study.options, progress=True)
-    except InputError as error:
-        raise InputError(error.what, [typed(sentence) for sentence in error.problems]) from None
-    again = " ".join(["stickslip", command, *words])
-    record = _record(study.title(), again, best)
     written = [str(path) for path in files if path is not None]
-    _write(files, best, {**record, "written": written}, study, again)
-    if asked.json:
-        show.print_json({**record, "written": written})
-    else:
-        print(_text(record, best, written))
-    return 0
+    record = {**_record(study.title(), asked.typed, best), "written": written}
+    _write(files, best, record, study, asked.typed)
+    return Outcome(record, _text(record, best, written))
 
 
 def _write(files: list[Path | None], best: Any, record: dict[str, Any], study: Any, again: str) -> None:

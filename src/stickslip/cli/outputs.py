@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.errors import InputError
 
-__all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "is_run", "targets"]
+__all__ = ["FILES", "Outcome", "finish", "is_run"]
 
 #: Endings of the files.
 FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
@@ -18,49 +19,52 @@ FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command found: as JSON, as text, as a labelled dataset, and what draws it."""
+    """What a command found, as JSON and as text, or what makes these; what makes axes or a page where; and what is written to `out`."""
 
-    record: dict[str, Any]
-    text: str
-    data: Any
-    draw: Callable[[], Any]  # makes the axes
-
-
-@dataclass(frozen=True)
-class Targets:
-    """Files that were asked for, checked before anything is computed."""
-
-    figure: Path | None
-    out: Path | None
+    record: Any
+    text: Any
+    draws: tuple[tuple[Path | None, Callable[[], Any]], ...] = ()
+    out: Path | str | None = None
+    data: Any = None  # a dataset for `out`, if it is not there yet
+    in_print: bool = False  # pictures are written with the settings of `plot.publication`
+    code: int = 0
 
 
-def add_targets(made: Any, drawn: str, written: str) -> None:
-    """The options --figure and --out of a command."""
-    made.add_argument("--figure", metavar="FILE", help=f"draw {drawn} (.png, .svg or .pdf)")
-    made.add_argument("--out", metavar="FILE", help=f"write {written} (.nc, .mat, .csv, .xlsx or .parquet)")
-
-
-def targets(asked: Any) -> Targets:
-    """Where the figure and the file go; `InputError` where they cannot."""
-    return Targets(show.writable("--figure", asked.figure, (".png", ".svg", ".pdf")), show.writable("--out", asked.out, FILES))
-
-
-def finish(asked: Any, files: Targets, found: Outcome) -> int:
+def finish(asked: Any, found: Outcome | int) -> int:
     """Write, print and draw what was found; in this order, so that a picture that cannot be drawn loses no numbers."""
-    if files.out is not None:
+    if isinstance(found, int):
+        return found
+    if found.out is not None and found.data is not None:
         from stickslip.sweeps import export
 
-        export(found.data, files.out)
+        export(found.data, found.out)
     if not asked.json:
-        print(found.text)
-    if files.figure is not None:
-        show.draw_to(files.figure, found.draw().figure)
-    written = [str(path) for path in (files.figure, files.out) if path is not None]
+        print(_made(found.text))
+    for path, draw in found.draws:
+        if path is not None:
+            _draw(path, draw, found.in_print)
+    written = [str(path) for path in (*(path for path, _ in found.draws), found.out) if path is not None]
     if asked.json:
-        show.print_json({**found.record, "written": written})
-    for path in () if asked.json else written:
-        print(f"written to {path}")
-    return 0
+        show.print_json(_made(found.record) | ({"written": written} if found.draws else {}))
+    for name in () if asked.json else written:
+        print(f"written to {name}")
+    return found.code
+
+
+def _draw(path: Path, draw: Callable[[], Any], in_print: bool) -> None:
+    import matplotlib
+
+    from stickslip.plot import publication
+    from stickslip.report import write
+
+    matplotlib.use("Agg")
+    with publication() if in_print else nullcontext():
+        made = draw()
+        write(path, made) if isinstance(made, str) else show.draw_to(path, made.figure)
+
+
+def _made(what: Any) -> Any:
+    return what() if callable(what) else what
 
 
 def is_run(path: Path, command: str) -> bool:

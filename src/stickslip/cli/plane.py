@@ -7,52 +7,23 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser
+from stickslip.cli.outputs import Outcome
 from stickslip.cli.resuming import remembered
-from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, unsettled, watcher
+from stickslip.cli.sweep import axes_of, out_file, run_options, unsettled, watcher
 from stickslip.errors import InputError, as_path, did_you_mean
 
 __all__ = ["act"]
 
-_PICTURES = (".png", ".pdf", ".svg")
-_MORE = """\
-examples
-  stickslip map piezo_rig tilt_deg=1.7 amplitude=1e-4..8e-4:128 omega=60..300:128 --figure types.png --velocity speed.png
-  stickslip map piezo_rig law=coulomb amplitude=6e-4 tilt_deg=1.7 mu0=0.05..0.25:512 f0=0.1..0.4:512 --refine --figure types.pdf
-  stickslip map coulomb_robot alpha_plus=0.005..1.6:320 alpha_minus=0.005..1.6:320 --figure types.png
-  stickslip map FOLDER --figure types.png                        (a study folder that is there already)
-"""
 
-
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(
-        command,
-        "Simulate a robot over a plane of two of its numbers, given as ranges a..b:n, and draw maps.",
-        more=_MORE,
-    )
-    add_options(made, designs=False)
-    made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
-    made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .svg or .pdf)")
-    made.add_argument("--velocity", metavar="FILE", help="draw the mean velocity")
-    made.add_argument("--contact", metavar="NAME", help="the contact whose motion types are drawn and counted, of a machine with several")
-    made.add_argument("--x", metavar="NAME", help="the horizontal axis; by default the first")
-    asked = made.parse_intermixed_args(words)
-    pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
     file = out_file(asked.out)
-    with remembered(command, words, asked, file):
+    with remembered(asked, file):
         grid, name = _grid(asked, file)
     one = _of_contact(grid, asked.contact)
-    found = _found(one)
-    if not asked.json:  # a picture that cannot be drawn loses no numbers
-        print(_text(name, found))
-    _draw(one, asked.x, pictures)
-    written = [str(p) for p in (*pictures.values(), file or asked.out) if p]
-    if asked.json:
-        show.print_json({"robot": name, "found": found, "attributes": dict(grid.attrs), "written": written})
-    for path in () if asked.json else written:
-        print(f"written to {path}")
-    return 0
+    found, draws = _found(one), ((asked.figure, lambda: _types(one, asked.x)), (asked.velocity, lambda: _velocities(one, asked.x)))
+    record = {"robot": name, "found": found, "attributes": dict(grid.attrs)}
+    return Outcome(record, _text(name, found), draws, file or asked.out, in_print=True)
 
 
 def _of_contact(grid: Any, name: str | None) -> Any:
@@ -97,28 +68,26 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     return grid, study.name
 
 
-def _draw(grid: Any, x: str | None, pictures: dict[str, Path | None]) -> None:
-    if not any(pictures.values()):
-        return
-    if pictures["figure"] is not None and (names := _contacts(grid)):
+def _types(grid: Any, x: str | None) -> Any:
+    if names := _contacts(grid):
         ways = ", ".join(f"--contact {name!r}" for name in names)
         raise InputError("--figure", [f"motion types are those of one contact; type {ways}, or --velocity FILE for the mean velocity"])
-    import matplotlib
-
-    matplotlib.use("Agg")
     from stickslip import plot
 
-    for name, draw in (("figure", plot.motion_map), ("velocity", plot.velocity_map)):
-        path = pictures[name]
-        if path is not None:
-            with plot.publication():
-                show.draw_to(path, draw(grid, x=x).figure)
+    return plot.motion_map(grid, x=x)
+
+
+def _velocities(grid: Any, x: str | None) -> Any:
+    from stickslip import plot
+
+    return plot.velocity_map(grid, x=x)
 
 
 def _found(grid: Any) -> dict[str, Any]:
     """How much of the plane moves how, and where it is fastest."""
     import numpy as np
 
+    from stickslip.report.fastest import order
     from stickslip.sweeps.result_columns import is_of_cases
 
     types, counts = np.unique(grid["motion_type"].values if is_of_cases(grid, "motion_type") else [], return_counts=True)
@@ -126,7 +95,7 @@ def _found(grid: Any) -> dict[str, Any]:
     V = grid["mean_velocity"]
     found: dict[str, Any] = {"cases": int(V.size), "shares": shares}
     if np.isfinite(V.values).any():
-        best = V.isel(_largest(abs(V)))
+        best = V.isel(order(grid, 1)[0])
         found["fastest"] = {str(d): best[d].values.item() for d in V.dims} | {"mean_velocity": float(best)}
         found["units"] = str(V.attrs.get("units", "1"))
         found["at_the_edge_of"] = [str(d) for d in V.dims if _at_edge(V[d].values, best[d].values.item())]
@@ -137,14 +106,6 @@ def _found(grid: Any) -> dict[str, Any]:
 def _at_edge(values: Any, value: Any) -> bool:
     """Whether a value is the smallest or largest of an axis of numbers."""
     return values.dtype.kind in "iuf" and len(values) > 1 and value in (values.min(), values.max())
-
-
-def _largest(values: Any) -> dict[str, int]:
-    """Where an array is largest, by the names of its dimensions."""
-    import numpy as np
-
-    place = np.unravel_index(int(np.nanargmax(values.values)), values.shape)
-    return {str(d): int(i) for d, i in zip(values.dims, place, strict=True)}
 
 
 def _text(name: str, found: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from itertools import islice, product
 from typing import Any
@@ -108,21 +109,13 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
 
 def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[str]:
     """What the solver refuses of its arguments for a robot of this kind."""
+    from stickslip.solvers import solve
     from stickslip.solvers.request import request
 
     if robot is None:
         return []
-    usual = {
-        "periods": None,
-        "settle": None,
-        "rtol": 1e-6,
-        "start": None,
-        "workers": 1,
-        "keep": "summary",
-        "samples": 400,
-        "method": "auto",
-    }
-    usual |= {"slip_ratio": 0.75, "dwell": 0.03, "progress": None, "duration": None}
+    defaults = {name: p.default for name, p in inspect.signature(solve).parameters.items() if p.default is not p.empty}
+    usual = {**defaults, "keep": "summary"}
     if not timed and robot.period is None:
         usual |= {"duration": 1.0}
         options = {name: value for name, value in options.items() if name not in ("periods", "settle")}

@@ -5,35 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cli import recorded, show
-from stickslip.cli.arguments import parser
+from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
-_MORE = "example: stickslip read run.csv --unit LDV=m/s --unit t=s --figure spectrum.png"
 _FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this command measures without one
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
-    made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
-    recorded.add_options(made)
-    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of another channel (.png, .svg or .pdf)")
-    asked = made.parse_args(words)
-    figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     with recorded.in_words_of_the_shell():
         rec = recorded.opened(asked.file, asked)
     found = _measured(rec, recorded.settle(asked))
-    if figure is not None:
-        found["figure"] = _draw(rec, figure)
-    if asked.json:
-        show.print_json(_record(rec, found))
-    else:
-        print(recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""))
-        for name, text in found.items():
-            print(f"{name}: {recorded.typed(text)}")
-    return 0
+    if asked.figure is not None:
+        found["figure"] = _draw(rec, asked.figure)
+    lines = [recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""), *(f"{name}: {recorded.typed(text)}" for name, text in found.items())]
+    return Outcome(_record(rec, found), "\n".join(lines))
 
 
 def _measured(rec: Any, settle: int | str) -> dict[str, Any]:

@@ -6,32 +6,23 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, subject
-from stickslip.cli.outputs import is_run
+from stickslip.cli.arguments import subject
+from stickslip.cli.outputs import Outcome, is_run
 from stickslip.errors import InputError, as_path
 
 __all__ = ["act"]
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Write one HTML page about a robot (it is solved now), a run (.nc) or a study (a folder, or .nc of a sweep).")
-    made.add_argument("--out", metavar="FILE", default="report.html", help="the .html file to write (default: report.html)")
-    made.add_argument("--title", metavar="TEXT", help="its heading")
-    asked = made.parse_intermixed_args(words)
-    target = show.writable("--out", asked.out, (".html",))
-    typed = " ".join(["stickslip report", asked.robot, *asked.settings])
-    text, what = _page(asked, typed)
+    text, what = _page(asked, " ".join(["stickslip report", asked.robot, *asked.settings]))
 
     from stickslip.report import write
 
-    write(str(target), text)
+    write(asked.out, text)
     size = len(text.encode())
-    if asked.json:
-        show.print_json({"what": what, "written": str(target), "bytes": size})
-    else:
-        print(f"a report on {what}, {size / 1e3:.0f} kB; written to {target}")
-    return 0
+    record = {"what": what, "written": str(asked.out), "bytes": size}
+    return Outcome(record, f"a report on {what}, {size / 1e3:.0f} kB; written to {asked.out}")
 
 
 def _page(asked: Any, typed: str) -> tuple[str, str]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli.arguments import parser
 from stickslip.errors import InputError, as_path, is_one_of
 
 __all__ = ["act", "remembered"]
@@ -17,28 +16,19 @@ __all__ = ["act", "remembered"]
 _BEGINS = ("sweep", "map", "atlas")
 #: What each run of a study may have its own of, and what its folder must not decide: whether code runs.
 _OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")
-_MORE = """\
-FOLDER is the study folder that `stickslip sweep ... --out FOLDER` or `stickslip map ... --out FOLDER` began. What was typed then
-is kept there and goes on. NAME=VALUE and --options behind it are added: workers=2, --figure types.png (of a map), --shard 2/7.
-A study of Python code of yours (file.py:function, or a study file with `make`) needs --allow-code again: look at
-FOLDER/command.json first, if somebody sent it."""
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> int:
     """Do the command."""
-    made = parser(command, "Continue a study that was interrupted.", robot=False, more=_MORE, code=True)
-    made.add_argument("folder", metavar="FOLDER", help="the study folder")
-    made.add_argument("more", metavar="NAME=VALUE | --option", nargs="*", help="arguments and options to add")
-    asked, _ = made.parse_known_args(words)
     folder = as_path(asked.folder, "resume", "study").resolve()
-    begun, added = _begun(folder), [*words]
+    begun, added = _begun(folder), [*asked.words]
     added.remove(asked.folder)
     _check_code(begun, added, folder)
-    from stickslip.cli import act_of
+    from stickslip.cli import done
 
     typed = [*(word for word in begun["words"] if word not in _OWN[0]), *added, "--out", str(folder), "--resume"]
     with contextlib.chdir(begun["folder"]) if Path(begun["folder"]).is_dir() else contextlib.nullcontext():
-        return act_of(begun["command"])(begun["command"], typed)
+        return done(begun["command"], typed)
 
 
 def _begun(folder: Path) -> dict[str, Any]:
@@ -69,19 +59,19 @@ def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def remembered(command: str, words: list[str], asked: Any, file: Path | None) -> Iterator[None]:
+def remembered(asked: Any, file: Path | None) -> Iterator[None]:
     """Keep what was typed in the study folder that a command begins; where nothing comes of it, no folder stays."""
     if not asked.out or file is not None:
         yield
         return
     from stickslip.sweeps.folder import COMMAND, MANIFEST
 
-    folder = as_path(asked.out, command, "study")
+    folder = as_path(asked.out, asked.command, "study")
     new = not folder.exists()
     with contextlib.suppress(OSError):  # the study itself says what is wrong with the folder
         if new or not any(folder.iterdir()) or (folder / MANIFEST).exists():
             folder.mkdir(parents=True, exist_ok=True)
-            _write(folder / COMMAND, command, words)
+            _write(folder / COMMAND, asked.command, asked.words)
     try:
         yield
     finally:

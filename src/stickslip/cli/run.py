@@ -7,37 +7,28 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import aperiodic_runs as timed, bodies, show
-from stickslip.cli.arguments import parser, subject
+from stickslip.cli.arguments import subject
+from stickslip.cli.outputs import Outcome
 from stickslip.machine_adapter import machine_of
 
 __all__ = ["DATA", "act", "written_to"]
 
-FIGURES = (".png", ".svg", ".pdf")
 DATA = (".nc", ".mat", ".csv", ".xlsx")
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Simulate one robot, mechanism or machine and report its motion.")
-    made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
-    made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat, .csv or .xlsx)")
-    asked = made.parse_intermixed_args(words)
-    figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
     study = subject(asked.robot, asked.settings)
     robot = study.robot()
 
     from stickslip.solvers import solve
 
     run = solve(robot, **study.options, keep="trajectory")
-    written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
+    written = [str(path) for path in (_drawn(run, asked.figure), written_to(run, asked.data)) if path is not None]
     make, tell = (_record, _text) if robot.period is not None else (timed.record, timed.as_text)
     make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.as_text)
     record = make(study, run, written)
-    if asked.json:
-        show.print_json(record)
-    else:
-        print(tell(record))
-    return 0
+    return Outcome(record, lambda: tell(record))
 
 
 def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
@@ -87,26 +78,24 @@ def _text(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
     m, work = record["motion"], record["energy"]
     percent = ", ".join(f"{name} {100 * m[f'{name}_fraction']:.1f} %" for name in ("forward", "backward", "stick"))
-    count = f"{m['period']} drive periods" if m["period"] != 1 else "1 drive period"
     twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
-    versions = record["provenance"]["versions"]
     per_second, second, joule = ("", "", "") if record["dimensionless"] else ("m/s", " s", " J")
     low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})") if record["has_drive"] else ("motion", f"pattern {m['pattern']}"),
-        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
+        (
+            "repeats after",
+            "not found" if m["period"] is None else f"{show.counted(m['period'], 'drive period')} of {record['period_time']:.6g}{second}",
+        ),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
         ("velocity", f"{low} to {high}"),
         ("energy per period", _works(work, joule)),
         ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {show.counted(record['periods'], 'period')} ({record['settle']} to settle)"),
-        *(("note", note) for note in record["notes"]),
-        *(("written", path) for path in record["written"]),
-        ("made by", f"stickslip {versions['stickslip']}, {_method(record)}"),
     ]
-    return f"{record['robot']}\n{show.facts(rows)}"
+    return show.of_run(record, rows, _method(record))
 
 
 def _method(record: dict[str, Any]) -> str:

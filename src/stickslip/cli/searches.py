@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -10,46 +9,11 @@ from stickslip.cli.arguments import named_words, value
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.typed_numbers import has_unit
 
-__all__ = ["NUMBERS", "asked_for", "table_of", "typed"]
+__all__ = ["NUMBERS", "asked_for", "table_of"]
 
 #: Keys of [optimise] that hold one word or number each.
 NUMBERS = ("maximise", "minimise", "quantile", "starts", "seed")
 _FORMS = ("pieces", "fourier", "spline")
-#: What the functions say is to be typed, and what the command line calls it.
-_TYPED = (
-    (r'\bover=\{"([\w.\[\]]+)": \(([^,]+), ([^)]+)\)\}', r"--over \1=\2..\3"),
-    (r'\bover=\{"([\w.\[\]]+)": ss\.waveform\((\w+)=(\d+)\)\}', r"--over \1=\2:\3"),
-    (
-        r'\bsubject_to=\{"stroke": \(None, 0\.01\), "relative_acceleration": \(None, 60\.0\)\}',
-        "--limit stroke=..0.01 --limit relative_acceleration=..60",
-    ),
-    (r'\{"([\w.\[\]]+)": \("uniform", ([^,]+), ([^)]+)\)\}', r"--uncertain \1=\2..\3"),
-    (r'\{"([\w.\[\]]+)": \("normal", ([^,]+), ([^)]+)\)\}', r"--uncertain \1=\2+-\3"),
-    (r'\bmaximise="(\w+)"', r"--maximise \1"),
-    (r"\bquantile=(\S+)", r"--quantile \1"),
-    (r"\brobust=(?=--uncertain)", ""),
-    (r"\bwith robust=", "with --uncertain"),
-    (r"^over\['([^']+)'\]", r"--over \1"),
-    (r"^subject_to\['([^']+)'\]", r"--limit \1"),
-    (r"^over: ", "--over: "),
-    (r"^subject_to: ", "--limit: "),
-    (r"\btype \(([^,]+), ([^)]+)\)", r"type \1..\2"),
-    (r"\bin subject_to\b", "in --limit"),
-    (r"\bin over\b", "in --over"),
-)  # fmt: skip
-
-
-def typed(text: str) -> str:
-    """A sentence with what is to be typed on the command line, where it says what to type in Python.
-
-    Examples
-    --------
-    >>> typed('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over')
-    'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
-    """
-    for pattern, words in _TYPED:
-        text = re.sub(pattern, words, text)
-    return text
 
 
 def asked_for(asked: Any, table: Any) -> dict[str, Any]:

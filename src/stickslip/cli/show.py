@@ -13,7 +13,10 @@ from typing import Any
 from stickslip.errors import InputError, as_path
 from stickslip.jsontext import strict
 
-__all__ = ["counted", "draw_to", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
+__all__ = [
+    "counted", "draw_to", "existing", "facts", "is_watched", "no_period", "of_run", "print_json", "progress", "quantity", "stages", "table",
+    "writable",
+]  # fmt: skip
 
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
@@ -53,6 +56,25 @@ def facts(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
 
 
+def of_run(record: dict[str, Any], rows: Iterable[tuple[str, str]], method: str) -> str:
+    """What is said of a run: its name, facts, remarks, files, and what made it."""
+    more = [(word, text) for word, name in (("note", "notes"), ("written", "written")) for text in record[name]]
+    made = f"stickslip {record['provenance']['versions']['stickslip']}, {method}"
+    return f"{record['robot']}\n{facts([*rows, *more, ('made by', made)])}"
+
+
+def existing(path: Path) -> Path:
+    """A path, or the nearest folder above it that is there."""
+    while not path.exists() and path != path.parent:
+        path = path.parent
+    return path
+
+
+def is_watched() -> bool:
+    """Whether a person looks at stderr."""
+    return sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+
+
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of text in aligned columns."""
     widths = [max([len(head[i]), *(len(row[i]) for row in rows)]) for i in range(len(head))]
@@ -66,7 +88,7 @@ def print_json(record: Any) -> None:
 
 def progress(what: str) -> Callable[[int, int], None] | None:
     """A counter on stderr, if a person looks at it."""
-    if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+    if not is_watched():
         return None
 
     def tell(done: int, whole: int) -> None:
@@ -84,7 +106,7 @@ def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
         Say nothing where no person looks; after the last stage the line is empty again.
     """
     last, told = "", set()
-    over = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+    over = is_watched()
 
     def tell(what: str, done: int, whole: int) -> None:
         nonlocal last

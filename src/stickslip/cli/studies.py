@@ -6,65 +6,48 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser
-from stickslip.cli.outputs import FILES, is_run
+from stickslip.cli.outputs import FILES, Outcome, is_run
 from stickslip.cli.run import DATA, written_to
 from stickslip.errors import as_path
 
 __all__ = ["act"]
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    return {"merge": _merge, "export": _export}[command](command, words)
+    return {"merge": _merge, "export": _export}[asked.command](asked)
 
 
-def _merge(command: str, words: list[str]) -> int:
-    made = parser(command, "Merge the shards of one study, as if it had been one run.", robot=False)
-    made.add_argument("folders", metavar="FOLDER", nargs="+", help="study folders of the shards")
-    made.add_argument("--out", metavar="FOLDER", required=True, help="the study folder to make")
-    made.add_argument("--partial", action="store_true", help="tiles may be missing")
-    asked = made.parse_args(words)
-
+def _merge(asked: Any) -> Outcome:
     from stickslip.sweeps import merge
 
-    return _tell(merge(asked.folders, asked.out, asked.partial), asked.out, asked.json)
+    return _told(merge(asked.folders, asked.out, asked.partial), asked.out)
 
 
-def _export(command: str, words: list[str]) -> int:
-    made = parser(command, "Write the results of a study, or every column of a run, to one file.", robot=False)
-    made.add_argument("results", metavar="RESULTS", help="a study folder, the .nc file of a sweep, or the .nc file of a run")
-    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv, .xlsx or (of a study) .parquet file")
-    asked = made.parse_args(words)
+def _export(asked: Any) -> Outcome:
     source = as_path(asked.results, "study")
-    if source.is_file() and is_run(source, command):
-        return _export_run(source, show.writable("FILE", asked.file, DATA), asked.json)
+    if source.is_file() and is_run(source, asked.command):
+        return _export_run(source, show.writable("FILE", asked.file, DATA))
     target = show.writable("FILE", asked.file, FILES)
 
     from stickslip.sweeps import export, open_study
 
     grid = open_study(source)
     export(grid, str(target))
-    return _tell(grid, str(target), asked.json)
+    return _told(grid, str(target))
 
 
-def _export_run(source: Path, target: Path | None, as_json: bool) -> int:
+def _export_run(source: Path, target: Path | None) -> Outcome:
     from stickslip.io import load
 
     run = load(source)
-    written = str(written_to(run, target))
-    if as_json:
-        show.print_json({"written": written, "instants": len(run.t)})
-    else:
-        print(f"the run in {source}: {show.counted(len(run.t), 'instant')}; written to {written}")
-    return 0
+    written, count = str(written_to(run, target)), len(run.t)
+    text = f"the run in {source}: {show.counted(count, 'instant')}; written to {written}"
+    return Outcome({"written": written, "instants": count}, text)
 
 
-def _tell(grid: Any, written: str, as_json: bool) -> int:
+def _told(grid: Any, written: str) -> Outcome:
     sizes = {str(d): int(grid.sizes[d]) for d in grid["mean_velocity"].dims}
-    if as_json:
-        show.print_json({"written": written, "sizes": sizes, "attributes": dict(grid.attrs)})
-    else:
-        shape = " x ".join(f"{name} {n}" for name, n in sizes.items()) or "one case"
-        print(f"{grid.attrs['maker']}: {shape}; written to {written}")
-    return 0
+    shape = " x ".join(f"{name} {n}" for name, n in sizes.items()) or "one case"
+    record = {"written": written, "sizes": sizes, "attributes": dict(grid.attrs)}
+    return Outcome(record, f"{grid.attrs['maker']}: {shape}; written to {written}")

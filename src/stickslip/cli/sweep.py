@@ -2,43 +2,27 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject, units_of
-from stickslip.cli.outputs import FILES
+from stickslip.cli.arguments import SOLVER, Subject, subject, units_of, value
+from stickslip.cli.outputs import FILES, Outcome
 from stickslip.cli.resuming import remembered
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
 
-__all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"]
+__all__ = ["act", "axes_of", "out_file", "run_options", "watcher"]
 
 _SHOWN = 60  # rows of the table that are printed
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
 _NOT_OURS = (".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
-_MORE = """\
-values
-  amplitude=4e-4          one value
-  law=lugre,coulomb       several
-  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4; amplitude=1e-4..1e-3:9:log: logarithmically spaced
-
-examples
-  stickslip sweep piezo_rig law=lugre,coulomb tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
-  stickslip sweep piezo_rig law=lugre tilt_deg=1.7 amplitude=0.1e-3..0.8e-3:512 omega=60..300:512 workers=2 --out study --resume
-  stickslip sweep piezo_rig law=lugre tilt_deg=0..6:512 amplitude=1e-4..8e-4:4096 --out part --shard 3/7
-  stickslip sweep piezo_rig tilt_deg=0.5..5 amplitude=1e-4..8e-4 --sobol 1024 --seed 1 --out design.csv
-"""
 
 
-def act(command: str, words: list[str]) -> int:
+def act(asked: Any) -> Outcome:
     """Do the command."""
-    made = parser(command, "Simulate a robot over a grid of its numbers, or over any other design.", more=_MORE)
-    add_options(made)
-    asked = made.parse_intermixed_args(words)
     file = out_file(asked.out)
     study, designs = axes_of(asked)
 
@@ -46,7 +30,7 @@ def act(command: str, words: list[str]) -> int:
 
     options = run_options(asked, file)
     try:
-        with remembered(command, words, asked, file):
+        with remembered(asked, file):
             grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
     except KeyboardInterrupt:
         if "out" in options:
@@ -55,35 +39,10 @@ def act(command: str, words: list[str]) -> int:
     if file is not None:
         export(grid, file)
     written = str(file or asked.out) if asked.out else None
-    if asked.json:
-        from stickslip.sweeps.writing import one_row_a_case
-
-        flat = one_row_a_case(grid)
-        columns = {name: _column(flat, name) for name in flat.data_vars}
-        axes = {name: grid[name].values for name in _axes(grid)}
-        show.print_json({"robot": study.name, "axes": axes, "columns": columns, "attributes": dict(grid.attrs), "written": written})
-    else:
-        print(_text(grid, study, written))
-    return 0
+    return Outcome(lambda: _record(grid, study, written), lambda: _text(grid, study, written))
 
 
 # ---- what is asked ----
-def add_options(made: Parser, designs: bool = True) -> None:
-    """Options that sweep and map share."""
-    made.add_argument("--out", metavar="PATH", help="a study folder, filled tile by tile, or a .nc, .mat, .csv, .xlsx or .parquet file")
-    made.add_argument("--resume", action="store_true", help="continue the study in --out")
-    made.add_argument("--shard", metavar="I/N", help="compute only part I of N of the study (then: stickslip merge)")
-    made.add_argument("--dask", metavar="ADDRESS", help="compute on the Dask cluster of this scheduler, such as tcp://host:8786")
-    made.add_argument("--tile", metavar="CASES", type=int, help="cases that are computed and written together")
-    made.add_argument("--along", metavar="NAME", help="start each case where its neighbour along this axis ended, up and down")
-    if designs:
-        made.add_argument("--sobol", metavar="COUNT", type=int, help="a Sobol design: NAME=a..b are ranges")
-        made.add_argument("--latin", metavar="COUNT", type=int, help="a Latin hypercube: NAME=a..b are ranges")
-        made.add_argument("--seed", type=int, default=0, help="seed of a random design (0)")
-        made.add_argument("--zip", action="store_true", help="combine the lists value by value")
-        made.add_argument("--table", metavar="FILE", help="a CSV file with a line of names and a row for each case")
-
-
 def out_file(out: str | None) -> Path | None:
     """The file that --out names, or None for a study folder; the ending of a file that is not ours is not a folder's name."""
     if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (as_path(out, "sweep") / "manifest.json").exists():
@@ -104,7 +63,7 @@ def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
         made.append(make(count, seed=asked.seed, **ranges))
     if asked.table:
         made.append(designs.table(asked.table))
-    settings += [f"{name}={_first(values)}" for design in made for name, values in design.columns.items()]
+    settings += [f"{name}={values[0]}" for design in made for name, values in design.columns.items()]
     study = subject(asked.robot, settings, many=True, solver=solver)
     arguments = {name: v for name, v in study.arguments.items() if not any(name in d.columns for d in made)}
     if asked.zip:
@@ -114,14 +73,8 @@ def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
     return Subject(study.name, study.make, arguments, study.options), made
 
 
-def _first(values: Any) -> Any:
-    return values[0]
-
-
 def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str, Any], list[str]]:
     """NAME=a..b words as ranges of a random design, and the other words."""
-    from stickslip.cli.arguments import value
-
     ranges: dict[str, Any] = {}
     rest, problems = [], Problems("arguments")
     for word in settings:
@@ -159,11 +112,9 @@ def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
 
 def watcher() -> Any:
     """A bar for a person at a terminal, else a line from time to time."""
-    import os
-
     from stickslip.sweeps.progress import Bar, Lines
 
-    return Bar() if sys.stderr.isatty() and os.environ.get("TERM") != "dumb" else Lines()
+    return Bar() if show.is_watched() else Lines()
 
 
 # ---- what is told ----
@@ -177,15 +128,19 @@ def _column(grid: Any, name: Any) -> Any:
     return grid[name].broadcast_like(grid["mean_velocity"]).transpose(*_axes(grid)).values
 
 
-def _headed(grid: Any, name: str) -> str:
-    """A name and its unit, if it has one."""
-    unit = grid[name].attrs.get("units", "1") if name in grid.variables else "1"
-    words = name.replace("mean_velocity", "mean velocity")
-    return words if unit in ("", "1") else f"{words} [{unit}]"
+def _record(grid: Any, study: Any, written: str | None) -> dict[str, Any]:
+    """Everything, for machines."""
+    from stickslip.sweeps.writing import one_row_a_case
+
+    flat = one_row_a_case(grid)
+    columns = {name: _column(flat, name) for name in flat.data_vars}
+    axes = {name: grid[name].values for name in _axes(grid)}
+    return {"robot": study.name, "axes": axes, "columns": columns, "attributes": dict(grid.attrs), "written": written}
 
 
 def _text(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
+    from stickslip.report.of_study import headed
     from stickslip.sweeps.result_columns import is_of_cases
 
     axes = _axes(grid)
@@ -194,7 +149,7 @@ def _text(grid: Any, study: Any, written: str | None) -> str:
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
-    head = [{"motion_type": "type", "period": "period [drive periods]"}.get(name) or _headed(grid, name) for name in names]
+    head = [{"motion_type": "type", "period": "period [drive periods]"}.get(name) or headed(grid, name) for name in names]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,11 +25,8 @@ _drawing = threading.Lock()  # matplotlib's settings belong to the whole process
 PERIODS = 8
 
 
-def _figure(kind: str) -> Callable[[State], bytes]:
-    def made(state: State) -> bytes:
-        return drawn([run_of(state, law, True) for law in state.laws], [FRICTION[law].label for law in state.laws], kind)
-
-    return made
+def _figure(kind: str, state: State) -> bytes:
+    return drawn([run_of(state, law, True) for law in state.laws], [FRICTION[law].label for law in state.laws], kind)
 
 
 def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
@@ -66,10 +64,6 @@ def _toml(state: State) -> bytes:
     return (state.robot().to_toml() + "\n[solve]\nperiods = 200\nrtol = 1e-4\n").encode()
 
 
-def _python(state: State) -> bytes:
-    return python(state).encode()
-
-
 def _report(state: State) -> bytes:
     """One page with everything on it: numbers, picture, parameters, the Python, provenance."""
     from stickslip.analysis.energy import energy
@@ -102,11 +96,11 @@ def _report(state: State) -> bytes:
 
 #: File name -> (media type, what makes it).
 EXPORTS: dict[str, Export] = {
-    "figure.png": ("image/png", _figure("png")),
-    "figure.svg": ("image/svg+xml", _figure("svg")),
+    "figure.png": ("image/png", partial(_figure, "png")),
+    "figure.svg": ("image/svg+xml", partial(_figure, "svg")),
     "run.csv": ("text/csv; charset=utf-8", _csv),
     "study.toml": ("application/toml; charset=utf-8", _toml),
-    "robot.py": ("text/x-python; charset=utf-8", _python),
+    "robot.py": ("text/x-python; charset=utf-8", lambda state: python(state).encode()),
     "report.html": ("text/html; charset=utf-8", _report),
 }
 

@@ -12,10 +12,6 @@ from stickslip.jsontext import strict
 __all__ = ["read", "written"]
 
 
-def _as_it_is(value: Any) -> Any:
-    return value  # what strict JSON does not know is a mistake of ours, and said
-
-
 def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
     """The bytes of an answer.
 
@@ -29,7 +25,8 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
 
     flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
     told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
-    text = json.dumps(strict(told, other=_as_it_is), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    as_it_is = strict(told, other=lambda value: value)  # what strict JSON does not know is a mistake of ours, and said
+    text = json.dumps(as_it_is, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     head = text.encode("utf-8", "replace")  # a page may ask with half a pair of surrogates
     head += b" " * (-len(head) % 4)
     return b"".join([struct.pack("<I", len(head)), head, *(a.astype("<f4").tobytes() for a in flat.values())])

@@ -19,7 +19,7 @@ from stickslip.explorer.requests import DEFAULT, State, state
 from stickslip.fields import leaves
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Kernels", "compiling", "main", "warm"]
+__all__ = ["Kernels", "compiling", "killed", "main", "warm"]
 
 #: Seconds in which nobody asked for anything: there is time to spare.
 QUIET = 8.0
@@ -98,10 +98,6 @@ class Kernels:
         """Call this, from another thread, whenever a kernel has become ready."""
         self._listeners.append(tell)
 
-    def begin_with(self, shown: Shown) -> None:
-        """Prepare what the page of a machine shows."""
-        self.ready(shown, "", shown.model, False)
-
     def begin(self, later: Iterable[State] = ()) -> None:
         """Prepare what the page shows at first, and when nothing else is to be done what it may show next."""
         with self._changed:
@@ -123,12 +119,7 @@ class Kernels:
     def _drop(self, later: bool) -> None:
         """End one of the processes beside this one."""
         if (process := self._processes.pop(later, None)) is not None:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                assert pipe is not None
-                with contextlib.suppress(OSError):
-                    pipe.close()
+            killed(process)
 
     def _work(self) -> None:
         while (chosen := self._next()) is not None:
@@ -190,17 +181,19 @@ class Kernels:
         return not later
 
 
+def killed(process: subprocess.Popen[Any]) -> None:
+    """End a process beside this one, and close what led to it."""
+    process.kill()
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        assert pipe is not None
+        with contextlib.suppress(OSError):
+            pipe.close()
+
+
 def state_table(found: State, law: str) -> dict[str, Any]:
     """A state with one law as the table that `state` reads."""
-    return {
-        "drive": found.drive,
-        "track": found.track,
-        "contact": found.contact,
-        "law": law,
-        "also": [],
-        "values": dict(found.values),
-        "shape": found.shape,
-    }
+    return {**vars(found), "law": law, "also": [], "values": dict(found.values)}
 
 
 def _helper(later: bool) -> Helper:

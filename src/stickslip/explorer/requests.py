@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems, did_you_mean, is_whole
+from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.sliders import PARAMETERS
 
@@ -177,8 +177,7 @@ def state(given: Any) -> State:
     """A state from its table; what is not given is as on the page at first."""
     problems = Problems("state")
     if not isinstance(given, dict):
-        problems.add(f"{_short(given)} is not a table")
-        problems.check()
+        raise InputError("state", [f"{_short(given)} is not a table"])
     for name in given:
         if name not in ("drive", "track", "contact", "law", "also", "values", "shape"):
             problems.add(f"{_short(name)} is not known")
@@ -194,8 +193,7 @@ def machine_numbers(given: Any) -> dict[str, float]:
     """Numbers of a machine by their dotted names; whether it has them is asked where it is known."""
     problems = Problems("state")
     if not isinstance(given, dict) or len(given) > MOST_NUMBERS:
-        problems.add(f"machine = {_short(given)}; allowed is a table of up to {MOST_NUMBERS} numbers")
-        problems.check()
+        raise InputError("state", [f"machine = {_short(given)}; allowed is a table of up to {MOST_NUMBERS} numbers"])
     for name, value in given.items():
         if not _is_finite(value):
             problems.add(f"values.{_short(name)} = {_short(value)}; allowed is a number")
@@ -258,8 +256,7 @@ def _plane(given: Any, found: State, count: int) -> Plane:
     """The axes of a map or a strip: as many tables of name, from, to, cells."""
     problems = Problems("axes")
     if not isinstance(given, list) or len(given) != count or not all(isinstance(axis, dict) for axis in given):
-        problems.add(f"{_short(given)}; allowed is a list of {count} tables with name, from, to and cells")
-        problems.check()
+        raise InputError("axes", [f"{_short(given)}; allowed is a list of {count} tables with name, from, to and cells"])
     names = [axis.get("name") for axis in given]
     for name, axis in zip(names, given, strict=True):
         if name not in found.active:

@@ -29,14 +29,14 @@ from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.machines import Shown, in_words, report, study
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.explorer.paper_figures import GROUPS, PRESETS
-from stickslip.explorer.requests import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
+from stickslip.explorer.requests import DEFAULT, KEPT, MOST_HARMONICS, machine_numbers, state
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
 from stickslip.explorer.sliders import PARAMETERS
 from stickslip.explorer.uploads import Uploads
 from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.optimising.results import quantities
 
-__all__ = ["application", "page", "serve"]
+__all__ = ["application", "page", "server_of"]
 
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
@@ -58,15 +58,10 @@ _GROUPS = {
 
 # ---- the page ----
 def _rendered(template: str, **content: Any) -> str:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
     from stickslip import __version__
+    from stickslip.report.html import environment
 
-    folder = str(files("stickslip.explorer") / "assets")
-    environment = Environment(
-        loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.get_template(template).render(**content, version=__version__)
+    return environment(str(files("stickslip.explorer") / "assets")).get_template(template).render(**content, version=__version__)
 
 
 def machine_page(shown: Shown) -> str:
@@ -134,15 +129,13 @@ async def _asset(request: Request) -> Response:
 async def _export(request: Request) -> Response:
     name, workshop = request.path_params["name"], request.app.state.workshop
     try:
-        found = _asked_state(request)
+        found = state(_asked_json(request, "state"))
         missing = [law for law in found.laws if not workshop.kernels.ready(found, law, found.robot(law), False)]
         if missing:
             return PlainTextResponse(f"{', '.join(missing)}: still compiling, once; try again in some seconds\n", 503, {"Retry-After": "5"})
-        async with request.app.state.exporting:
-            data = await asyncio.get_running_loop().run_in_executor(None, export, name, found)
+        return await _made(request, EXPORTS.get(name, ("", None))[0], export, name, found)
     except StickslipError as error:
         return PlainTextResponse(f"{error}\n", 404 if name not in EXPORTS else 400)
-    return Response(data, media_type=EXPORTS[name][0], headers={"Content-Disposition": f'attachment; filename="{name}"'})
 
 
 async def _machine_export(request: Request) -> Response:
@@ -150,29 +143,23 @@ async def _machine_export(request: Request) -> Response:
     name, shown = request.path_params["name"], request.app.state.workshop.shown
     if shown is None or name not in MACHINE_EXPORTS:
         return PlainTextResponse("there is no such file\n", 404)
-    media, made = MACHINE_EXPORTS[name]
     try:
-        values = machine_numbers(_asked_json(request, "machine"))
-        async with request.app.state.exporting:
-            data = await asyncio.get_running_loop().run_in_executor(None, made, shown, values)
+        return await _made(request, *MACHINE_EXPORTS[name], shown, machine_numbers(_asked_json(request, "machine")))
     except StickslipError as error:
         return PlainTextResponse(f"{error}\n", 400)
-    return Response(data, media_type=media, headers={"Content-Disposition": f'attachment; filename="{name}"'})
 
 
-async def _velocity(request: Request) -> Response:
-    """The velocity of a measured record, read by `stickslip.read`."""
-    return await request.app.state.uploads.answer(request, "velocity")
+async def _made(request: Request, media: str, make: Callable[..., bytes], *given: Any) -> Response:
+    """What can be taken home, made in a thread, as a file of the name in the address."""
+    async with request.app.state.exporting:
+        data = await asyncio.get_running_loop().run_in_executor(None, make, *given)
+    return Response(data, media_type=media, headers={"Content-Disposition": f'attachment; filename="{request.path_params["name"]}"'})
 
 
-async def _drive(request: Request) -> Response:
-    """The drive of a measured record."""
-    return await request.app.state.uploads.answer(request, "drive")
-
-
-def _asked_state(request: Request) -> State:
-    """The state in the query of an address."""
-    return state(_asked_json(request, "state"))
+async def _record(request: Request) -> Response:
+    """The velocity or the drive of a measured record, read by `stickslip.read`."""
+    what = "drive" if request.url.path.startswith("/drive/") else "velocity"
+    return await request.app.state.uploads.answer(request, what)
 
 
 def _asked_json(request: Request, name: str) -> Any:
@@ -224,7 +211,7 @@ def application(
         if shown is None:
             kernels.begin(state(preset["state"]) for preset in PRESETS.values())
         else:
-            kernels.begin_with(shown)
+            kernels.ready(shown, "", shown.model, False)
         yield
         app.state.workshop.close()
         app.state.uploads.close()
@@ -234,8 +221,8 @@ def application(
         Route("/assets/{name}", _asset),
         Route("/export/{name}", _export),
         Route("/machine/{name}", _machine_export),
-        Route("/record/{name}", _velocity, methods=["POST"]),
-        Route("/drive/{name}", _drive, methods=["POST"]),
+        Route("/record/{name}", _record, methods=["POST"]),
+        Route("/drive/{name}", _record, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
     return Guard(Starlette(routes=routes, lifespan=life), host, token, limits)
@@ -261,15 +248,16 @@ class _Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def serve(
-    host: str = "127.0.0.1",
-    port: int = 8765,
-    tell: Callable[[str], None] = print,
+def server_of(
+    host: str,
+    port: int,
+    tell: Callable[[str], None],
     workers: int | None = None,
     with_token: bool = True,
+    limits: Limits = LIMITS,
     shown: Shown | None = None,
-) -> None:
-    """Serve until interrupted.
+) -> uvicorn.Server:
+    """A server, whose ``run`` serves until interrupted.
 
     Parameters
     ----------
@@ -283,22 +271,11 @@ def serve(
         As for `application`.
     with_token : bool
         Make a token, which the address carries; without one, all users of this machine may use the page.
+    limits : Limits
+        Times and counts.
     shown : Shown, optional
         The machine whose page is served; without it that of robots.
     """
-    server_of(host, port, tell, workers, with_token, shown=shown).run()
-
-
-def server_of(
-    host: str,
-    port: int,
-    tell: Callable[[str], None],
-    workers: int | None = None,
-    with_token: bool = True,
-    limits: Limits = LIMITS,
-    shown: Shown | None = None,
-) -> uvicorn.Server:
-    """The server that `serve` runs."""
     if not with_token and not is_loopback(host):
         raise InputError("explore", [f"--no-token is for this machine alone, and --host is {host}; leave one of them out"])
     token = secrets.token_urlsafe(24) if with_token else None

@@ -12,7 +12,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, st
 from stickslip.errors import InputError
 from stickslip.explorer.effort import RTOL, effort, too_much
 from stickslip.explorer.kernels import Kernels, compiling
-from stickslip.explorer.requests import Message, Plane, State
+from stickslip.explorer.requests import Message, State
 from stickslip.explorer.sliders import PARAMETERS
 from stickslip.solvers import solve
 
@@ -38,7 +38,7 @@ def map_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any]
     """Mean velocity, type, period number and time at rest of a grid of robots."""
     state, plane = asked.state, asked.plane
     assert plane is not None
-    header = _axes(plane) | {"kind": "map", "law": state.law}
+    header = {**vars(plane), "kind": "map", "law": state.law}
     if not kernels.ready(state, state.law, state.robot(), True):
         return header | {"kind": "waits", "waits": compiling(state, state.law)}, {}
     x, y = (np.linspace(*span, n) for span, n in zip(plane.spans, plane.cells, strict=True))
@@ -81,10 +81,6 @@ def _codes(types: Any) -> Any:
     return found
 
 
-def _axes(plane: Plane) -> dict[str, Any]:
-    return {"names": plane.names, "spans": plane.spans, "cells": plane.cells}
-
-
 def watch(stop: Stop) -> Callable[[int, int], None]:
     """A progress callback that ends the work when it is not wanted any more, or takes too long."""
     began = time.perf_counter()
@@ -104,7 +100,7 @@ def strip_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, An
     """Velocities at the start of some drive periods, and the mean velocity, along one parameter."""
     state, plane = asked.state, asked.plane
     assert plane is not None
-    header = _axes(plane) | {"kind": "strip", "law": state.law}
+    header = {**vars(plane), "kind": "strip", "law": state.law}
     (name,), (span,), (count,) = plane.names, plane.spans, plane.cells
     tell = watch(stop)
     if not kernels.ready(state, state.law, state.robot(), True):
@@ -121,11 +117,8 @@ def _strobed(robots: Any, count: int, tell: Callable[[int, int], None]) -> tuple
     swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
     wanted = ~too_much(swings, decays)
     stride = int(np.clip(2000 / max(swings[wanted].max(initial=0.0), 1.0), 1, 8))  # short enough to be stopped soon
-    state, ways, strobes = (
-        np.resize(at_rest(robots), (count, len(coordinates(robots).names))),
-        np.zeros(count),
-        np.full((count, KEPT), np.nan),
-    )
+    state = np.resize(at_rest(robots), (count, len(coordinates(robots).names)))
+    ways, strobes = np.zeros(count), np.full((count, KEPT), np.nan)
     periods = [stride] * (SETTLE // stride) + [1] * KEPT
     for i, step in enumerate(periods):
         tell(i, len(periods))

@@ -19,6 +19,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.explorer.frames import written
+from stickslip.explorer.kernels import killed
 from stickslip.explorer.responses import sentence
 
 __all__ = ["Readers", "main"]
@@ -116,15 +117,13 @@ class _Reader:
 
     def ask(self, what: str, name: str, data: bytes, seconds: float) -> bytes | None:
         """Its answer, or None where it ended, by itself or by the deadline."""
-        if not self._started and (self._within(_START, self._begin)) is None:
+        if not self._started and self._within(_START, self._sent) is None:
             return None
         self._started = True
         return self._within(seconds, lambda: self._sent(json.dumps({"what": what, "name": name, "seconds": seconds}).encode(), data))
 
-    def _begin(self) -> bytes | None:
-        return _got(self._process.stdout)
-
     def _sent(self, *parts: bytes) -> bytes | None:
+        """The answer to some messages, or the first word of a process."""
         for part in parts:
             _put(self._process.stdin, part)
         return _got(self._process.stdout)
@@ -146,12 +145,7 @@ class _Reader:
 
     def end(self) -> str:
         """End it; returns a sentence on why it had ended before, for whoever waits for an answer."""
-        self._process.kill()
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            assert pipe is not None
-            with contextlib.suppress(OSError):
-                pipe.close()
+        killed(self._process)
         if self._late:
             return "the record was not read in time; cut it, or read it with stickslip.read, which has no deadline"
         return "the process that read the record crashed: the file is damaged or malicious; export it again"

@@ -12,7 +12,7 @@ from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, Experiment, r
 from stickslip.paper.followed_motions import Followed, followed
 from stickslip.paper.solved_runs import Tell, batch
 
-__all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer"]
+__all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer", "overlap"]
 
 #: Half of the last printed digit of a mean velocity [m/s].
 ROUNDING = 5e-5
@@ -58,7 +58,12 @@ class Bracket:
     @property
     def good(self) -> Interval:
         """All three at once, or the first two where the LuGre velocity cannot be had."""
-        return self.joint or _overlap(self.coulomb, self.type)
+        return self.joint or overlap(self.coulomb, self.type)
+
+    @property
+    def inside(self) -> bool:
+        """Whether the amplitude taken lies within."""
+        return self.good is not None and self.good[0] - 1e-9 <= self.experiment.amplitude <= self.good[1] + 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +106,7 @@ class Amplitudes:
         """An amplitude that would serve all four angles of section 4."""
         found: Interval = (0.0, np.inf)
         for bracket in self.section4:
-            found = _overlap(found, bracket.good)
+            found = overlap(found, bracket.good)
         return found
 
 
@@ -187,7 +192,8 @@ def _interval(A: Any, good: Any) -> Interval:
     return float(A[first]), float(A[last])
 
 
-def _overlap(one: Interval, other: Interval) -> Interval:
+def overlap(one: Interval, other: Interval) -> Interval:
+    """Where both hold."""
     if one is None or other is None:
         return None
     low, high = max(one[0], other[0]), min(one[1], other[1])

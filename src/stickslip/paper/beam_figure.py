@@ -12,7 +12,6 @@ from stickslip.drives.cantilever import mode_shape
 from stickslip.paper.beam import VOLTAGE, Beam
 from stickslip.paper.cases import OMEGA
 from stickslip.paper.drawing import Picture, render
-from stickslip.paper.words import listed, plain
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE
 
 __all__ = ["draw"]
@@ -23,22 +22,8 @@ PERIODS = 20
 
 def draw(beam: Beam, folder: Path) -> Picture:
     """Draw it."""
-    resonances = beam.beam.frequencies(MODES)
-    return render(
-        folder,
-        "section3-beam",
-        [partial(_shapes, beam), partial(_response, beam), partial(_beginning, beam)],
-        height=2.4,
-        columns=3,
-        title="The beam of section 3 (Eqs 3.1 to 3.7, set right)",
-        caption="Our beam, since the paper prints none: spring steel of 100 × 10 × 1 mm, patches of 30 mm, tip mass 9.48 g, 2 % of "
-        "damping. Left: its first modes, shaded where the patches are. Middle: amplitude of the tip against frequency at "
-        f"{plain(VOLTAGE, 2)} V (line: the sum of eight modes; dots: the closed solution, without damping); dashed: the drive's 32.7 Hz. "
-        "Right: the tip from rest at 32.7 Hz, and the band of its steady sine.",
-        alt="Three panels: mode shapes, with 0, 1 and 2 nodes; a frequency response with resonances at "
-        f"{listed(plain(f, 4) for f in resonances)} Hz; and an oscillation that grows to its steady amplitude.",
-        section="3",
-    )
+    panels = [partial(_shapes, beam), partial(_response, beam), partial(_beginning, beam)]
+    return render(folder, "section3-beam", panels, height=2.4, columns=3, voltage=VOLTAGE, resonances=beam.beam.frequencies(MODES))
 
 
 def _shapes(beam: Beam, ax: Any) -> None:

@@ -12,7 +12,9 @@ from stickslip.analysis.closed_form import coulomb_type
 from stickslip.friction.law_adapter import law_of
 from stickslip.paper.words import listed
 
-__all__ = ["Stretch", "exact_types", "in_words", "longest", "stretches"]
+__all__ = ["FOUR", "Stretch", "all_four", "exact_types", "in_words", "kinds", "longest", "stretches"]
+
+FOUR = ("I", "II", "III", "IV")
 
 #: Points at which the formulas are asked before their changes are halved.
 POINTS = 2001
@@ -74,6 +76,16 @@ def longest(found: tuple[Stretch, ...], word: Any = True) -> tuple[float, float]
     """From where to where a word holds: the longest of its stretches, None if it never does."""
     held = [(s.low, s.high) for s in found if s.word == word]
     return max(held, key=lambda s: s[1] - s[0]) if held else None
+
+
+def kinds(words: Any) -> int:
+    """How many of the four types are among the words."""
+    return len(set(words) & set(FOUR))
+
+
+def all_four(values: Any, rows: Any) -> Any:
+    """Those of the values in whose rows all four types appear."""
+    return values[[kinds(row) == 4 for row in rows.tolist()]]
 
 
 def in_words(found: tuple[Stretch, ...], say: Callable[[float], str]) -> str:

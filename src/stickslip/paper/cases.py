@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 __all__ = ["AMPLITUDE_5", "CASES", "EXPERIMENTS", "FAST_FIGURES", "OMEGA", "PRINTED", "Case", "Experiment", "rig"]
@@ -14,12 +16,7 @@ OMEGA = 65.4 * math.pi
 AMPLITUDE_5 = 6e-4
 #: Where an amplitude comes from.
 PRINTED = "printed"
-INFERRED_4 = "inferred: the paper prints no amplitude here; this one reproduces the printed type and mean velocities of this angle"
-INFERRED_5 = (
-    "inferred: the paper prints no amplitude here; this is the only multiple of 0.1 mm for which the five frequencies give rest and "
-    "all four types, "
-    "and μ₀ = 0.04 gives period two"
-)
+_DATA = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
 #: Figures that the fast subset draws.
 FAST_FIGURES = (6, 7, 8, 9, 10, 11, 15, 20, 22, 23, 27)
 
@@ -55,15 +52,10 @@ class Experiment:
     coulomb: float
     lugre: float
     measured: float
-    amplitude_source: str = INFERRED_4
+    amplitude_source: str = _DATA["inferred"]["4"]
 
 
-EXPERIMENTS = (
-    Experiment("P1", 7, "4.2.1", 1.7, 5.525e-4, "I", 0.0020, 0.0018, 0.0017),
-    Experiment("P2", 9, "4.2.3", 2.7, 6.032e-4, "III", 0.0038, 0.0037, 0.0036),
-    Experiment("P3", 8, "4.2.2", 4.7, 4.564e-4, "II", 0.0040, 0.0037, 0.0040),
-    Experiment("P4", 10, "4.2.4", 5.7, 1.487e-3, "IV", 0.0287, 0.0281, 0.0254),
-)
+EXPERIMENTS = tuple(Experiment(name, **told) for name, told in _DATA["experiments"].items())
 
 
 @dataclass(frozen=True)
@@ -94,7 +86,7 @@ class Case:
     varied: str
     changes: dict[str, float] = field(default_factory=dict)
     statement: str = ""
-    amplitude_source: str = INFERRED_5
+    amplitude_source: str = _DATA["inferred"]["5"]
     tilt_deg: float = 1.7
 
     @property
@@ -103,30 +95,15 @@ class Case:
         return self.amplitude_source != PRINTED
 
 
-def _by_amplitude() -> tuple[Case, ...]:
-    values = (1e-6, 3e-4, 4e-4, 5e-4, 6e-4, 8e-4)
-    texts = ("A = 10⁻⁶ m", "A = 0.3 mm", "A = 0.4 mm", "A = 0.5 mm", "A = 0.6 mm", "A = 0.8 mm")
-    said = ("simple harmonic vibration, monocyclic", *("one of the four types, periodic",) * 5)
-    return tuple(Case(11 + i, "5.1", A, text, {}, s, PRINTED) for i, (A, text, s) in enumerate(zip(values, texts, said, strict=True)))
+def _case(figure: str, told: dict[str, Any]) -> Case:
+    given = {"amplitude": AMPLITUDE_5, **told} | ({"amplitude_source": PRINTED} if "amplitude" in told else {})
+    changes = dict(told.get("changes", {}))
+    if "omega_over_pi" in changes:
+        changes["omega"] = changes.pop("omega_over_pi") * math.pi
+    return Case(int(figure), **{**given, "changes": changes})
 
 
-def _by_frequency() -> tuple[Case, ...]:
-    return tuple(
-        Case(17 + i, "5.2", AMPLITUDE_5, f"ω = {n}π s⁻¹", {"omega": n * math.pi}, "as by the amplitude")
-        for i, n in enumerate((30, 46, 52, 65, 80))
-    )
-
-
-def _by_friction() -> tuple[Case, ...]:
-    kinetic = ((0.03, "quasi-periodic"), (0.04, "period two"), (0.05, "type III or IV"), (0.10, "type III or IV"), (0.21, "type III or IV"))
-    static = (0.18, 0.35, 0.5, 1.0)
-    moving = tuple(Case(22 + i, "5.3", AMPLITUDE_5, f"μ₀ = {v:g}", {"mu0": v}, said) for i, (v, said) in enumerate(kinetic))
-    return moving + tuple(
-        Case(27 + i, "5.4", AMPLITUDE_5, f"f₀ = {v:g}", {"f0": v}, "all four types in the four figures") for i, v in enumerate(static)
-    )
-
-
-CASES = _by_amplitude() + _by_frequency() + _by_friction()
+CASES = tuple(_case(figure, told) for figure, told in _DATA["figures"].items())
 
 
 def rig(case: Case | Experiment, **arguments: Any) -> Any:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from math import comb
 from typing import Any
 
 import numpy as np
 
 from stickslip.paper.cases import EXPERIMENTS, rig
-from stickslip.paper.claims_page import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
-from stickslip.paper.solved_runs import batch
-from stickslip.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.paper.claims_page import Claim, Study, judged
+from stickslip.paper.solved_runs import batch, scaled_velocity
 
 __all__ = [
     "anisotropy",
@@ -26,40 +26,19 @@ __all__ = [
 def anisotropy(study: Study) -> Claim:
     """Net motion by anisotropy."""
     A = np.linspace(2e-4, 1.5e-3, 14 if study.fast else 53)
-    e, found = EXPERIMENTS[0], {}
-    for law in ("coulomb", "lugre"):
-        for name, tilt in (("isotropic", 0.0), ("forwards", 1.7), ("mirrored", -1.7)):
-            robot = rig(e, amplitude=A, law=law, tilt_deg=tilt)
-            w = np.asarray(batch(robot, periods=200).mean_velocity) / np.asarray(robot.mass_ratio * robot.velocity_scale)
-            found[law, name] = w
-    level = {law: float(abs(found[law, "isotropic"]).max()) for law in ("coulomb", "lugre")}
-    mirror = {law: float(abs(found[law, "forwards"] + found[law, "mirrored"]).max()) for law in ("coulomb", "lugre")}
-    still = A[found["coulomb", "forwards"] == 0.0]
-    moving = A[found["coulomb", "forwards"] > 0.0]
-    holds = (
-        max(level.values()) < 1e-5
-        and max(mirror.values()) < 1e-4
-        and len(moving)
-        and (found["lugre", "forwards"][-len(moving) :] > 0).all()
+    level, forwards, mirrored = (
+        {law: scaled_velocity(rig(EXPERIMENTS[0], amplitude=A, law=law, tilt_deg=tilt)) for law in ("coulomb", "lugre")}
+        for tilt in (0.0, 1.7, -1.7)
     )
-    return Claim(
-        "anisotropy",
-        "2.2.1",
-        "Anisotropic friction gives the system a net displacement in every period.",
-        "the anisotropic friction will make the whole system have a net periodic displacement",
-        verdict(holds),
-        (
-            f"With μ₊ = μ₋ the mean velocity of {len(A)} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} is at most "
-            f"{plain(level['coulomb'], 2)} (Coulomb) and {plain(level['lugre'], 2)} (LuGre) of Aμω.",
-            f"At 1.7° it is up to {plain(found['coulomb', 'forwards'].max(), 3)} Aμω, and it changes sign when μ₊ and μ₋ are exchanged "
-            f"(to {plain(max(mirror.values()), 2)} of Aμω, which includes the rest of the transient).",
-            f"The drive must overcome friction: at A ≤ {millimetres(still[-1], 3)} the Coulomb robot rests."
-            if len(still)
-            else "No amplitude here is too small to move.",
-        ),
-        "high: the mirror image is a symmetry of the equations, and the computed motions of both laws have it to the numbers above",
-        {"isotropic_over_scale": level, "mirror_over_scale": mirror, "largest_over_scale": float(found["coulomb", "forwards"].max())},
-    )
+    moving = A[forwards["coulomb"] > 0.0]
+    numbers: dict[str, Any] = {
+        "isotropic_over_scale": {law: float(abs(w).max()) for law, w in level.items()},
+        "mirror_over_scale": {law: float(abs(w + mirrored[law]).max()) for law, w in forwards.items()},
+        "largest_over_scale": float(forwards["coulomb"].max()),
+    }
+    still = max(numbers["isotropic_over_scale"].values()) < 1e-5 and max(numbers["mirror_over_scale"].values()) < 1e-4
+    holds = still and len(moving) and (forwards["lugre"][-len(moving) :] > 0).all()
+    return judged("anisotropy", holds, numbers, A=A, still=A[forwards["coulomb"] == 0.0])
 
 
 def folding_coulomb(study: Study) -> Claim:
@@ -69,141 +48,38 @@ def folding_coulomb(study: Study) -> Claim:
         batch(rig(EXPERIMENTS[0], tilt_deg=tilt, amplitude=A, law="coulomb", incline=i), periods=200).mean_velocity
         for i in ("folded", "gravity")
     )
-    difference = abs(gravity / folded - 1)
-    return Claim(
-        "folding_coulomb",
-        "3.2",
-        "An inclined track with isotropic friction can be written as a level track with anisotropic friction: Coulomb friction.",
-        "On the inclined slope, anisotropic friction is achieved. (Eqs 3.8 and 4.1)",
-        verdict(difference.max() < 1e-10),
-        (
-            "The mean velocities of the four cases of section 4 with gravity and with folded coefficients differ by at most "
-            f"{plain(difference.max(), 2)}, relative.",
-        ),
-        "high: exact; the constant force only shifts the two friction levels",
-        {"folded": folded.tolist(), "gravity": gravity.tolist()},
-    )
+    difference = abs(gravity / folded - 1).max()
+    return judged("folding_coulomb", difference < 1e-10, {"folded": folded.tolist(), "gravity": gravity.tolist()}, difference=difference)
 
 
 def folding_lugre(study: Study) -> Claim:
     """Folding an incline into friction, LuGre."""
-    difference = [r.gravity / r.lugre - 1 for r in study.table]
-    sizes = [abs(d) for d in difference]
-    parts = tuple(
-        Part(
-            f"{r.experiment.tilt_deg}°",
-            verdict(abs(d) < 1e-3),
-            f"folded {speed(r.lugre)}, true incline {speed(r.gravity)}: {percent(d, 2, True)}",
-        )
-        for r, d in zip(study.table, difference, strict=True)
-    )
-    return Claim(
-        "folding_lugre",
-        "3.2",
-        "The same holds for LuGre friction.",
-        "On the inclined slope, anisotropic friction is achieved. (Eqs 3.8 and 4.1, used in Eq. 2.6)",
-        verdict(max(sizes) < 1e-3),
-        (
-            f"Gravity acts on the bristle too: on the true incline the mean velocity differs by {percent(min(sizes))} to "
-            f"{percent(max(sizes))}.",
-            "The paper's own numbers are those of the folded model, and so are all others here.",
-        ),
-        "high: both are converged; folding is a different model, not an approximation that can be refined",
-        {"folded": [r.lugre for r in study.table], "gravity": [r.gravity for r in study.table]},
-        parts,
-    )
+    sizes = [abs(r.gravity / r.lugre - 1) for r in study.table]
+    parts = [(size < 1e-3, {"r": r}) for r, size in zip(study.table, sizes, strict=True)]
+    numbers = {"folded": [r.lugre for r in study.table], "gravity": [r.gravity for r in study.table]}
+    return judged("folding_lugre", max(sizes) < 1e-3, numbers, parts, sizes=sizes)
 
 
 def four_types(study: Study) -> Claim:
     """Four types of motion."""
-    parts = tuple(
-        Part(
-            f"{r.experiment.tilt_deg}°, type {r.experiment.type}",
-            verdict(r.type == r.experiment.type),
-            f"exact Coulomb motion: {r.type}, signs {r.pattern.replace('-', '−')}, forwards {percent(r.fractions['forward'], 3)}, "
-            "backwards "
-            f"{percent(r.fractions['backward'], 3)}, at rest {percent(r.fractions['stick'], 3)} of the period",
-        )
-        for r in study.table
-    )
-    return Claim(
-        "four_types",
-        "4.1",
-        "The driven system has four types of motion, three with stick-slip and one without, and the four experiments show one each.",
-        "The vibration-driven system in this paper shows four types of motion with harmonic excitation",
-        verdict(all(p.verdict == CONFIRMED for p in parts)),
-        (
-            f"The exact types are {listed(r.type for r in study.table)}, as printed, at the inferred amplitudes.",
-            "The type is that of the exact Coulomb motion, which needs no threshold. A LuGre body never rests, and its label depends on "
-            "thresholds: " + "; ".join(f"at {r.experiment.tilt_deg}° {_words(r.lugre_words)}" for r in study.table) + ".",
-        ),
-        f"high for the four types; at 1.7° the motion is close to the border of type III (margin {plain(study.table[0].margin, 2)})",
-        {"types": [r.type for r in study.table], "lugre_words": [r.lugre_words for r in study.table]},
-        parts,
-    )
-
-
-def _words(words: dict[str, int]) -> str:
-    total = sum(words.values())
-    return listed(f"{word} under {n}" for word, n in words.items()) + f" of {total} rules"
+    parts = [(r.type == r.experiment.type, {"r": r}) for r in study.table]
+    numbers = {"types": [r.type for r in study.table], "lugre_words": [r.lugre_words for r in study.table]}
+    return judged("four_types", all(holds for holds, _ in parts), numbers, parts, table=study.table)
 
 
 def six_groups(study: Study) -> Claim:
     """Six groups of experiments."""
     tilts = sorted({e.tilt_deg for e in EXPERIMENTS})
-    return Claim(
-        "six_groups",
-        "4.1",
-        "Six groups of experiments with different friction were done.",
-        "Six groups of experiments of different friction coefficients are conducted",
-        UNDECIDED if len(tilts) < 6 else CONFIRMED,
-        (
-            f"Results are printed for {len(tilts)} angles: {listed(f'{t}°' for t in tilts)}. Nothing is said about the other "
-            f"{6 - len(tilts)}.",
-        ),
-        "high: the printed results can be counted",
-        {"reported": len(tilts)},
-    )
+    return judged("six_groups", None if len(tilts) < 6 else True, {"reported": len(tilts)}, tilts=tilts)
 
 
 def closer_in_number(study: Study) -> Claim:
     """LuGre closer in number."""
-    parts = []
-    for r in study.table:
-        e = r.experiment
-        text = (
-            f"measured {speed(e.measured, 2 if e.measured < 0.01 else 3)}; computed LuGre {speed(r.lugre)} "
-            f"({percent(r.lugre / e.measured - 1, 2, True)}), "
-            f"Coulomb {speed(r.coulomb)} ({percent(r.coulomb / e.measured - 1, 2, True)}); by the printed values {r.closer_printed} is "
-            "closer too"
-        )
-        parts.append(
-            Part(f"{e.tilt_deg}°", verdict(r.closer == "LuGre"), text if r.closer == r.closer_printed else text.replace(" too", ""))
-        )
-    won = sum(p.verdict == CONFIRMED for p in parts)
-    losers = [p.label for p in parts if p.verdict != CONFIRMED]
-    return Claim(
-        "closer_in_number",
-        "4.2, 6",
-        "The mean velocity with LuGre friction is closer to the measured one than that with Coulomb friction.",
-        "From the view point of quantitative and qualitative, it is found that the LuGre model is a better friction model",
-        verdict(won == len(parts)),
-        (
-            f"It is closer at {won} of {len(parts)} angles, and not at {listed(losers)}." if losers else "It is closer at every angle.",
-            f"By chance alone {won} or more of {len(parts)} would happen with probability {plain(_chance(won, len(parts)), 2)}.",
-            "One amplitude was inferred for each angle from the printed simulations, so neither law was fitted to the measurement; the "
-            "measured values come without error bars.",
-        ),
-        "high for the numbers, low for the comparison of the laws: four means with two digits",
-        {"closer": [r.closer for r in study.table], "won": won},
-        tuple(parts),
-    )
-
-
-def _chance(won: int, of: int) -> float:
-    from math import comb
-
-    return sum(comb(of, k) for k in range(won, of + 1)) / 2**of
+    parts = [(r.closer == "LuGre", {"r": r}) for r in study.table]
+    won, of = sum(holds for holds, _ in parts), len(parts)
+    chance = sum(comb(of, k) for k in range(won, of + 1)) / 2**of
+    numbers = {"closer": [r.closer for r in study.table], "won": won}
+    return judged("closer_in_number", won == of, numbers, parts, chance=chance, table=study.table)
 
 
 def closer_in_shape(study: Study) -> Claim:
@@ -212,22 +88,8 @@ def closer_in_shape(study: Study) -> Claim:
     for e in EXPERIMENTS:
         _, lugre, rest = _curves(study, e)
         if rest.any():
-            found[e.tilt_deg] = float(abs(lugre[rest]).max()), float(abs(lugre).max())
-    return Claim(
-        "closer_in_shape",
-        "4.2",
-        "The velocity curve with LuGre friction is closer in shape to the measured one.",
-        "the qualitative feature of the LuGre model is more consistent with the experimental data",
-        UNDECIDED,
-        (
-            "The measured curves are printed as pictures only and are not available as numbers.",
-            "The following can be said: while the Coulomb body rests, the LuGre body keeps moving at up to "
-            + listed(f"{speed(slow, 3)} at {tilt}° ({percent(slow / fast, 2)} of its peak)" for tilt, (slow, fast) in found.items())
-            + "; a vibrometer with a precision of 0.001 mm/s would resolve that.",
-        ),
-        "moderate: consistent with what the paper describes, but any compliance in the contact or the body would look alike",
-        {"velocity_at_rest_and_peak": {str(k): v for k, v in found.items()}},
-    )
+            found[str(e.tilt_deg)] = float(abs(lugre[rest]).max()), float(abs(lugre).max())
+    return judged("closer_in_shape", None, {"velocity_at_rest_and_peak": found})
 
 
 def _curves(study: Study, e: Any) -> tuple[Any, Any, Any]:
@@ -243,23 +105,8 @@ def type_four_same(study: Study) -> Claim:
     rows = {}
     for r in study.table:
         coulomb, lugre, _ = _curves(study, r.experiment)
-        rows[r.type] = float(np.sqrt(np.mean((lugre - coulomb) ** 2) / np.mean(coulomb**2))), abs(r.lugre / r.coulomb - 1)
-    others = [v for k, v in rows.items() if k != "IV"]
-    shape, mean = rows["IV"]
-    holds = mean < 0.05 and shape < 0.05 and all(shape < o[0] and mean < o[1] for o in others)
-    return Claim(
-        "type_four_same",
-        "4.2.4",
-        "In a motion without sticking (type IV) Coulomb and LuGre friction can hardly be told apart.",
-        "the simulation results of the Coulomb friction and the LuGre model are nearly the same",
-        verdict(holds),
-        (
-            f"At {EXPERIMENTS[-1].tilt_deg}° the two velocity curves differ by {percent(shape)} (root mean square over that of the "
-            f"curve) and the mean velocities by {percent(mean)}.",
-            "With sticking they differ by "
-            + listed(f"{percent(s)} and {percent(m)} (type {k})" for k, (s, m) in rows.items() if k != "IV")
-            + ".",
-        ),
-        "high for the numbers; 'nearly' depends on the accuracy of the measurement",
-        {k: {"curve": s, "mean": m} for k, (s, m) in rows.items()},
-    )
+        shape = float(np.sqrt(np.mean((lugre - coulomb) ** 2) / np.mean(coulomb**2)))
+        rows[r.type] = {"curve": shape, "mean": abs(r.lugre / r.coulomb - 1)}
+    others, same = {k: row for k, row in rows.items() if k != "IV"}, rows["IV"]
+    holds = max(same.values()) < 0.05 and all(same[name] < row[name] for row in others.values() for name in same)
+    return judged("type_four_same", holds, rows, others=others, tilt=EXPERIMENTS[-1].tilt_deg)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import Any
 
 from stickslip.paper.amplitudes import Amplitudes
@@ -10,10 +12,11 @@ from stickslip.paper.beam import Beam
 from stickslip.paper.coexistence import Coexistence
 from stickslip.paper.parameter_map import Around
 from stickslip.paper.section5_motions import Motion
+from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
 
-__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "verdict"]
+__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "judged"]
 
 CONFIRMED, NOT_CONFIRMED, UNDECIDED = "confirmed", "not confirmed", "cannot be decided from the text"
 VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
@@ -81,6 +84,21 @@ class Study:
     tell: Tell
 
 
-def verdict(holds: Any) -> str:
-    """Confirmed or not."""
-    return CONFIRMED if bool(holds) else NOT_CONFIRMED
+def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> Claim:
+    """The claim of a key in the words of ``sentences.toml``, in which its numbers and other values stand.
+
+    Whether it holds is None where nobody can say. A part is whether it holds, and values of its own; where the text has one
+    template of a part, it serves them all.
+    """
+    told, values = dict(texts("claims")[key]), {**numbers, **values}
+    found = tuple(_part(template, *part, values) for template, part in zip(cycle(told.pop("parts", ((),))), parts))
+    return Claim(key=key, verdict=_verdict(holds), numbers=numbers, parts=found, **filled(told, {**values, "parts": found}))
+
+
+def _part(template: Sequence[str], holds: Any, own: dict[str, Any], values: dict[str, Any]) -> Part:
+    label, evidence = filled(template, {**values, **own})
+    return Part(label, _verdict(holds), evidence)
+
+
+def _verdict(holds: Any) -> str:
+    return UNDECIDED if holds is None else CONFIRMED if holds else NOT_CONFIRMED

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.paper.borders import kinds
 from stickslip.paper.cases import CASES, OMEGA, rig
 from stickslip.paper.followed_motions import Followed, followed
 from stickslip.paper.solved_runs import batch
@@ -76,7 +78,7 @@ class Coexistence:
 
     def types(self, row: int) -> int:
         """How many of the four types the four printed f0 can show at one amplitude, each from a start of its own choice."""
-        return max(_distinct(choice) for choice in _choices(self.words[row]))
+        return max(kinds(choice) for choice in itertools.product(*(sorted(set(words.tolist())) for words in self.words[row])))
 
     def as_data(self) -> dict[str, Any]:
         """The same for machines, SI units."""
@@ -132,14 +134,3 @@ def _range(f0: float, A: Any, start: float, beyond: float) -> Range:
     run = solve(robot, periods=100, start={"v": start * robot.free_velocity})
     slide = followed("amplitude", low, low - beyond, low, guess=run, **how)
     return Range(f0, slide, followed("amplitude", high, high, high + beyond, **how), (low, high))
-
-
-def _choices(rows: Any) -> Any:
-    """Every way to pick one start for each f0."""
-    import itertools
-
-    return itertools.product(*(sorted(set(row.tolist())) for row in rows))
-
-
-def _distinct(words: Any) -> int:
-    return len({"I", "II", "III", "IV"} & set(words))

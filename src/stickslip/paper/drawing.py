@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper.sentences import filled, texts
 from stickslip.plot.style import SHADE, WIDTH, publication
 from stickslip.report.drawn import svg
 
@@ -49,8 +50,10 @@ class Picture:
     panels: tuple[str, ...]
 
 
-def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, **texts: str) -> Picture:
-    """Draw panels side by side into PNG and SVG files, and each alone for the report."""
+def render(
+    folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, text: str = "", **values: Any
+) -> Picture:
+    """Draw panels side by side into PNG and SVG files, and each alone for the report; its text is that of its key, or a shared one."""
     from matplotlib.figure import Figure
 
     with publication():
@@ -65,7 +68,8 @@ def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2,
         for file in files:
             whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
             whole.set_layout_engine("none")  # the second file is laid out as the first: half of the work
-        return Picture(key=key, files=files, panels=tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
+        alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
+        return Picture(key=key, files=files, panels=alone, **filled(texts("pictures")[text or key], values))
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:

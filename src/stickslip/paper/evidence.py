@@ -15,7 +15,6 @@ from stickslip.paper.claims_page import Claim, Study
 from stickslip.paper.coexistence import STARTS, Coexistence
 from stickslip.paper.drawing import COULOMB, LUGRE, Picture, render
 from stickslip.paper.parameter_map import Around
-from stickslip.paper.words import listed, millimetres, percent, plain, speed
 from stickslip.plot.style import INK
 
 __all__ = ["draw"]
@@ -42,18 +41,7 @@ def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture
 
 # ---- amplitudes of section 4 ----
 def _amplitudes(found: Amplitudes, folder: Path) -> Picture:
-    text = "; ".join(f"{b.experiment.tilt_deg}°: {millimetres(b.good[0])} to {millimetres(b.good[1])}" for b in found.section4 if b.good)
-    return render(
-        folder,
-        "evidence-amplitudes",
-        [partial(_bracket, b) for b in found.section4],
-        title="Which amplitudes reproduce section 4",
-        caption="Computed mean velocity against amplitude; bands: the printed values with half a digit to either side. Shaded: "
-        "amplitudes of the printed type "
-        "that reproduce both printed velocities (at 1.7°: the one with Coulomb friction). Line: the amplitude taken.",
-        alt=f"Four panels, one for each angle. Amplitudes that fit: {text}.",
-        section="evidence",
-    )
+    return render(folder, "evidence-amplitudes", [partial(_bracket, b) for b in found.section4], brackets=found.section4)
 
 
 def _bracket(b: Bracket, ax: Any) -> None:
@@ -75,19 +63,7 @@ def _bracket(b: Bracket, ax: Any) -> None:
 # ---- RK4 at mu0 = 0.03 ----
 def _ladder(numbers: dict[str, Any], folder: Path) -> Picture:
     ladder, best = [r for r in numbers["rk4"] if r["velocity"] is not None], numbers["converged"][-1][1]
-    text = listed(f"{speed(r['velocity'], 3)} at {r['steps']}" for r in ladder)
-    return render(
-        folder,
-        "evidence-step-size",
-        [partial(_steps, ladder, best)],
-        height=2.4,
-        title="Fixed steps at μ₀ = 0.03 (Figure 22)",
-        caption="Mean velocity by classical Runge-Kutta against steps per drive period, from rest; line: the converged value. Filled: "
-        "a period was found; open: none. "
-        "What is missing blew up.",
-        alt=f"Mean velocities: {text}; converged {speed(best)}.",
-        section="evidence",
-    )
+    return render(folder, "evidence-step-size", [partial(_steps, ladder, best)], height=2.4, ladder=ladder, best=best)
 
 
 def _steps(ladder: list[dict[str, Any]], best: float, ax: Any) -> None:
@@ -96,14 +72,8 @@ def _steps(ladder: list[dict[str, Any]], best: float, ax: Any) -> None:
     ax.text(0.02, 1e3 * best, "converged, period 1", transform=ax.get_yaxis_transform(), color=LUGRE["color"], va="bottom", fontsize=7)
     ax.plot([r["steps"] for r in ladder], [1e3 * r["velocity"] for r in ladder], color=COULOMB["color"], linewidth=0.6)
     for r in ladder:
-        ax.plot(
-            r["steps"],
-            1e3 * r["velocity"],
-            "o",
-            color=COULOMB["color"],
-            markerfacecolor=COULOMB["color"] if r["period"] else "white",
-            markersize=5,
-        )
+        face = COULOMB["color"] if r["period"] else "white"
+        ax.plot(r["steps"], 1e3 * r["velocity"], "o", color=COULOMB["color"], markerfacecolor=face, markersize=5)
     ax.set_xscale("log")
     ax.set_ylim(top=1e3 * best * 1.18)
     ax.set(xlabel="steps per drive period", ylabel="mean velocity (mm/s)")
@@ -133,24 +103,8 @@ def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
 
 
 def _around(found: Around, folder: Path) -> Picture:
-    top, shares = found.largest, found.shares
-    where = f"A = {millimetres(top['amplitude'], 3)}, μ₀ = {plain(top['mu0'], 3)}"
-    return render(
-        folder,
-        "section5-around",
-        [partial(_around_panel, found, "motion"), partial(_around_panel, found, "exponent")],
-        height=3.6,
-        title="What the paper did not see",
-        caption="Converged LuGre motion at 1.7° from rest: period numbers, and the largest Lyapunov exponent, over amplitude and kinetic "
-        "coefficient. Diamonds: its figures, with their numbers (0.6 mm is inferred for 22 to 26). Black curve: where the motion of period "
-        "one doubles its period, by continuation of the flip in both parameters. All figures but 23 lie outside it, in plain period one; "
-        "chaos lies in its lower left corner, between amplitudes and coefficients that the paper tried one at a time. Grey: not decided "
-        "within the run, most of it beside a flip, where a motion settles slowly.",
-        alt="Two maps over amplitude and kinetic coefficient. Shares of the map: "
-        + ", ".join(f"{name} {percent(share)}" for name, share in shares.items())
-        + f". Largest exponent {plain(top['exponent'], 2)} per period at {where}.",
-        section="around",
-    )
+    panels = [partial(_around_panel, found, quantity) for quantity in ("motion", "exponent")]
+    return render(folder, "section5-around", panels, height=3.6, found=found)
 
 
 def _around_panel(found: Around, quantity: str, ax: Any) -> None:
@@ -158,8 +112,7 @@ def _around_panel(found: Around, quantity: str, ax: Any) -> None:
 
     chaos_map(found.grid, ax, quantity, found.curves)
     ax.xaxis.set_major_formatter(lambda value, _: f"{1e-3 * value:g}")  # as everywhere in this report: mm
-    ax.set_xlabel("amplitude $A$ (mm)")
-    ax.set_ylabel("kinetic coefficient $\\mu_0$")
+    ax.set(xlabel="amplitude $A$ (mm)", ylabel="kinetic coefficient $\\mu_0$")
     x, y = 1e6 * found.grid.amplitude.values, found.grid.mu0.values
     for case in CASES:
         A, mu0 = 1e6 * case.amplitude, case.changes.get("mu0", 0.18)
@@ -172,27 +125,12 @@ def _around_panel(found: Around, quantity: str, ax: Any) -> None:
 
 
 def _static(found: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
-    words = next(iter(found["words"].values()))
-    return render(
-        folder,
-        "evidence-static-friction",
-        [
-            partial(_type_panel, found, found["exact"], "Exact motion, break-away at $f_0$"),
-            partial(_type_panel, found, words, "LuGre labels, from rest"),
-            partial(_both_panel, both),
-        ],
-        height=2.9,
-        columns=3,
-        title="Motion types by the static coefficient",
-        caption="Left and middle: from rest, by type (LuGre labels at the default thresholds). Right: LuGre motion from "
-        f"{len(STARTS)} starts, v = {listed(plain(v, 2) for v in STARTS)} times Aμω: where all lead to one motion, and where one "
-        "start slides while another stays near rest. Dotted: the coefficients of Figures 27 to 30, with their numbers; line: the inferred "
-        "0.6 mm. No horizontal line meets the four types at the four dotted ones.",
-        alt="Three maps over static coefficient and amplitude. With growing static coefficient the motion passes from type IV or III "
-        f"through I and II to rest. At {int(both.two.sum())} of {both.two.size} pairs two LuGre motions coexist, in a wedge that widens "
-        "with the static coefficient.",
-        section="evidence",
-    )
+    panels = [
+        partial(_type_panel, found, found["exact"], "Exact motion, break-away at $f_0$"),
+        partial(_type_panel, found, next(iter(found["words"].values())), "LuGre labels, from rest"),
+        partial(_both_panel, both),
+    ]
+    return render(folder, "evidence-static-friction", panels, height=2.9, columns=3, starts=STARTS, both=both)
 
 
 def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:

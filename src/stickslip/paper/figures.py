@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.amplitudes import ROUNDING
-from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, PRINTED, Case, Experiment
+from stickslip.paper.borders import FOUR
+from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, Case, Experiment
 from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
 from stickslip.paper.section5_motions import Motion
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
-from stickslip.paper.words import listed, millimetres, percent, plain, power, speed
+from stickslip.paper.words import millimetres, power
 from stickslip.plot.style import INK, SHADE, legend_above
 
 __all__ = ["draw"]
 
 PERIODS = 3
-WHERE_INFERRED = "A = 0.6 mm (inferred). "
 
 
 def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: Path, fast: bool, tell: Tell) -> tuple[Picture, ...]:
@@ -41,20 +41,8 @@ def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: 
 
 # ---- Figure 6 ----
 def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
-    order = sorted(table, key=lambda r: ("I", "II", "III", "IV").index(r.type))
-    panels = [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order]
-    text = "; ".join(f"type {r.type}: {r.experiment.tilt_deg}°, signs {r.pattern.replace('-', '−')}" for r in order)
-    return render(
-        folder,
-        "figure-06",
-        panels,
-        height=1.9,
-        title="Figure 6. The four types of motion with Coulomb friction",
-        section="4.1",
-        caption="Exact arcs; shaded: the body rests. The paper does not print the parameters of this figure: the four experiments of "
-        "section 4 are our choice.",
-        alt=f"Four panels of velocity over three drive periods, one for each type of motion. {text}.",
-    )
+    order = sorted(table, key=lambda r: FOUR.index(r.type))
+    return render(folder, "figure-06", [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order], height=1.9, rows=order)
 
 
 def _exact_panel(run: Any, row: Row, ax: Any) -> None:
@@ -67,36 +55,14 @@ def _exact_panel(run: Any, row: Row, ax: Any) -> None:
 
 
 def _time_axis(ax: Any, label: str, periods: int = PERIODS) -> None:
-    ax.set_xlim(0, periods)
-    ax.set_xticks(range(periods + 1))
-    ax.set_xlabel("time $t/T$ (drive periods)")
-    ax.set_ylabel(label)
+    ax.set(xlim=(0, periods), xticks=range(periods + 1), xlabel="time $t/T$ (drive periods)", ylabel=label)
 
 
 # ---- Figures 7 to 10 ----
 def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
-    e = row.experiment
-    return render(
-        folder,
-        f"figure-{e.figure:02}",
-        [partial(_velocities, runs, e), partial(_levels, row)],
-        height=2.5,
-        title=f"Figure {e.figure}. Coulomb and LuGre friction at {e.tilt_deg}°, type {e.type}",
-        section=e.section,
-        caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it "
-        "rests) and LuGre friction "
-        f"(dashed). {_rested(row)}The measured record is not available: only its printed mean is drawn, as a level. Right: mean "
-        "velocities, squares as printed, with half of the last digit to either side, circles as computed here.",
-        alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured "
-        f"{speed(e.measured)}; Coulomb "
-        f"printed {speed(e.coulomb)}, computed {speed(row.coulomb)}; LuGre printed {speed(e.lugre)}, computed {speed(row.lugre)}.",
-    )
-
-
-def _rested(row: Row) -> str:
-    """How long the Coulomb body rests, each time; the shortest rests are too short to be seen."""
-    lengths = [b for _, b, sign in row.intervals if sign == 0]
-    return f"It rests for {listed(percent(b) for b in lengths)} of the period. " if lengths else "It never rests. "
+    e, panels = row.experiment, [partial(_velocities, runs, row.experiment), partial(_levels, row)]
+    rests = [b for _, b, sign in row.intervals if sign == 0]  # the shortest are too short to be seen
+    return render(folder, f"figure-{e.figure:02}", panels, height=2.5, text="experiment", e=e, row=row, rests=rests)
 
 
 def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
@@ -178,26 +144,25 @@ def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, fl
     told = motion(run)
     periods = 4 if (told.period or 1) > 1 else PERIODS
     found = curve(run, periods)
-    presliding = _presliding(run)
-    own = presliding or found["v"].max() / _scale(run)[1] < 0.3 * limits[1]
-    facts = (
-        f"{'' if case.amplitude_source == PRINTED else WHERE_INFERRED}Converged LuGre motion: {judged.word} (largest multiplier "
-        f"{judged.multiplier}, largest exponent {judged.exponents} per drive period), word {told.type}, mean velocity "
-        f"{speed(mean_velocity(run))}; exact Coulomb type {twin}."
-    )
-    scales = (" The body only stretches its bristles." if presliding else "") + (" Axes of its own scale." if own else "")
-    said = f" The paper: {case.statement}." if case.statement else ""
-    _, scale = _scale(run)
+    presliding, scale = _presliding(run), _scale(run)[1]
+    own = presliding or found["v"].max() / scale < 0.3 * limits[1]
+    limits_here = None if own else limits
     return render(
         folder,
         f"figure-{case.figure:02}",
-        [partial(_history, run, found, periods, None if own else limits), partial(_portrait, run, found, None if own else limits)],
-        title=f"Figure {case.figure}. LuGre friction, {case.varied}",
-        section=case.section,
-        caption=facts + scales + said,
-        alt=f"Left: dimensionless velocity over {periods} drive periods, from {plain(found['v'].min() / scale, 3)} to "
-        f"{plain(found['v'].max() / scale, 3)}. "
-        f"Right: phase portrait, a closed curve with {len(set(np.round(found['strobe_v'] / scale, 6)))} strobe point(s).",
+        [partial(_history, run, found, periods, limits_here), partial(_portrait, run, found, limits_here)],
+        text="case",
+        case=case,
+        judged=judged,
+        word=told.type,
+        velocity=mean_velocity(run),
+        twin=twin,
+        presliding=presliding,
+        own=own,
+        periods=periods,
+        v=found["v"],
+        scale=scale,
+        points=len(set(np.round(found["strobe_v"] / scale, 6))),
     )
 
 
@@ -230,18 +195,9 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     A, scale = _scale(run)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(found["s"] / A, found["v"] / scale, color=LUGRE["color"], linewidth=1.1)
-    ax.plot(
-        found["strobe_s"] / A,
-        found["strobe_v"] / scale,
-        "o",
-        color="#D55E00",
-        markersize=3.5,
-        markeredgecolor="white",
-        markeredgewidth=0.5,
-        zorder=5,
-    )
-    ax.set_xlabel("displacement without drift $(x - Vt)/A$")
-    ax.set_ylabel("velocity $v/(A\\omega)$")
+    dots: dict[str, Any] = {"color": "#D55E00", "markersize": 3.5, "markeredgecolor": "white", "markeredgewidth": 0.5}
+    ax.plot(found["strobe_s"] / A, found["strobe_v"] / scale, "o", zorder=5, **dots)
+    ax.set(xlabel="displacement without drift $(x - Vt)/A$", ylabel="velocity $v/(A\\omega)$")
     ax.locator_params(axis="x", nbins=5)
     if limits is None:
         _powers(ax.xaxis)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from stickslip.drives import PiezoBeam
 from stickslip.paper import (
-    claims_beam as beam,
-    claims_comparison as comparison,
-    claims_excitation as excitation,
-    claims_friction as friction,
-    claims_irregular as irregular,
-    claims_laws as laws,
-    claims_static as static,
+    claims_beam,
+    claims_comparison,
+    claims_excitation,
+    claims_friction,
+    claims_irregular,
+    claims_laws,
+    claims_static,
 )
 from stickslip.paper.amplitudes import Amplitudes
 from stickslip.paper.beam import Beam
@@ -21,10 +19,14 @@ from stickslip.paper.claims_static import static_map
 from stickslip.paper.coexistence import coexistence
 from stickslip.paper.parameter_map import around
 from stickslip.paper.section5_motions import motions
+from stickslip.paper.sentences import texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
 
 __all__ = ["claims", "study_of"]
+
+#: A function for each claim, named as its text in ``sentences.toml``.
+JUDGES = (claims_beam, claims_comparison, claims_excitation, claims_friction, claims_irregular, claims_laws, claims_static)
 
 
 def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
@@ -38,37 +40,9 @@ def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitu
 
 def claims(study: Study) -> tuple[Claim, ...]:
     """Every claim, in the order of the paper."""
-    judges, found = _judges(), []
-    for i, judge in enumerate(judges):
-        study.tell(f"judging claims: {(judge.__doc__ or '').splitlines()[0].rstrip('.')}", i, len(judges))
-        found.append(judge(study))
-    study.tell("judging claims", len(judges), len(judges))
+    judges, keys, found = {name: getattr(module, name) for module in JUDGES for name in module.__all__}, list(texts("claims")), []
+    for i, key in enumerate(keys):
+        study.tell(f"judging claims: {(judges[key].__doc__ or '').splitlines()[0].rstrip('.')}", i, len(keys))
+        found.append(judges[key](study))
+    study.tell("judging claims", len(keys), len(keys))
     return tuple(found)
-
-
-def _judges() -> tuple[Callable[[Study], Claim], ...]:
-    return (
-        laws.bristle_is_slow,
-        laws.dahl_without_stick_slip,
-        comparison.anisotropy,
-        beam.sum_of_modes,
-        beam.sinusoidal_tip,
-        comparison.folding_coulomb,
-        comparison.folding_lugre,
-        comparison.four_types,
-        comparison.six_groups,
-        comparison.closer_in_number,
-        comparison.closer_in_shape,
-        comparison.type_four_same,
-        excitation.harmonic,
-        excitation.all_types_by_amplitude,
-        excitation.always_periodic,
-        excitation.omega_as_amplitude,
-        friction.ratios_above_one,
-        friction.kinetic_range,
-        irregular.quasi_periodic,
-        irregular.period_two,
-        friction.only_three_and_four,
-        static.all_types_by_static,
-        friction.all_types_by_kinetic,
-    )

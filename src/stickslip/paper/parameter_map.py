@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.paper.cases import AMPLITUDE_5
 from stickslip.paper.solved_runs import Tell
+from stickslip.paper.words import millimetres, plain
 
 __all__ = ["FULL", "Around", "around"]
 
@@ -79,6 +80,11 @@ class Around:
             "exponent": float(flat[i, j]), "error": float(self.grid.error[i, j]), "mu0": float(self.grid.mu0[i]),
             "amplitude": float(self.grid.amplitude[j]),
         }  # fmt: skip
+
+    @property
+    def where(self) -> str:
+        """Where that is, in words."""
+        return f"A = {millimetres(self.largest['amplitude'], 3)}, μ₀ = {plain(self.largest['mu0'], 3)}"
 
     def as_data(self) -> dict[str, Any]:
         """The same for machines, SI units."""

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 
-__all__ = ["Runs", "Tell", "batch", "solve_all"]
+__all__ = ["Runs", "Tell", "batch", "scaled_velocity", "solve_all"]
 
 #: Called with (current task, amount done, amount in all).
 Tell = Callable[[str, int, int], None]
@@ -63,3 +65,8 @@ def batch(robot: Any, **arguments: Any) -> Any:
     from stickslip.solvers import solve
 
     return solve(robot, **{"keep": "summary", "workers": min(os.cpu_count() or 1, 8), **arguments})
+
+
+def scaled_velocity(robot: Any) -> Any:
+    """V/(A mu omega) of a batch."""
+    return np.asarray(batch(robot, periods=200).mean_velocity) / np.asarray(robot.mass_ratio * robot.velocity_scale)

@@ -51,6 +51,11 @@ class Row:
     lugre_words: dict[str, int]
 
     @property
+    def signs(self) -> str:
+        """The pattern with a true minus."""
+        return self.pattern.replace("-", "−")
+
+    @property
     def closer(self) -> str:
         """The law whose mean velocity, as computed, is closer to the measured one."""
         measured = self.experiment.measured

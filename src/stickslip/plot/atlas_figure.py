@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, explains_arguments
+from stickslip.arguments import Ax
 from stickslip.errors import InputError
 from stickslip.plot.maps import TYPE_COLOURS, name_region, outlined, scaled
-from stickslip.plot.spacing import edges, logarithmic, places
+from stickslip.plot.spacing import cells, logarithmic, places
 from stickslip.plot.special_kinds import marker_of, name_of
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, publication
+from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above
 
 __all__ = ["atlas"]
 
@@ -36,7 +36,7 @@ _MISSING = "not computed"
 _ON_A_LINE = 0.05  # of the plane: a mark so near to a line of its kind is left out
 
 
-@explains_arguments
+@drawing
 def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
     """Regions of an atlas with their names, the borders that were followed as lines, and the special points that lie on no line.
 
@@ -63,21 +63,18 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
     if not hasattr(found, "borders") or not hasattr(found, "regions"):
         raise InputError("plot", [f"{found!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
     across, up = (scaled(found.map, name) for name in found.parameters)
-    with publication():
-        ax = axes(ax, 3.1)
-        fills = _fills(found)
-        names = [*fills, _MISSING]
-        labels = found.map["region"].values.T
-        codes = np.array([[names.index(label) if label in fills else len(fills) for label in row] for row in labels])
-        inside = _regions(ax, across, up, codes, fills)
-        for border in found.borders:
-            x, y = np.array(border.values).T
-            outlined(ax, x * across.factor, y * up.factor)
-        marks = _special(ax, found, across, up) if points else []
-        _framed(ax, across, up)
-        _legend(
-            ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(found.borders), marks, bool((labels == "").any())
-        )
+    ax = axes(ax, 3.1)
+    fills = _fills(found)
+    names = [*fills, _MISSING]
+    labels = found.map["region"].values.T
+    codes = np.array([[names.index(label) if label in fills else len(fills) for label in row] for row in labels])
+    inside = _regions(ax, across, up, codes, fills)
+    for border in found.borders:
+        x, y = np.array(border.values).T
+        outlined(ax, x * across.factor, y * up.factor)
+    marks = _special(ax, found, across, up) if points else []
+    _framed(ax, across, up)
+    _legend(ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(found.borders), marks, bool((labels == "").any()))
     return ax
 
 
@@ -89,11 +86,7 @@ def _fills(found: Any) -> dict[str, str]:
 
 def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
     """Fill the cells; returns the names that had room inside."""
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    colours = [*fills.values(), "#FFFFFF"]
-    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
-    ax.pcolormesh(edges(across.values), edges(up.values), codes, cmap=ListedColormap(colours), norm=norm, rasterized=True)
+    cells(ax, across.values, up.values, codes, [*fills.values(), "#FFFFFF"])
     (x, columns), (y, rows) = places(across.values, _FINE), places(up.values, _FINE)
     seen = codes[np.ix_(rows, columns)]
     return [n for i, n in enumerate(fills) if (len(n) <= _LETTERS or n in TYPE_COLOURS) and name_region(ax, x, y, seen, i, n)]

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from stickslip.arguments import Ax, Grid, explains_arguments
+from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, axes, labelled, legend_above, publication, scaled
+from stickslip.plot.style import COLOURS, axes, drawing, legend_above, side_of
 
 __all__ = ["attractors"]
 
 _BESIDE = ("period", "share", "share_low", "share_high", "mode")
 
 
-@explains_arguments
+@drawing
 def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     """Attractors along a parameter, one line each; a ring where a motion has no period.
 
@@ -48,20 +46,18 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     if quantity not in known:
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(known)}"])
     across, y = found[found.attrs["parameter"]], found[quantity]
-    (right, side), (up, mark) = (scaled(a.values[np.isfinite(a.values)], a.attrs["units"]) for a in (across, y))
-    with publication():
-        ax = axes(ax)
-        for k in range(found.sizes["attractor"]):
-            one, colour = found.isel(attractor=k), COLOURS[k % 7]
-            x, values = across.values * right, one[quantity].values * up
-            if quantity == "share":
-                ax.fill_between(x, one.share_low.values, one.share_high.values, color=colour, alpha=0.15, linewidth=0)
-            ax.plot(x, values, ".-", color=colour, markersize=4, label=_text(one))
-            wild = one.period.values == 0
-            ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
-        ax.set_xlabel(labelled(across, side))
-        ax.set_ylabel(labelled(y, mark))
-        legend_above(ax, ncols=3, columnspacing=1.2)
+    (right, side), (up, mark) = side_of(across), side_of(y)
+    ax = axes(ax)
+    for k in range(found.sizes["attractor"]):
+        one, colour = found.isel(attractor=k), COLOURS[k % 7]
+        x, values = across.values * right, one[quantity].values * up
+        if quantity == "share":
+            ax.fill_between(x, one.share_low.values, one.share_high.values, color=colour, alpha=0.15, linewidth=0)
+        ax.plot(x, values, ".-", color=colour, markersize=4, label=_text(one))
+        wild = one.period.values == 0
+        ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
+    ax.set(xlabel=side, ylabel=mark)
+    legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 
 

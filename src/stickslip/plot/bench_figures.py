@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Benched, Page, explains_arguments
+from stickslip.arguments import Benched, Page
 from stickslip.benching import Bench, Benches
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, DASHES, INK, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, drawing, prefix
 
 __all__ = ["bench"]
 
@@ -22,7 +22,7 @@ _TOLD = (
 _COLUMNS = ("steady", "lag", "hysteresis", "dissipation", "breakaway", "stick_slip")
 
 
-@explains_arguments
+@drawing
 def bench(found: Benched, figure: Page = None) -> Any:
     """The figure of a bench: a panel for each experiment and the numbers; of several laws a row of panels for each.
 
@@ -45,11 +45,9 @@ def bench(found: Benched, figure: Page = None) -> Any:
     8
     """
     if isinstance(found, Bench):
-        with publication():
-            return _one(found, figure)
+        return _one(found, figure)
     if isinstance(found, Benches):
-        with publication():
-            return _many(found, figure)
+        return _many(found, figure)
     raise InputError("plot", [f"{found!r} is not a bench; allowed is what ss.bench returns; type ss.plot.bench(ss.bench(ss.LuGre))"])
 
 

@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, explains_arguments
+from stickslip.arguments import Ax
 from stickslip.errors import InputError
 from stickslip.plot.spacing import logarithmic
 from stickslip.plot.special_kinds import marker_of, name_once
-from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, drawing, labelled, legend_above, scaled
 
 __all__ = ["special_curve"]
 
 _STAYS = 1e-6  # of a parameter: a change that is not shown
 
 
-@explains_arguments
+@drawing
 def special_curve(curves: Any, ax: Ax = None) -> Any:
     """Curves of special points in two parameters, with the points where they meet another border.
 
@@ -47,21 +47,20 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     points = [curve.points for curve in several]
     across, up = several[0].parameters
     sides = {name: scaled([v for each in points for v in each[name].values], points[0][name].attrs["units"]) for name in (across, up)}
-    with publication():
-        ax = axes(ax, 2.4)
-        kinds = list(dict.fromkeys(curve.kind for curve in several))
-        told: set[str] = set()  # each kind has one colour and one line in the legend
-        for curve, each in zip(several, points, strict=True):
-            x, y = (each[name].values * sides[name][0] for name in (across, up))
-            ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, told))
-            for met in curve.special:
-                at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
-                ax.plot(*at, marker=marker_of(met.kind), linestyle="", color=INK, markersize=4, label=name_once(met.kind, told))
-        for name, side in ((across, "x"), (up, "y")):
-            getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
-            logarithmic(ax, side, points[0][name].values)
-            _widened(ax, side, np.concatenate([each[name].values for each in points]) * sides[name][0])
-        legend_above(ax)
+    ax = axes(ax, 2.4)
+    kinds = list(dict.fromkeys(curve.kind for curve in several))
+    told: set[str] = set()  # each kind has one colour and one line in the legend
+    for curve, each in zip(several, points, strict=True):
+        x, y = (each[name].values * sides[name][0] for name in (across, up))
+        ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, told))
+        for met in curve.special:
+            at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
+            ax.plot(*at, marker=marker_of(met.kind), linestyle="", color=INK, markersize=4, label=name_once(met.kind, told))
+    for name, side in ((across, "x"), (up, "y")):
+        getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
+        logarithmic(ax, side, points[0][name].values)
+        _widened(ax, side, np.concatenate([each[name].values for each in points]) * sides[name][0])
+    legend_above(ax)
     return ax
 
 

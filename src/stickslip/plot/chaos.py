@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Grid, explains_arguments
+from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
-from stickslip.plot.spacing import edges, logarithmic
+from stickslip.plot.spacing import cells, edges, logarithmic
 from stickslip.plot.special_kinds import name_of
-from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, drawing, side_of
 
 __all__ = ["MOTIONS", "chaos_map"]
 
@@ -23,7 +23,7 @@ MOTIONS = {
 _LOWEST = -2.0  # exponents below it have one colour
 
 
-@explains_arguments
+@drawing
 def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any = ()) -> Any:
     """A map of motions over two parameters; over one, the largest exponent as a line.
 
@@ -54,33 +54,29 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
         raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
     if quantity not in ("motion", "exponent"):
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is motion or exponent"])
-    with publication():
-        ax = axes(ax, height=3.0)
-        if len(found.period.dims) == 1:
-            return _line(found, ax)
-        upward, across = map(str, found.period.dims)
-        (right, side), (up, mark) = (scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
-        handles = (_motions if quantity == "motion" else _exponents)(found, ax, found[across].values * right, found[upward].values * up)
-        handles += _over(curves, ax, (across, right), (upward, up))
-        logarithmic(ax, "x", found[across].values)
-        logarithmic(ax, "y", found[upward].values)
-        ax.set_xlabel(labelled(found[across], side))
-        ax.set_ylabel(labelled(found[upward], mark))
-        if handles:
-            ax.legend(
-                handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(handles), 5), borderaxespad=0.2,
-                columnspacing=1.0, handlelength=1.2,
-            )  # fmt: skip
-        return ax
+    ax = axes(ax, height=3.0)
+    if len(found.period.dims) == 1:
+        return _line(found, ax)
+    upward, across = map(str, found.period.dims)
+    (right, side), (up, mark) = (side_of(found[n]) for n in (across, upward))
+    handles = (_motions if quantity == "motion" else _exponents)(found, ax, found[across].values * right, found[upward].values * up)
+    handles += _over(curves, ax, (across, right), (upward, up))
+    logarithmic(ax, "x", found[across].values)
+    logarithmic(ax, "y", found[upward].values)
+    ax.set(xlabel=side, ylabel=mark)
+    if handles:
+        ax.legend(
+            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(handles), 5), borderaxespad=0.2,
+            columnspacing=1.0, handlelength=1.2,
+        )  # fmt: skip
+    return ax
 
 
 def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
-    from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
     kinds = _kinds(found)
-    norm = BoundaryNorm(np.arange(-0.5, len(MOTIONS)), len(MOTIONS))
-    ax.pcolormesh(edges(x), edges(y), kinds, cmap=ListedColormap(list(MOTIONS.values())), norm=norm, rasterized=True)
+    cells(ax, x, y, kinds, list(MOTIONS.values()))
     shown = [item for i, item in enumerate(MOTIONS.items()) if (kinds == i).any()]
     return [Patch(facecolor=colour, edgecolor=INK, linewidth=0.3, label=name) for name, colour in shown]
 
@@ -119,12 +115,11 @@ def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, fl
 
 def _line(found: Any, ax: Any) -> Any:
     name = str(found.period.dims[0])
-    right, side = scaled(found[name].values, found[name].attrs["units"])
+    right, side = side_of(found[name])
     x, y, error = found[name].values * right, found.exponent.values, found.error.values
     ax.axhline(0.0, color=INK, linewidth=0.5)
     ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
     ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
     logarithmic(ax, "x", x)
-    ax.set_xlabel(labelled(found[name], side))
-    ax.set_ylabel("largest exponent per drive period")
+    ax.set(xlabel=side, ylabel="largest exponent per drive period")
     return ax

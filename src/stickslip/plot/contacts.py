@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
-from stickslip.arguments import Ax, Kind, Run, explains_arguments
+from stickslip.arguments import Ax, Kind, Run
 from stickslip.plot.runs import only_run, span, time_axis
-from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, name_rows, prefix, publication
+from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows, prefix
 
 __all__ = ["MODES", "contacts", "pattern"]
 
@@ -22,7 +22,7 @@ MODES: dict[int, tuple[str, str, str]] = {
 _ROW, _AROUND = 0.27, 0.75  # inches
 
 
-@explains_arguments
+@drawing
 def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """The state of each contact over the last drive periods: sticking, sliding forwards or backwards, or flight; and hits on stops.
 
@@ -56,19 +56,18 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     modes, stops = contact_modes(run, start, end), stop_rows(run, start, end)
     rows, bars = [*modes, *stops], {**modes, **{name: pressed for name, (pressed, _) in stops.items()}}
     time, seconds = prefix(end - start)
-    with publication():
-        ax = _axes(ax, len(rows))
-        shown = _bars(ax, rows, bars, start, time)
-        struck = {name: struck for name, (_, struck) in stops.items()}
-        marks = _marks(ax, rows, (struck, landings(run, start, end), _lost(run, start, end)), start, time)
-        name_rows(ax, rows)
-        ax.set_ylim(len(rows) - 0.5, -0.5)
-        time_axis(ax, run, (start, end), time, seconds)
-        legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
-        return ax
+    ax = axes(ax, _AROUND + _ROW * len(rows))
+    shown = _bars(ax, rows, bars, start, time)
+    struck = {name: struck for name, (_, struck) in stops.items()}
+    marks = _marks(ax, rows, (struck, landings(run, start, end), _lost(run, start, end)), start, time)
+    name_rows(ax, rows, 0.5)
+    ax.invert_yaxis()
+    time_axis(ax, run, (start, end), time, seconds)
+    legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
+    return ax
 
 
-@explains_arguments
+@drawing
 def pattern(motion: Moving, ax: Ax = None) -> Any:
     """The motion period of each contact: where it slides forwards, sticks, and slides backwards, in the order of its pattern.
 
@@ -93,29 +92,19 @@ def pattern(motion: Moving, ax: Ax = None) -> Any:
     motions = motion.contacts if hasattr(motion, "contacts") else {"": motion}
     rows = list(motions)
     bars = {name: [(a, a + length, sign) for a, length, sign in one.intervals] for name, one in motions.items()}
-    with publication():
-        ax = _axes(ax, len(rows))
-        shown = _bars(ax, rows, bars, 0.0, 1.0)
-        name_rows(ax, rows)
-        ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.set_xlabel("drive periods")
-        ax.margins(x=0)
-        legend_above(ax, handles=shown, ncols=len(shown), columnspacing=1.2, handlelength=1.6)
-        return ax
+    ax = axes(ax, _AROUND + _ROW * len(rows))
+    shown = _bars(ax, rows, bars, 0.0, 1.0)
+    name_rows(ax, rows, 0.5)
+    ax.invert_yaxis()
+    ax.set_xlabel("drive periods")
+    ax.margins(x=0)
+    legend_above(ax, handles=shown, ncols=len(shown), columnspacing=1.2, handlelength=1.6)
+    return ax
 
 
 def _lost(run: Any, start: float, end: float) -> dict[str, list[float]]:
     """When contacts were lost, by name."""
     return {event.part: [event.t] for event in run.events if event.kind == "contact lost" and start <= event.t <= end}
-
-
-def _axes(ax: Any, rows: int) -> Any:
-    """The axes given, or those of a figure that is as high as its rows need."""
-    if ax is not None:
-        return ax
-    import matplotlib.pyplot as plt
-
-    return plt.subplots(figsize=(WIDTH, _AROUND + _ROW * rows))[1]
 
 
 def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, time: float) -> list[Any]:

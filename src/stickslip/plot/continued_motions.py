@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Grid, Ways, explains_arguments
+from stickslip.arguments import Ax, Grid, Ways
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 from stickslip.plot.special_kinds import marker_of, name_once
-from stickslip.plot.style import COLOURS, INK, axes, dot_size, labelled, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
 
 __all__ = ["OBSERVABLES", "continuation"]
 
@@ -21,7 +21,7 @@ _STABLE, _UNSTABLE = {"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (3,
 _CLOUD = "#B4BCC6"
 
 
-@explains_arguments
+@drawing
 def continuation(
     branch: Ways,
     observable: str | None = None,
@@ -75,28 +75,27 @@ def continuation(
     unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
     up, mark = scaled(np.concatenate([s.ravel() for s in shown]), unit)
     right, side = scaled(across.values, across.attrs["units"])
-    with publication():
-        ax = axes(ax, height=2.6)
-        if diagram is not None:
-            _cloud(ax, diagram, parameter, observable, right, up)
-        for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
-            name = labels[i] if labels is not None else _called(b.period, cycles)
-            _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
-        if not all(o.stable for b in branches for o in b.orbits):
-            ax.plot([], [], color=INK, label="unstable", **_UNSTABLE)
-        if observable == "largest_multiplier":
-            ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
-        if special:
-            _marks(ax, branches, observable, right, up)
-        ax.set_xlabel(labelled(across, side))
-        ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, told.get("long_name", observable)), unit, mark))
-        handles, texts = ax.get_legend_handles_labels()
-        order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
-        legend_above(
-            ax, [handles[k] for k in order], [texts[k] for k in order], ncols=min(len(order), 4) if len(order) < 5 else 3,
-            columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
-        )  # fmt: skip
-        return ax
+    ax = axes(ax, height=2.6)
+    if diagram is not None:
+        _cloud(ax, diagram, parameter, observable, right, up)
+    for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
+        name = labels[i] if labels is not None else _called(b.period, cycles)
+        _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
+    if not all(o.stable for b in branches for o in b.orbits):
+        ax.plot([], [], color=INK, label="unstable", **_UNSTABLE)
+    if observable == "largest_multiplier":
+        ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
+    if special:
+        _marks(ax, branches, observable, right, up)
+    ax.set_xlabel(labelled(across, side))
+    ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, told.get("long_name", observable)), unit, mark))
+    handles, texts = ax.get_legend_handles_labels()
+    order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
+    legend_above(
+        ax, [handles[k] for k in order], [texts[k] for k in order], ncols=min(len(order), 4) if len(order) < 5 else 3,
+        columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
+    )  # fmt: skip
+    return ax
 
 
 def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
@@ -208,14 +207,8 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
             values = _at(s.orbit, observable)
             face = COLOURS[6] if marker == "|" else "white"
             style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
-            ax.plot(
-                np.full(len(values), s.value * right),
-                np.asarray(values) * up,
-                marker=marker,
-                linestyle="",
-                label=name_once(s.kind, told),
-                **style,
-            )
+            x = np.full(len(values), s.value * right)
+            ax.plot(x, np.asarray(values) * up, marker=marker, linestyle="", label=name_once(s.kind, told), **style)
 
 
 def _of_orbit(orbit: Any, observable: str) -> float:

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Grid, explains_arguments
+from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
 from stickslip.fields import masked_in
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.plot.spacing import logarithmic
-from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, prefix
 from stickslip.sweeps.result_columns import is_of_cases
 
 __all__ = ["line_cut"]
 
 
-@explains_arguments
+@drawing
 def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Ax = None) -> Any:
     """The mean velocity along one axis, for some values of the other; below them the motion types, a strip for each line.
 
@@ -53,26 +53,22 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
     curves = [part.sel({rest[0]: v}, method="nearest") if rest else part for v in values]
     unitless = part["mean_velocity"].attrs.get("units") == "1"
     factor, unit = (1.0, "") if unitless else prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))
-    with publication():
-        ax = axes(ax, 2.2)
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, curve in enumerate(curves):
-            label = f"{float(curve[rest[0]]):.4g}" if rest else None
-            for j, way in enumerate([curve.isel(way=k) for k in range(2)] if "way" in curve.dims else [curve]):
-                dash = {"linestyle": DASHES[i % 7]} if "way" not in curve.dims else {"linestyle": ("-", (0, (3, 2)))[j]}
-                name = " ".join(w for w in (label, str(way["way"].item()) if "way" in curve.dims else None) if w)
-                ax.plot(axis.values, way["mean_velocity"].values * factor, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
-        _strips(ax, curves, axis.values)
-        ax.set_xlim(axis.values.min(), axis.values.max())
-        logarithmic(ax, "x", np.sort(axis.values))
-        ax.set_xlabel(axis.label)
-        ax.set_ylabel("mean velocity $V$" if unitless else f"mean velocity $V$ ({unit}m/s)")
-        if len(curves) > 1 or "way" in part.dims:
-            title = plain_label(part, rest[0]) if rest else None
-            ax.legend(
-                loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2
-            )
-        return ax
+    ax = axes(ax, 2.2)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for i, curve in enumerate(curves):
+        label = f"{float(curve[rest[0]]):.4g}" if rest else None
+        for j, way in enumerate([curve.isel(way=k) for k in range(2)] if "way" in curve.dims else [curve]):
+            dash = {"linestyle": DASHES[i % 7]} if "way" not in curve.dims else {"linestyle": ("-", (0, (3, 2)))[j]}
+            name = " ".join(w for w in (label, str(way["way"].item()) if "way" in curve.dims else None) if w)
+            ax.plot(axis.values, way["mean_velocity"].values * factor, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
+    _strips(ax, curves, axis.values)
+    ax.set_xlim(axis.values.min(), axis.values.max())
+    logarithmic(ax, "x", np.sort(axis.values))
+    ax.set(xlabel=axis.label, ylabel="mean velocity $V$" if unitless else f"mean velocity $V$ ({unit}m/s)")
+    if len(curves) > 1 or "way" in part.dims:
+        title = plain_label(part, rest[0]) if rest else None
+        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2)
+    return ax
 
 
 def _chosen(grid: Any, along: str, at: dict[str, Any] | None) -> Any:

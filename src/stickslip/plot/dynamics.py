@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Basin, Exponents, Grid, explains_arguments
+from stickslip.arguments import Ax, Basin, Exponents, Grid
 from stickslip.errors import InputError, is_whole
 from stickslip.plot.continued_motions import OBSERVABLES
 from stickslip.plot.spacing import logarithmic
-from stickslip.plot.style import COLOURS, INK, axes, dot_size, labelled, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
 
 __all__ = ["basins", "bifurcation", "convergence", "spectrum"]
 
 
-@explains_arguments
+@drawing
 def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> Any:
     """A bifurcation diagram by brute force; upwards and downwards in two colours, so that hysteresis shows.
 
@@ -49,22 +49,21 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     across, y = diagram[diagram.attrs["parameter"]], diagram[observable]
     unit = y.attrs.get("units", "1")
     (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)
-    with publication():
-        ax = axes(ax, height=2.6)
-        for i, direction in enumerate(diagram.direction.values):
-            part = y.sel(direction=direction)
-            x = across.broadcast_like(part).values.ravel() * right
-            size = dot_size(diagram.sizes[across.name]) / (1 + i)  # those downwards lie on those upwards
-            ax.plot(x, part.values.ravel() * up, "o", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
-            ax.plot([], [], "o", markersize=4 / (1 + i), markeredgewidth=0, color=COLOURS[i], label=str(direction))
-        logarithmic(ax, "x", np.sort(across.values) * right)
-        ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
-        ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
-        legend_above(ax, ncols=2, handletextpad=0.2)
-        return ax
+    ax = axes(ax, height=2.6)
+    for i, direction in enumerate(diagram.direction.values):
+        part = y.sel(direction=direction)
+        x = across.broadcast_like(part).values.ravel() * right
+        size = dot_size(diagram.sizes[across.name]) / (1 + i)  # those downwards lie on those upwards
+        ax.plot(x, part.values.ravel() * up, "o", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
+        ax.plot([], [], "o", markersize=4 / (1 + i), markeredgewidth=0, color=COLOURS[i], label=str(direction))
+    logarithmic(ax, "x", np.sort(across.values) * right)
+    ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
+    ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
+    legend_above(ax, ncols=2, handletextpad=0.2)
+    return ax
 
 
-@explains_arguments
+@drawing
 def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     """Which initial state leads to which attractor, over the first two axes of the grid of initial states with several values.
 
@@ -101,36 +100,25 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     across, upward = names[:2]
     flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
     (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs.get("units", "1")) for n in (across, upward))
-    with publication():
-        ax = axes(ax, height=2.8)
-        paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
-        norm = BoundaryNorm(np.arange(-1.5, len(paints) - 0.5), len(paints))
-        extent = [*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up)]
-        ax.imshow(
-            flat.values, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest"
-        )
-        for k, a in enumerate(found.attractors):
-            if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
-                place = [a.orbit.names.index(across), a.orbit.names.index(upward)]
-                ax.plot(
-                    a.orbit.state[place[0]] * right,
-                    a.orbit.state[place[1]] * up,
-                    "o",
-                    markersize=5,
-                    color=COLOURS[k % 7],
-                    markeredgecolor="white",
-                )
-        motions = len(ax.lines)
-        for edge in _edges_on(edges, names[:2]):
-            points = edge.strobe_points[:, [edge.names.index(across), edge.names.index(upward)]]
-            ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
-        ax.set_xlabel(labelled(found.map[across], side))
-        ax.set_ylabel(labelled(found.map[upward], mark))
-        handles: list[Any] = [Patch(color=paints[k + 1], label=_text(a)) for k, a in enumerate(found.attractors)]
-        for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
-            handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []
-        legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
-        return ax
+    ax = axes(ax, height=2.8)
+    paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
+    norm = BoundaryNorm(np.arange(-1.5, len(paints) - 0.5), len(paints))
+    extent = [*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up)]
+    ax.imshow(flat.values, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest")
+    for k, a in enumerate(found.attractors):
+        if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
+            x, y = (a.orbit.state[a.orbit.names.index(name)] * factor for name, factor in ((across, right), (upward, up)))
+            ax.plot(x, y, "o", markersize=5, color=COLOURS[k % 7], markeredgecolor="white")
+    motions = len(ax.lines)
+    for edge in _edges_on(edges, names[:2]):
+        points = edge.strobe_points[:, [edge.names.index(across), edge.names.index(upward)]]
+        ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
+    ax.set(xlabel=labelled(found.map[across], side), ylabel=labelled(found.map[upward], mark))
+    handles: list[Any] = [Patch(color=paints[k + 1], label=_text(a)) for k, a in enumerate(found.attractors)]
+    for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
+        handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []
+    legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
+    return ax
 
 
 def _edges_on(edges: Any, names: list[str]) -> list[Any]:
@@ -160,7 +148,7 @@ def _edges(values: Any) -> tuple[float, float]:
     return float(values[0] - half), float(values[-1] + half)
 
 
-@explains_arguments
+@drawing
 def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
     """Convergence of Lyapunov exponents, with a band of three final standard errors.
 
@@ -188,28 +176,26 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
         raise InputError("plot", [f"{exponents!r}; allowed is what ss.lyapunov gives"])
     if not is_whole(count) or not 1 <= count <= len(exponents.spectrum):
         raise InputError("plot", [f"count = {count!r}; allowed is a whole number from 1 to {len(exponents.spectrum)}; type count=1"])
-    with publication():
-        ax = axes(ax)
-        ax.axhline(0.0, color=INK, linewidth=0.5)
-        for i in range(min(count, len(exponents.spectrum))):
-            end, error = exponents.spectrum[i], exponents.errors[i]
-            if not np.isfinite(end):
-                continue
-            ax.axhspan(end - 3 * error, end + 3 * error, color=COLOURS[i % 7], alpha=0.15, linewidth=0)
-            name = f"{end:.4g} ± {error:.1g} (band: three errors)"
-            ax.plot(exponents.record[:, 0], exponents.record[:, 1 + i], color=COLOURS[i % 7], label=name)
-        ax.set_xlim(0, exponents.record[-1, 0])
-        ax.set_xlabel(f"{exponents.unit}s averaged over")
-        ax.set_ylabel(f"exponent per {exponents.unit}")
-        if ax.get_legend_handles_labels()[0]:
-            legend_above(ax, ncols=3)
-        else:
-            ax.set_yticks([])
-            ax.text(0.5, 0.6, "−∞: perturbations vanish at once", transform=ax.transAxes, ha="center")
-        return ax
+    ax = axes(ax)
+    ax.axhline(0.0, color=INK, linewidth=0.5)
+    for i in range(min(count, len(exponents.spectrum))):
+        end, error = exponents.spectrum[i], exponents.errors[i]
+        if not np.isfinite(end):
+            continue
+        ax.axhspan(end - 3 * error, end + 3 * error, color=COLOURS[i % 7], alpha=0.15, linewidth=0)
+        name = f"{end:.4g} ± {error:.1g} (band: three errors)"
+        ax.plot(exponents.record[:, 0], exponents.record[:, 1 + i], color=COLOURS[i % 7], label=name)
+    ax.set_xlim(0, exponents.record[-1, 0])
+    ax.set(xlabel=f"{exponents.unit}s averaged over", ylabel=f"exponent per {exponents.unit}")
+    if ax.get_legend_handles_labels()[0]:
+        legend_above(ax, ncols=3)
+    else:
+        ax.set_yticks([])
+        ax.text(0.5, 0.6, "−∞: perturbations vanish at once", transform=ax.transAxes, ha="center")
+    return ax
 
 
-@explains_arguments
+@drawing
 def spectrum(lines: Grid, ax: Ax = None) -> Any:
     """The line spectrum of a motion over frequency / drive frequency; harmonics of the drive are marked differently from other lines.
 
@@ -236,19 +222,18 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     for dim in set(lines.amplitude.dims) - {"order"}:
         one = lines[dim].values.tolist()[0]
         raise InputError("plot", [f"the spectrum has the dimension {dim}; allowed is one; type ss.plot.spectrum(lines.sel({dim}={one!r}))"])
-    with publication():
-        ax = axes(ax)
-        floor = float(lines.amplitude.max()) * 1e-6
-        for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
-            shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # of what never moves
-            part = lines.where((lines.harmonic == whole) & shown, drop=True)
-            if part.order.size:
-                ax.vlines(part.order, floor, part.amplitude, color=colour, linewidth=1.0)
-                ax.plot(part.order, part.amplitude, "o", markersize=2, color=colour, label=name)
-        if floor:
-            ax.set_yscale("log")
-            ax.set_ylim(floor, None)
-        ax.set_xlabel("frequency / frequency of the drive")
-        ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
-        legend_above(ax, ncols=2)
-        return ax
+    ax = axes(ax)
+    floor = float(lines.amplitude.max()) * 1e-6
+    for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
+        shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # of what never moves
+        part = lines.where((lines.harmonic == whole) & shown, drop=True)
+        if part.order.size:
+            ax.vlines(part.order, floor, part.amplitude, color=colour, linewidth=1.0)
+            ax.plot(part.order, part.amplitude, "o", markersize=2, color=colour, label=name)
+    if floor:
+        ax.set_yscale("log")
+        ax.set_ylim(floor, None)
+    ax.set_xlabel("frequency / frequency of the drive")
+    ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
+    legend_above(ax, ncols=2)
+    return ax

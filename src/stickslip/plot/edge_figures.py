@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, explains_arguments
+from stickslip.arguments import Ax
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, named, scaled
 
 __all__ = ["edge_state"]
 
 
-@explains_arguments
+@drawing
 def edge_state(edge: Any, ax: Ax = None) -> Any:
     """An edge state with the track that led to it and the attractors on either side, on the strobe.
 
@@ -45,12 +45,11 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]
     sizes = [scaled(edge.track[:, i], told[i]["units"]) for i in places]
     drawn = _over_two if len(places) > 1 else _over_periods
-    with publication():
-        ax = axes(ax, height=2.6)
-        drawn(ax, edge, places, [factor for factor, _ in sizes])
-        for label, i, (_, mark) in zip((ax.set_xlabel, ax.set_ylabel)[-len(places) :], places, sizes, strict=True):
-            label(named(told[i]["long_name"], told[i]["units"], mark))
-        legend_above(ax, ncols=3, columnspacing=1.2)
+    ax = axes(ax, height=2.6)
+    drawn(ax, edge, places, [factor for factor, _ in sizes])
+    for label, i, (_, mark) in zip((ax.set_xlabel, ax.set_ylabel)[-len(places) :], places, sizes, strict=True):
+        label(named(told[i]["long_name"], told[i]["units"], mark))
+    legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 
 

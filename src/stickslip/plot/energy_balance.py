@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Kind, explains_arguments
-from stickslip.plot.style import COLOURS, INK, SHADE, axes, legend_above, prefix, publication
+from stickslip.arguments import Ax, Kind
+from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
 
 __all__ = ["energy"]
 
@@ -17,7 +17,7 @@ _COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "
 _NONE = 1e-12  # of the largest work: smaller ones are not drawn
 
 
-@explains_arguments
+@drawing
 def energy(found: Balance, ax: Ax = None) -> Any:
     """The energy balance of a run, for each drive period: work supplied upwards, work taken out downwards.
 
@@ -47,19 +47,18 @@ def energy(found: Balance, ax: Ax = None) -> Any:
     count = len(stored)
     factor, letter = prefix(*works.values(), stored)
     number = np.arange(1, count + 1)
-    with publication():
-        ax = axes(ax)
-        if found.settle and count > 1:
-            ax.axvspan(0.5, found.settle + 0.5, color=SHADE, linewidth=0, zorder=0, label="left out of the mean")
-        above, below = np.zeros(count), np.zeros(count)
-        for name, work in works.items():
-            up = work >= 0
-            ax.bar(number, factor * work, 0.8, np.where(up, above, below), color=_COLOUR[name], label=name, linewidth=0, zorder=2)
-            above, below = above + np.where(up, factor * work, 0.0), below + np.where(up, 0.0, factor * work)
-        ax.plot(number, factor * stored, ".-", color="black", markersize=3, linewidth=0.8, label="change of energy", zorder=4)
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=3)
-        _axes(ax, count, letter)
-        legend_above(ax, ncols=3, columnspacing=1.2, handlelength=1.2)
+    ax = axes(ax)
+    if found.settle and count > 1:
+        ax.axvspan(0.5, found.settle + 0.5, color=SHADE, linewidth=0, zorder=0, label="left out of the mean")
+    above, below = np.zeros(count), np.zeros(count)
+    for name, work in works.items():
+        up = work >= 0
+        ax.bar(number, factor * work, 0.8, np.where(up, above, below), color=_COLOUR[name], label=name, linewidth=0, zorder=2)
+        above, below = above + np.where(up, factor * work, 0.0), below + np.where(up, 0.0, factor * work)
+    ax.plot(number, factor * stored, ".-", color="black", markersize=3, linewidth=0.8, label="change of energy", zorder=4)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=3)
+    _axes(ax, count, letter)
+    legend_above(ax, ncols=3, columnspacing=1.2, handlelength=1.2)
     return ax
 
 
@@ -79,5 +78,4 @@ def _axes(ax: Any, count: int, letter: str) -> None:
         ax.set_ylabel(f"work ({letter}J)")
         return
     ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    ax.set_xlabel("drive period")
-    ax.set_ylabel(f"work in a drive period ({letter}J)")
+    ax.set(xlabel="drive period", ylabel=f"work in a drive period ({letter}J)")

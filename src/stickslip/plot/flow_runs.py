@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, explains_arguments
+from stickslip.arguments import Ax
 from stickslip.errors import InputError, did_you_mean
-from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, legend_above
 
 __all__ = ["flow_phase", "states"]
 
 _POINTS = 1200
 
 
-@explains_arguments
+@drawing
 def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) -> Any:
     """The states of a run of a switching flow over time; thin lines mark its switches.
 
@@ -45,18 +45,16 @@ def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) 
     _check(run, names)
     names = names or run.names
     t, y = _sampled(run, duration)
-    with publication():
-        ax = axes(ax)
-        for i, name in enumerate(names):
-            ax.plot(t, y[:, run.names.index(name)], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name)
-        for event in run.events:
-            if t[0] <= event.t:
-                ax.axvline(event.t, color=INK, linewidth=0.3, zorder=1)
-        ax.set_xlabel("time")
-        ax.set_ylabel(names[0] if len(names) == 1 else "states")
-        if len(names) > 1:
-            legend_above(ax, ncols=len(names))
-        return ax
+    ax = axes(ax)
+    for i, name in enumerate(names):
+        ax.plot(t, y[:, run.names.index(name)], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name)
+    for event in run.events:
+        if t[0] <= event.t:
+            ax.axvline(event.t, color=INK, linewidth=0.3, zorder=1)
+    ax.set(xlabel="time", ylabel=names[0] if len(names) == 1 else "states")
+    if len(names) > 1:
+        legend_above(ax, ncols=len(names))
+    return ax
 
 
 def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = None, duration: float | None = None) -> Any:
@@ -67,16 +65,14 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
     _check(run, named)
     columns = [run.names.index(name) for name in named]
     t, found = _sampled(run, duration)
-    with publication():
-        ax = axes(ax, height=2.5)
-        ax.plot(*found[:, columns].T, color=COLOURS[0])
-        if run.model.period is not None:
-            points = run.strobe[run.strobe_times >= t[0]][:, columns]
-            ax.plot(*points.T, "o", markersize=4, color="white", markeredgecolor=COLOURS[0], markeredgewidth=1.1, zorder=9)
-        ax.set_xlabel(named[0])
-        ax.set_ylabel(named[1])
-        ax.margins(0.06)
-        return ax
+    ax = axes(ax, height=2.5)
+    ax.plot(*found[:, columns].T, color=COLOURS[0])
+    if run.model.period is not None:
+        points = run.strobe[run.strobe_times >= t[0]][:, columns]
+        ax.plot(*points.T, "o", markersize=4, color="white", markeredgecolor=COLOURS[0], markeredgewidth=1.1, zorder=9)
+    ax.set(xlabel=named[0], ylabel=named[1])
+    ax.margins(0.06)
+    return ax
 
 
 def _check(run: Any, names: Any) -> None:

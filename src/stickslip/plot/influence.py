@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Kind, explains_arguments
+from stickslip.arguments import Ax, Kind
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, name_rows, publication
+from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, name_rows
 
 __all__ = ["indices", "sensitivity"]
 
@@ -18,7 +18,7 @@ Parts = Annotated[
 ]
 
 
-@explains_arguments
+@drawing
 def sensitivity(found: Slopes, ax: Ax = None) -> Any:
     """A bar for each number of a machine: the change of the mean velocity in per cent if the number grows by one per cent.
 
@@ -52,20 +52,19 @@ def sensitivity(found: Slopes, ax: Ax = None) -> Any:
     known = sorted((name for name, value in relative.items() if np.isfinite(value)), key=lambda name: abs(relative[name]))
     if not known:
         raise InputError("plot", ["no number has a relative derivative (the mean velocity may be 0); print(found) shows the derivatives"])
-    with publication():
-        ax = axes(ax, 0.7 + 0.2 * len(known))
-        for sign, colour, word in ((1.0, COLOURS[0], "faster"), (-1.0, COLOURS[1], "slower")):
-            places = [i for i, name in enumerate(known) if sign * relative[name] >= 0]
-            if places:
-                ax.barh(places, [relative[known[i]] for i in places], 0.62, color=colour, label=word, zorder=2)
-        ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
-        name_rows(ax, known)
-        ax.set_xlabel("change of the mean velocity (% for 1 %)")
-        legend_above(ax, ncols=2, handlelength=1.2)
+    ax = axes(ax, 0.7 + 0.2 * len(known))
+    for sign, colour, word in ((1.0, COLOURS[0], "faster"), (-1.0, COLOURS[1], "slower")):
+        places = [i for i, name in enumerate(known) if sign * relative[name] >= 0]
+        if places:
+            ax.barh(places, [relative[known[i]] for i in places], 0.62, color=colour, label=word, zorder=2)
+    ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
+    name_rows(ax, known)
+    ax.set_xlabel("change of the mean velocity (% for 1 %)")
+    legend_above(ax, ncols=2, handlelength=1.2)
     return ax
 
 
-@explains_arguments
+@drawing
 def indices(found: Parts, ax: Ax = None) -> Any:
     """First and total Sobol index of each uncertain number, with the 95 % intervals of the sample.
 
@@ -90,17 +89,15 @@ def indices(found: Parts, ax: Ax = None) -> Any:
     """
     order = sorted(found.total, key=lambda name: found.total[name])
     kinds = (("first: alone", found.first, found.first_interval), ("total: with the others", found.total, found.total_interval))
-    with publication():
-        ax = axes(ax, 0.8 + 0.28 * len(order))
-        for (word, values, ends), colour, marker, aside in zip(kinds, COLOURS, "os", (0.14, -0.14), strict=False):
-            x, span = np.array([values[n] for n in order]), np.array([ends[n] for n in order])
-            beside = np.maximum([x - span[:, 0], span[:, 1] - x], 0.0)
-            style: Any = {"fmt": marker, "color": colour, "markersize": 4, "elinewidth": 1.0, "capsize": 2}
-            ax.errorbar(x, np.arange(len(order)) + aside, xerr=beside, label=word, zorder=3, **style)
-        for end in (0.0, 1.0):
-            ax.axvline(end, color=INK, linewidth=0.5, zorder=1)
-        name_rows(ax, order)
-        ax.set_ylim(-0.6, len(order) - 0.4)
-        ax.set_xlabel("fraction of the variance")
-        legend_above(ax, ncols=2)
+    ax = axes(ax, 0.8 + 0.28 * len(order))
+    for (word, values, ends), colour, marker, aside in zip(kinds, COLOURS, "os", (0.14, -0.14), strict=False):
+        x, span = np.array([values[n] for n in order]), np.array([ends[n] for n in order])
+        beside = np.maximum([x - span[:, 0], span[:, 1] - x], 0.0)
+        style: Any = {"fmt": marker, "color": colour, "markersize": 4, "elinewidth": 1.0, "capsize": 2}
+        ax.errorbar(x, np.arange(len(order)) + aside, xerr=beside, label=word, zorder=3, **style)
+    for end in (0.0, 1.0):
+        ax.axvline(end, color=INK, linewidth=0.5, zorder=1)
+    name_rows(ax, order, 0.6)
+    ax.set_xlabel("fraction of the variance")
+    legend_above(ax, ncols=2)
     return ax

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
-from stickslip.arguments import Ax, Grid, explains_arguments
+from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
-from stickslip.plot.spacing import edges, logarithmic, places
-from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
+from stickslip.plot.spacing import cells, edges, logarithmic, places
+from stickslip.plot.style import INK, axes, drawing, legend_above, prefix, symbols
 from stickslip.steadiness import STEADINESS, UNSETTLED
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
@@ -35,7 +35,7 @@ _HATCH = "//////"  # over cells whose mean velocity has not settled
 _ROW = 11.5  # height of a row of a legend [points]
 
 
-@explains_arguments
+@drawing
 def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool | str = True, ax: Ax = None) -> Any:
     """The motion type over a plane, each region with its name, and the exact borders of Coulomb friction drawn over it.
 
@@ -69,22 +69,17 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     codes = np.zeros(types.shape, int)
     for i, name in enumerate(present):
         codes[types == name] = i
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    with publication():
-        ax = _square(ax)
-        colours = ListedColormap([TYPE_COLOURS[name] for name in present])
-        norm = BoundaryNorm(np.arange(len(present) + 1) - 0.5, len(present))
-        ax.pcolormesh(edges(across.values), edges(up.values), codes, cmap=colours, norm=norm, rasterized=True)
-        places = _places(codes, across, up)
-        legend = [name for i, name in enumerate(present) if not name_region(ax, *places, i, name)]
-        named = "Coulomb twin" if borders == "twin" else "Coulomb, exact"
-        drawn = (borders == "twin" or (borders and _parts_them(grid))) and _draw_borders(ax, grid, first, second, across, up)
-        _legend(ax, legend, named if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
-        return _framed(ax, grid, across, up)
+    ax = axes(ax, 2.9)
+    cells(ax, across.values, up.values, codes, [TYPE_COLOURS[name] for name in present])
+    places = _places(codes, across, up)
+    legend = [name for i, name in enumerate(present) if not name_region(ax, *places, i, name)]
+    named = "Coulomb twin" if borders == "twin" else "Coulomb, exact"
+    drawn = (borders == "twin" or (borders and _parts_them(grid))) and _draw_borders(ax, grid, first, second, across, up)
+    _legend(ax, legend, named if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
+    return _framed(ax, grid, across, up)
 
 
-@explains_arguments
+@drawing
 def velocity_map(
     grid: Grid,
     x: str | None = None,
@@ -136,18 +131,17 @@ def velocity_map(
     top, bottom = np.nanmax(V, initial=0.0), np.nanmin(V, initial=0.0)
     both = bottom < -1e-3 * max(top, -bottom)
     limits = {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
-    with publication():
-        ax = _square(ax)
-        shown = ax.pcolormesh(edges(across.values), edges(up.values), V, rasterized=True, **limits)
-        bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
-        named = "mean velocity $V$" if quantity == "mean_velocity" else quantity.replace("_", " ")
-        bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless and "$" in named else f"{named} ({unit or '1'})")
-        bar.outline.set_linewidth(0.5)
-        lines = borders and _type_lines(ax, grid, first, second, across, up)
-        _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
-        if optimum and np.isfinite(V).any():
-            _mark_best(ax, V, across, up, unit)
-        return _framed(ax, grid, across, up)
+    ax = axes(ax, 2.9)
+    shown = ax.pcolormesh(edges(across.values), edges(up.values), V, rasterized=True, **limits)
+    bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
+    named = "mean velocity $V$" if quantity == "mean_velocity" else quantity.replace("_", " ")
+    bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless and "$" in named else f"{named} ({unit or '1'})")
+    bar.outline.set_linewidth(0.5)
+    lines = borders and _type_lines(ax, grid, first, second, across, up)
+    _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
+    if optimum and np.isfinite(V).any():
+        _mark_best(ax, V, across, up, unit)
+    return _framed(ax, grid, across, up)
 
 
 def _numbers(grid: Any, quantity: str) -> Any:
@@ -160,31 +154,26 @@ def _numbers(grid: Any, quantity: str) -> Any:
 
 
 # ---- parts ----
-class _Axis:
+class _Axis(NamedTuple):
     """An axis as it is drawn: values over an SI prefix, and what stands beside it."""
 
-    def __init__(self, values: Any, factor: float, label: str):
-        self.values, self.factor, self.label = values, factor, label
+    values: Any
+    factor: float
+    label: str
 
 
 def scaled(grid: Any, name: str) -> _Axis:
     """An axis of a dataset as it is drawn."""
-    values, attrs = np.asarray(grid[name].values, float), grid[name].attrs
-    unit = attrs.get("units", "1")
+    values, unit = np.asarray(grid[name].values, float), grid[name].attrs.get("units", "1")
     factor, letter = prefix(values) if unit in _PREFIXED else (1.0, "")
-    shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({letter}{unit})"
-    return _Axis(values * factor, factor, symbols(attrs.get("long_name", name)) + shown)
+    return _Axis(values * factor, factor, plain_label(grid, name, letter))
 
 
-def plain_label(grid: Any, name: str) -> str:
-    """Name and unit of an axis, without a prefix."""
+def plain_label(grid: Any, name: str, letter: str = "") -> str:
+    """Name and unit of an axis, without a prefix if none is given."""
     unit = grid[name].attrs.get("units", "1")
-    shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({unit})"
+    shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({letter}{unit})"
     return symbols(grid[name].attrs.get("long_name", name)) + shown
-
-
-def _square(ax: Any) -> Any:
-    return axes(ax, 2.9)
 
 
 def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
@@ -194,8 +183,7 @@ def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
             limit(axis.values.min(), axis.values.max())
     logarithmic(ax, "x", np.sort(across.values))
     logarithmic(ax, "y", np.sort(up.values))
-    ax.set_xlabel(across.label)
-    ax.set_ylabel(up.label)
+    ax.set(xlabel=across.label, ylabel=up.label)
     ax.spines[["top", "right"]].set_visible(True)
     legend = ax.get_legend()
     rows = 0 if legend is None else -(-len(legend.get_texts()) // 4)

@@ -6,13 +6,13 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Grid, Kind, explains_arguments
+from stickslip.arguments import Ax, Grid, Kind
 from stickslip.drives.within import drives_within
 from stickslip.errors import InputError
 from stickslip.naming import axis_of
 from stickslip.number_names import numbers_meant
 from stickslip.optimising.peaks import LIMITS
-from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, named, prefix, publication, scaled
+from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, named, prefix, scaled
 from stickslip.quantities import pretty_unit
 from stickslip.variables import unit_of
 
@@ -26,7 +26,7 @@ _TIMES = 2000  # of a period
 _MOTION = {"relative_acceleration": "acceleration", "relative_velocity": "velocity"}
 
 
-@explains_arguments
+@drawing
 def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
     """The effect of the varied numbers around the best machine, or its drive together with that of the given machine.
 
@@ -70,8 +70,7 @@ def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
     drives = list(drives_within(found.model)) if of == "drive" else []
     if of == "drive" and not drives:
         raise InputError("plot", [f'of = "drive": {type(found.model).__name__} has no drive; type of="numbers"'])
-    with publication():
-        return _drives(found, drives, ax) if of == "drive" else _cuts(found, ax)
+    return _drives(found, drives, ax) if of == "drive" else _cuts(found, ax)
 
 
 def _cuts(found: Any, ax: Any) -> Any:
@@ -155,8 +154,7 @@ def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
         ax.set_ylim(-reach, reach)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.set_xlim(0.0, 1.0)
-    ax.set_xlabel("fraction of the drive period")
-    ax.set_ylabel(named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
+    ax.set(xlabel="fraction of the drive period", ylabel=named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
     legend_above(ax, ncols=3 if len(curves) == 1 else 2, columnspacing=1.0)
     return ax
 
@@ -167,7 +165,7 @@ def _curve(drive: Any, name: str) -> Any:
     return np.broadcast_to(getattr(drive, _MOTION[name])(times), times.shape)
 
 
-@explains_arguments
+@drawing
 def front(found: Grid, ax: Ax = None) -> Any:
     """The Pareto front of two quantities: the largest value of one at each level of the other, which is to be small.
 
@@ -197,9 +195,7 @@ def front(found: Grid, ax: Ax = None) -> Any:
     (right, side), (up, mark) = (scaled(found[name].values, found[name].attrs.get("units", "1")) for name in names)
     labels = [f"{str(name).replace('_', ' ')}" for name in names]
     units = [pretty_unit(found[name].attrs.get("units", "1")) for name in names]
-    with publication():
-        ax = axes(ax, 2.2)
-        ax.plot(right * found[names[0]].values, up * found[names[1]].values, ".-", color=COLOURS[0], markersize=5, clip_on=False)
-        ax.set_xlabel(named(labels[0], units[0], side))
-        ax.set_ylabel(named(labels[1], units[1], mark))
+    ax = axes(ax, 2.2)
+    ax.plot(right * found[names[0]].values, up * found[names[1]].values, ".-", color=COLOURS[0], markersize=5, clip_on=False)
+    ax.set(xlabel=named(labels[0], units[0], side), ylabel=named(labels[1], units[1], mark))
     return ax

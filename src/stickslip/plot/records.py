@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Ax, Compared, Fitted, Measured, explains_arguments
+from stickslip.arguments import Ax, Compared, Fitted, Measured
 from stickslip.errors import InputError, is_whole
-from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
 from stickslip.units import SI, quantity_of
 
 __all__ = ["autocorrelation", "comparison", "fitted", "record_spectrum", "residuals"]
@@ -28,18 +28,11 @@ def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
 
 
 def _words(kind: str, unit: str) -> str:
-    what = {
-        "velocity": ("velocity", "m/s"),
-        "position": ("position", "m"),
-        "force": ("friction force", "N"),
-        "torque": ("torque", "N m"),
-        "current": ("current", "A"),
-        "applied force": ("applied force", "N"),
-    }[kind]
-    return f"{what[0]} ({unit}{what[1]})"
+    units = {"velocity": "m/s", "position": "m", "force": "N", "torque": "N m", "current": "A", "applied force": "N"}
+    return f"{'friction force' if kind == 'force' else kind} ({unit}{units[kind]})"
 
 
-@explains_arguments
+@drawing
 def comparison(found: Compared, ax: Ax = None) -> Any:
     """A record and several laws over one drive period, as Figs 7 to 10 of the paper.
 
@@ -61,23 +54,20 @@ def comparison(found: Compared, ax: Ax = None) -> Any:
     >>> ss.plot.comparison(found).get_xlabel()
     'drive periods'
     """
-    with publication():
-        ax = axes(ax)
-        phase, y = found.samples
-        middle = {"velocity": 0.0}.get(found.kind, float(np.mean(y)))
-        factor, unit = prefix(y - middle)
-        _measured(ax, phase, y - middle, factor, "record")
-        for k, row in enumerate(found.laws):
-            value = row.value - (0.0 if found.kind == "velocity" else row.value.mean())
-            ax.plot(
-                np.mod(row.phase, 1.0)[: len(row.phase)], value * factor, color=COLOURS[k % 6], linestyle=DASHES[k % 6], label=row.label
-            )
-        ax.set(xlabel="drive periods", ylabel=_words(found.kind, unit), xlim=(0, 1))
-        legend_above(ax, ncols=len(found.laws) + 1, columnspacing=1.2)
+    ax = axes(ax)
+    phase, y = found.samples
+    middle = {"velocity": 0.0}.get(found.kind, float(np.mean(y)))
+    factor, unit = prefix(y - middle)
+    _measured(ax, phase, y - middle, factor, "record")
+    for k, row in enumerate(found.laws):
+        value = row.value - (0.0 if found.kind == "velocity" else row.value.mean())
+        ax.plot(np.mod(row.phase, 1.0)[: len(row.phase)], value * factor, color=COLOURS[k % 6], linestyle=DASHES[k % 6], label=row.label)
+    ax.set(xlabel="drive periods", ylabel=_words(found.kind, unit), xlim=(0, 1))
+    legend_above(ax, ncols=len(found.laws) + 1, columnspacing=1.2)
     return ax
 
 
-@explains_arguments
+@drawing
 def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """One record and the fitted model: over the drive's phase, or force against position.
 
@@ -101,20 +91,19 @@ def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     >>> ss.plot.fitted(fit).get_xlabel()
     'drive periods'
     """
-    with publication():
-        ax = axes(ax)
-        target, curve = _target(fit, record), fit.predicted[record]
-        if target.kind == "mean":
-            return _means(fit, ax)
-        x, label = _abscissa(fit, record)
-        y = curve - _rest(fit, record)
-        middle = float(np.mean(y)) if target.kind == "position" else 0.0
-        factor, unit = prefix(y - middle)
-        _measured(ax, x, y - middle, factor, "record")
-        order = np.argsort(x, kind="stable") if not fit.problem.batched else np.arange(len(x))
-        ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
-        ax.set(xlabel=label, ylabel=_words(target.kind, unit))
-        legend_above(ax, ncols=2)
+    ax = axes(ax)
+    target, curve = _target(fit, record), fit.predicted[record]
+    if target.kind == "mean":
+        return _means(fit, ax)
+    x, label = _abscissa(fit, record)
+    y = curve - _rest(fit, record)
+    middle = float(np.mean(y)) if target.kind == "position" else 0.0
+    factor, unit = prefix(y - middle)
+    _measured(ax, x, y - middle, factor, "record")
+    order = np.argsort(x, kind="stable") if not fit.problem.batched else np.arange(len(x))
+    ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
+    ax.set(xlabel=label, ylabel=_words(target.kind, unit))
+    legend_above(ax, ncols=2)
     return ax
 
 
@@ -161,7 +150,7 @@ def _phase_mean(phase: Any, rest: Any) -> tuple[Any, Any, Any]:
     return (np.arange(_BINS) + 0.5) / _BINS, mean, spread / np.sqrt(count)
 
 
-@explains_arguments
+@drawing
 def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """Autocorrelation of the residuals of one record; the band is that of white noise.
 
@@ -184,22 +173,21 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     >>> ss.plot.autocorrelation(fit).get_xlabel()
     'lag (samples)'
     """
-    with publication():
-        ax = axes(ax)
-        target, rest = _target(fit, record), _rest(fit, record)
-        if target.kind == "mean":
-            raise InputError("plot", ["a mean velocity has one residual, and no correlation; type record= with the number of a curve"])
-        r, n = rest - rest.mean(), len(rest)
-        lags = np.arange(1, max(min(n // 4, 200), 2))
-        rho = np.array([r[k:] @ r[:-k] for k in lags]) / max(float(r @ r), 1e-300)
-        ax.axhspan(-2 / np.sqrt(n), 2 / np.sqrt(n), color=INK, alpha=0.12, linewidth=0)
-        ax.axhline(0.0, color=INK, linewidth=0.6)
-        ax.vlines(lags, 0.0, rho, color=COLOURS[1], linewidth=0.8)
-        ax.set(xlabel="lag (samples)", ylabel="correlation of residuals", xlim=(0, lags[-1] + 1))
+    ax = axes(ax)
+    target, rest = _target(fit, record), _rest(fit, record)
+    if target.kind == "mean":
+        raise InputError("plot", ["a mean velocity has one residual, and no correlation; type record= with the number of a curve"])
+    r, n = rest - rest.mean(), len(rest)
+    lags = np.arange(1, max(min(n // 4, 200), 2))
+    rho = np.array([r[k:] @ r[:-k] for k in lags]) / max(float(r @ r), 1e-300)
+    ax.axhspan(-2 / np.sqrt(n), 2 / np.sqrt(n), color=INK, alpha=0.12, linewidth=0)
+    ax.axhline(0.0, color=INK, linewidth=0.6)
+    ax.vlines(lags, 0.0, rho, color=COLOURS[1], linewidth=0.8)
+    ax.set(xlabel="lag (samples)", ylabel="correlation of residuals", xlim=(0, lags[-1] + 1))
     return ax
 
 
-@explains_arguments
+@drawing
 def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """Residuals of one record: noise if the law is right, structured if it is not.
 
@@ -224,23 +212,22 @@ def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     >>> ss.plot.residuals(fit).get_ylabel()
     'residual velocity (µm/s)'
     """
-    with publication():
-        ax = axes(ax)
-        target, rest = _target(fit, record), _rest(fit, record)
-        factor, unit = prefix(rest)
-        x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
-        ax.axhline(0.0, color=INK, linewidth=0.6)
-        ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
-        if target.kind in ("velocity", "position") and len(rest) > 4 * _BINS:
-            at, mean, error = _phase_mean(x, rest)
-            ax.fill_between(at, (mean - 2 * error) * factor, (mean + 2 * error) * factor, color=INK, alpha=0.2, linewidth=0)
-            ax.plot(at, mean * factor, color=INK, linewidth=0.9)
-        words = _words("velocity" if target.kind == "mean" else target.kind, unit)
-        ax.set(xlabel=label, ylabel=f"residual {words}")
+    ax = axes(ax)
+    target, rest = _target(fit, record), _rest(fit, record)
+    factor, unit = prefix(rest)
+    x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
+    ax.axhline(0.0, color=INK, linewidth=0.6)
+    ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
+    if target.kind in ("velocity", "position") and len(rest) > 4 * _BINS:
+        at, mean, error = _phase_mean(x, rest)
+        ax.fill_between(at, (mean - 2 * error) * factor, (mean + 2 * error) * factor, color=INK, alpha=0.2, linewidth=0)
+        ax.plot(at, mean * factor, color=INK, linewidth=0.9)
+    words = _words("velocity" if target.kind == "mean" else target.kind, unit)
+    ax.set(xlabel=label, ylabel=f"residual {words}")
     return ax
 
 
-@explains_arguments
+@drawing
 def record_spectrum(record: Measured, channel: str = "velocity", ax: Ax = None) -> Any:
     """Amplitude spectrum of a channel.
 
@@ -261,10 +248,9 @@ def record_spectrum(record: Measured, channel: str = "velocity", ax: Ax = None) 
     >>> ss.plot.record_spectrum(ss.virtual_rig(robot, noise=1e-4, seed=1)).get_xlabel()
     'frequency (Hz)'
     """
-    with publication():
-        ax = axes(ax)
-        measured, (lines, amplitude) = record[channel], record.spectrum(channel)
-        ax.semilogy(lines[1:], np.maximum(amplitude[1:], 1e-300), color=COLOURS[0], linewidth=0.8)
-        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude ({SI.get(quantity_of(measured.unit) or '', 'SI')})")
-        ax.set_title(measured.name, loc="left", fontsize=7)
+    ax = axes(ax)
+    measured, (lines, amplitude) = record[channel], record.spectrum(channel)
+    ax.semilogy(lines[1:], np.maximum(amplitude[1:], 1e-300), color=COLOURS[0], linewidth=0.8)
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude ({SI.get(quantity_of(measured.unit) or '', 'SI')})")
+    ax.set_title(measured.name, loc="left", fontsize=7)
     return ax

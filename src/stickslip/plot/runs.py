@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
-from stickslip.arguments import Ax, Run, explains_arguments
+from stickslip.arguments import Ax, Run
 from stickslip.datasets import names_of
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
@@ -18,7 +18,7 @@ from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.plot.flow_runs import flow_phase
-from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix
 from stickslip.summary import Summary
 from stickslip.variables import unit_of
 
@@ -49,15 +49,20 @@ def _parts(run: Any, dim: str) -> list[str]:
     return [] if machine_of(run.model).is_single else names_of(run.parted)[dim]
 
 
-def _by_part(runs: list[Any], names: list[str], columns: list[tuple[Any, Any]], dim: str) -> list[tuple[str, int, Any, Any]]:
-    """Curves as (name, number of the run, t, values): one for each run, or one for each part of a run's machine."""
-    found = []
-    for i, (run, name, (t, values)) in enumerate(zip(runs, names, columns, strict=True)):
+def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:
+    """What has a curve, as (name, number of the run, index of its columns): each run, or each part of a run's machine."""
+    found: list[tuple[str, int, Any]] = []
+    for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         parts = _parts(run, dim)
-        if not parts:
-            found.append((name, i, t, values))
-        found += [(part if len(runs) == 1 else f"{name}, {part}", i, t, values[:, k]) for k, part in enumerate(parts)]
+        found += [(part if len(runs) == 1 else f"{name}, {part}", i, (..., k)) for k, part in enumerate(parts)]
+        found += [] if parts else [(name, i, ...)]
     return found
+
+
+def _sampled(runs: list[Any], names: list[str], spans: list[tuple[float, float]], column: str, dim: str) -> list[tuple[str, int, Any, Any]]:
+    """Curves as (name, number of the run, t, values)."""
+    columns = [sampled(run, *span, column) for run, span in zip(runs, spans, strict=True)]
+    return [(name, i, columns[i][0], columns[i][1][own]) for name, i, own in _by_part(runs, names, dim)]
 
 
 def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
@@ -141,7 +146,7 @@ def time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit:
     ax.set_xlabel(f"time {since} ({unit}s)")
 
 
-@explains_arguments
+@drawing
 def velocity(
     run: Run | Sequence[Run],
     periods: float | None = None,
@@ -179,23 +184,22 @@ def velocity(
     """
     runs = _runs(run, several=True)
     names, spans = _labels(runs, labels), [span(r, periods, duration) for r in runs]
-    curves = _by_part(runs, names, [sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)], "body")
+    curves = _sampled(runs, names, spans, "v", "body")
     time, seconds = prefix(*(b - a for a, b in spans))
     factor, unit = prefix(*(v for *_, v in curves))
-    with publication():
-        ax = axes(ax)
-        rested = [] if _parts(runs[0], "body") else rests(runs[0], *spans[0])
-        shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, (name, number, t, v) in enumerate(curves):
-            since = t - spans[number][0]
-            ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        time_axis(ax, runs[0], spans[0], time, seconds)
-        ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
-        return _finish(ax, curves, shaded)
+    ax = axes(ax)
+    rested = [] if _parts(runs[0], "body") else rests(runs[0], *spans[0])
+    shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for i, (name, number, t, v) in enumerate(curves):
+        since = t - spans[number][0]
+        ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+    time_axis(ax, runs[0], spans[0], time, seconds)
+    ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
+    return _finish(ax, curves, shaded)
 
 
-@explains_arguments
+@drawing
 def phase(
     run: Run | Sequence[Run],
     periods: float | None = None,
@@ -243,21 +247,21 @@ def phase(
     names = _labels(runs, labels)
     if duration is not None and runs[0].model.period is not None:
         raise InputError("plot", [f"duration = {duration!r}; a driven motion is shown for whole drive periods; type periods=3"])
-    named = _orbits(runs, names, [span(r, _shown(r) if periods is None else periods, duration) for r in runs])
-    names, orbits = [name for name, _ in named], [orbit for _, orbit in named]
+    spans = [span(r, _shown(r) if periods is None else periods, duration) for r in runs]
+    parts = _by_part(runs, names, "body")
+    names, orbits = [name for name, _, _ in parts], [_orbit(runs[i], spans[i], own) for _, i, own in parts]
     across, metres = prefix(*(s for s, _, _, _ in orbits))
     up, unit = prefix(*(v for _, v, _, _ in orbits))
-    with publication():
-        ax = axes(ax, height=2.5)
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
-            ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-            marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
-            ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
-        ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
-        ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
-        ax.margins(0.06)
-        return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
+    ax = axes(ax, height=2.5)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
+        ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+        marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
+        ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
+    ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
+    ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
+    ax.margins(0.06)
+    return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
 
 
 def _displacement(model: Any) -> str:
@@ -281,20 +285,9 @@ def _shown(run: Any) -> int | None:
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
-def _orbits(runs: list[Any], names: list[str], spans: list[tuple[float, float]]) -> list[tuple[str, tuple[Any, Any, Any, Any]]]:
-    """The orbit of each run, or of each body of a run, by name."""
-    found = []
-    for run, name, span in zip(runs, names, spans, strict=True):
-        parts = _parts(run, "body")
-        found += [(part if len(runs) == 1 else f"{name}, {part}", _orbit(run, span, k)) for k, part in enumerate(parts)]
-        found += [] if parts else [(name, _orbit(run, span))]
-    return found
-
-
-def _orbit(run: Any, span: tuple[float, float], body: int | None = None) -> tuple[Any, Any, Any, Any]:
+def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any, Any]:
     """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none without a drive."""
     start, end = span
-    own = (...,) if body is None else (..., body)
     if run.model.period is None:
         t, v = sampled(run, start, end, "v")
         none = np.empty(0)
@@ -310,7 +303,7 @@ def _orbit(run: Any, span: tuple[float, float], body: int | None = None) -> tupl
     return s - middle, found["v"][own], strobe["x"][own] - drift * (strobe["t"] - start) - middle, strobe["v"][own]
 
 
-@explains_arguments
+@drawing
 def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
 
@@ -347,37 +340,35 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(f for _, f in curves.values()))
-    with publication():
-        ax = axes(ax)
-        shaded = _shade(ax, rests(run, start, end), start, time)
-        t, _ = next(iter(curves.values()))
-        dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
-        for i, limit in enumerate(limits(run, t)):
-            ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
-        for i, (name, (t, F)) in enumerate(curves.items()):
-            ax.plot((t - start) * time, F * factor, color=COLOURS[len(curves) - 1 - i], linestyle="-", label=name, zorder=2 + i)
-        time_axis(ax, run, (start, end), time, seconds)
-        ax.set_ylabel(f"force ({unit}N)")
-        handles = [*ax.get_legend_handles_labels()[0], *shaded]
-        legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
-        return ax
+    ax = axes(ax)
+    shaded = _shade(ax, rests(run, start, end), start, time)
+    t, _ = next(iter(curves.values()))
+    dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
+    for i, limit in enumerate(limits(run, t)):
+        ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
+    for i, (name, (t, F)) in enumerate(curves.items()):
+        ax.plot((t - start) * time, F * factor, color=COLOURS[len(curves) - 1 - i], linestyle="-", label=name, zorder=2 + i)
+    time_axis(ax, run, (start, end), time, seconds)
+    ax.set_ylabel(f"force ({unit}N)")
+    handles = [*ax.get_legend_handles_labels()[0], *shaded]
+    legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
+    return ax
 
 
 def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: float | None) -> Any:
     """Friction force of each contact."""
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
-    curves = _by_part([run], [""], [sampled(run, start, end, "friction_force")], "contact")
+    curves = _sampled([run], [""], [(start, end)], "friction_force", "contact")
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(R for *_, R in curves))
-    with publication():
-        ax = axes(ax)
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, (name, _, t, R) in enumerate(curves):
-            ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        time_axis(ax, run, (start, end), time, seconds)
-        newtons = unit_of("load", run.model)
-        ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$ ({unit}{newtons})")
-        return _finish(ax, curves)
+    ax = axes(ax)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for i, (name, _, t, R) in enumerate(curves):
+        ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+    time_axis(ax, run, (start, end), time, seconds)
+    newtons = unit_of("load", run.model)
+    ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$ ({unit}{newtons})")
+    return _finish(ax, curves)
 
 
 def limits(run: Any, t: Any) -> tuple[Any, ...]:

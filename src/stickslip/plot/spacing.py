@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.maths import exp
 
-__all__ = ["edges", "geometric", "logarithmic", "places"]
+__all__ = ["cells", "edges", "geometric", "logarithmic", "places"]
 
 
 def geometric(values: Any) -> bool:
@@ -27,6 +28,14 @@ def edges(values: Any) -> Any:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[1:] + values[:-1])
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def cells(ax: Any, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
+    """Fill the cells around places with colours, by their number."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    ax.pcolormesh(edges(x), edges(y), codes, cmap=ListedColormap(colours), norm=norm, rasterized=True)
 
 
 def logarithmic(ax: Any, letter: str, values: Any) -> None:

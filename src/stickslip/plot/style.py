@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.quantities import LINES, SUBSCRIPTS
 
 __all__ = [
-    "COLOURS", "WIDTH", "axes", "dot_size", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled", "symbols",
+    "COLOURS", "WIDTH", "axes", "dot_size", "drawing", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled",
+    "side_of", "symbols",
 ]  # fmt: skip
 
+P = ParamSpec("P")
+T = TypeVar("T")
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 #: Dashes go with the colours, so that a printed figure needs none.
@@ -23,36 +28,7 @@ INK, SHADE = "#333333", "#DFE3E8"
 #: Width of a journal column [inch].
 WIDTH = 3.5
 
-_RC: Any = {
-    "figure.dpi": 150,
-    "savefig.dpi": 300,
-    "figure.constrained_layout.use": True,
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 2.2,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "text.color": INK,
-    "xtick.direction": "out",
-    "ytick.direction": "out",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "lines.linewidth": 1.1,
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
-}
+_SETTINGS = Path(__file__).with_name("publication.mplstyle")
 
 
 @contextlib.contextmanager
@@ -70,12 +46,18 @@ def publication() -> Iterator[None]:
     """
     import matplotlib as mpl
 
-    before = {name: mpl.rcParams[name] for name in _RC}
-    mpl.rcParams.update(_RC)
+    settings = mpl.rc_params_from_file(_SETTINGS, use_default_template=False)
+    before = {name: mpl.rcParams[name] for name in settings}
+    mpl.rcParams.update(settings)
     try:
         yield
     finally:  # these settings and no others: a back end that a notebook's first figure loads turns `interactive` on, and it must stay on
         mpl.rcParams.update(before)
+
+
+def drawing(function: Callable[P, T]) -> Callable[P, T]:
+    """A function that draws in the style of this package, and whose exceptions name arguments of a wrong kind."""
+    return publication()(explains_arguments(function))
 
 
 def axes(ax: Any = None, height: float = 2.1) -> Any:
@@ -98,9 +80,11 @@ def dot_size(count: int) -> float:
     return float(np.clip(180.0 / max(count, 1), 1.2, 3.0))
 
 
-def name_rows(ax: Any, names: Sequence[str]) -> None:
-    """Names of rows at the left, without ticks."""
+def name_rows(ax: Any, names: Sequence[str], room: float = 0.0) -> None:
+    """Names of rows at the left, without ticks; with room below the first and above the last, in rows, if that is asked for."""
     ax.set_yticks(range(len(names)), names)
+    if room:
+        ax.set_ylim(-room, len(names) - 1 + room)
     ax.tick_params(axis="y", length=0)
 
 
@@ -160,3 +144,9 @@ def scaled(values: Any, unit: str) -> tuple[float, str]:
 def labelled(column: Any, factor_prefix: str = "") -> str:
     """An axis label from the name and the unit that a column of a dataset has."""
     return named(column.attrs["long_name"], column.attrs["units"], factor_prefix)
+
+
+def side_of(column: Any) -> tuple[float, str]:
+    """By what the numbers of a column are multiplied on an axis, and the axis' label."""
+    factor, letter = scaled(column.values[np.isfinite(column.values)], column.attrs["units"])
+    return factor, labelled(column, letter)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from stickslip.arguments import Ax, Kind, explains_arguments
+from stickslip.arguments import Ax, Kind
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, INK, axes, legend_above, name_rows, named, publication, scaled
+from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
 
 __all__ = ["tornado"]
 
 Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate returns; type ss.propagate(robot, uncertain=...)")]
 
 
-@explains_arguments
+@drawing
 def tornado(found: Bands, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
@@ -45,20 +45,19 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
     order = sorted(found.swings, key=lambda name: abs(found.swings[name][1] - found.swings[name][0]))
     band = [found.quantile(q) for q in (0.05, 0.95)]
     factor, letter = scaled([*band, found.nominal, *(v for pair in found.swings.values() for v in pair)], found.unit)
-    with publication():
-        ax = axes(ax, 0.95 + 0.26 * len(order))
-        for i, name in enumerate(order):
-            for end, colour, word in zip(found.swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
-                label = word if i == 0 else None
-                ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
-        ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
-        ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
-        name_rows(ax, order)
-        ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
-        _indices(ax, found, order)
-        handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
-        order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
-        legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
+    ax = axes(ax, 0.95 + 0.26 * len(order))
+    for i, name in enumerate(order):
+        for end, colour, word in zip(found.swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
+            label = word if i == 0 else None
+            ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
+    ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
+    ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
+    name_rows(ax, order)
+    ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
+    _indices(ax, found, order)
+    handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
+    order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
+    legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
 
 

@@ -7,10 +7,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-__all__ = ["Figure", "chart", "chart_library", "curve"]
+__all__ = ["Figure", "Table", "chart", "chart_library", "curve", "tables_of"]
 
 _DIGITS = 6
 _DASHES = ((), (7, 3), (2, 3), (8, 3, 2, 3), (5, 5), (1, 4))
+
+
+Table = tuple[str, Any, list[Any]]
+
+
+def tables_of(found: Iterable[Table], most: int | None = None) -> list[dict[str, Any]]:
+    """Tables with a caption, a head and rows, as pages take them; those without rows are left out."""
+    return [{"caption": caption, "head": head, "rows": rows[:most]} for caption, head, rows in found if rows]
 
 
 class Figure(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
+from stickslip.report.charts import Table, tables_of
 from stickslip.variables import unit_of
 
 __all__ = ["facts", "mean_of", "tables"]
@@ -144,29 +145,23 @@ def tables(run: Any) -> list[dict[str, Any]]:
     """Tables of the bodies, the contacts, and the links and stops of a machine of several; none of one body."""
     if machine_of(run.model).is_single:
         return []
-    found = [_bodies(run), *_contacts(run), *_links(run)]
-    return [{"caption": caption, "head": head, "rows": rows} for caption, head, rows in found]
+    return tables_of((_bodies(run), _contacts(run), _links(run)))
 
 
-def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
+def _bodies(run: Any) -> Table:
     from stickslip.report.moving import shown_span
 
     start, parts = shown_span(run)[0], machine_of(run.model).mechanics.parts  # type: ignore[attr-defined]
-    rows: list[Row] = []
+    rows, turns = [], unit_of("x", run.model) == "rad"
     for name, body in run.bodies.items():
         v = body.v[run.t >= start]
-        rows.append(
-            (
-                name,
-                f"{float(parts[name].mass):.6g} {'kg m²' if unit_of('x', run.model) == 'rad' else 'kg'}",
-                millimetres(mean_of(run, name), model=run.model),
-                millimetres(*(_told(run, float(end)) for end in (v.min(), v.max())), model=run.model),
-            )
-        )
-    return "The bodies.", ("body", "inertia" if unit_of("x", run.model) == "rad" else "mass", "mean velocity", "velocity"), rows
+        mass = f"{float(parts[name].mass):.6g} {'kg m²' if turns else 'kg'}"
+        ends = (_told(run, float(end)) for end in (v.min(), v.max()))
+        rows.append((name, mass, millimetres(mean_of(run, name), model=run.model), millimetres(*ends, model=run.model)))
+    return "The bodies.", ("body", "inertia" if turns else "mass", "mean velocity", "velocity"), rows
 
 
-def _contacts(run: Any) -> list[tuple[str, Row, list[Row]]]:
+def _contacts(run: Any) -> Table:
     """Motion of each contact and what friction takes there."""
     from stickslip.analysis.contact_modes import FLIGHT, contact_modes
     from stickslip.report.moving import shown_span
@@ -175,19 +170,12 @@ def _contacts(run: Any) -> list[tuple[str, Row, list[Row]]]:
     words, losses = _motions(run), _losses(run, "friction_of")
     rows, flies = [], any(law.flies for law in machine_of(run.model).laws)
     for name, stretches in contact_modes(run, start, end).items():
-        states = (1, -1, 0, FLIGHT)[: 3 + flies]
-        shares = (sum(b - a for a, b, sign in stretches if sign == wanted) / (end - start) for wanted in states)
+        signs = (1, -1, 0, FLIGHT)[: 3 + flies]
+        shares = (sum(b - a for a, b, sign in stretches if sign == wanted) / (end - start) for wanted in signs)
         rows.append((name, *words.get(name, ()), *(f"{100 * share:.1f} %" for share in shares), losses.get(name, "–")))
-    head = (
-        "contact",
-        *(("motion", "pattern") if words else ()),
-        "forwards",
-        "backwards",
-        "sticks",
-        *(("in flight",) if flies else ()),
-        "friction takes",
-    )
-    return [(f"The contacts, over the {'last motion period' if words else 'whole run'}.", head, rows)] if rows else []
+    states = ("forwards", "backwards", "sticks", *(("in flight",) if flies else ()))
+    head = ("contact", *(("motion", "pattern") if words else ()), *states, "friction takes")
+    return f"The contacts, over the {'last motion period' if words else 'whole run'}.", head, rows
 
 
 def _motions(run: Any) -> dict[str, Row]:
@@ -210,7 +198,7 @@ def _losses(run: Any, which: str) -> dict[str, str]:
     return {name: joules(_mean(works, balance.settle)) for name, works in getattr(balance, which).items()}
 
 
-def _links(run: Any) -> list[tuple[str, Row, list[Row]]]:
+def _links(run: Any) -> Table:
     """What links and stops take, and how often stops are hit."""
     from stickslip.analysis.contact_modes import hits
     from stickslip.analysis.works import label_of_stop
@@ -225,4 +213,4 @@ def _links(run: Any) -> list[tuple[str, Row, list[Row]]]:
         told = (str(len(struck.get(name, []))), "–" if fastest is None else millimetres(fastest, model=run.model)) if struck else ()
         rows.append((name, losses.get(name, "–"), *told))
     head = ("between", "takes", *(("hits", "fastest hit") if struck else ()))
-    return [("Links and stops, by the bodies that they join.", head, rows)] if rows else []
+    return "Links and stops, by the bodies that they join.", head, rows

@@ -11,7 +11,7 @@ from stickslip.errors import InputError, as_path
 from stickslip.report.mathml import mathml
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["grouped", "outside_addresses", "page", "svg_address", "write"]
+__all__ = ["environment", "grouped", "outside_addresses", "page", "svg_address", "write"]
 
 
 def svg_address(svg: str) -> str:
@@ -42,6 +42,15 @@ def _formula(tex: str) -> Any:
     return Markup(mathml(tex, as_block=True))
 
 
+def environment(folder: str | Path) -> Any:
+    """What fills the templates of a folder."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    made = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    made.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed, "formula": _formula}
+    return made
+
+
 def page(template: str, **content: Any) -> str:
     """The text of a page; what stands in `content` is escaped where the template writes it.
 
@@ -56,14 +65,7 @@ def page(template: str, **content: Any) -> str:
     -------
     str
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folder = Path(__file__).parent / "templates"
-    environment = Environment(
-        loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed, "formula": _formula}
-    text = environment.get_template(template).render(**content)
+    text = environment(Path(__file__).parent / "templates").get_template(template).render(**content)
     outside = outside_addresses(text)
     if outside:
         raise InputError("page", [f"the page would need {outside[0]!r} from outside; put it into the page"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.plot.atlas_figure import atlas as drawn
-from stickslip.report.charts import Figure
+from stickslip.report.charts import Figure, Table, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
@@ -38,12 +38,11 @@ def atlas_page(found: Any, title: str, command: str = "") -> str:
     >>> "type-border" in atlas_page(found, "Where it walks")
     True
     """
-    tables = [_regions(found), _special(found), _borders(found), _branches(found)]
     return page(
         "atlas.html",
         title=title,
         axes=_axes(found),
-        tables=[{"caption": caption, "head": head, "rows": rows[:_ROWS]} for caption, head, rows in tables if rows],
+        tables=tables_of((_regions(found), _special(found), _borders(found), _branches(found)), _ROWS),
         notes=list(found.notes),
         figures=[Figure(_CAPTION, svg(lambda ax: drawn(found, ax), 5.2, 4.2))],
         command=command,
@@ -63,17 +62,17 @@ def _axes(found: Any) -> list[tuple[str, str]]:
     return [*told, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
 
 
-def _regions(found: Any) -> tuple[str, Any, list[Any]]:
+def _regions(found: Any) -> Table:
     rows = [(label, f"{100 * share:.1f} %") for label, share in found.regions.items()]
     return "Regions, by the motions that coexist in them.", ("region", "share of the grid"), rows
 
 
-def _special(found: Any) -> tuple[str, Any, list[Any]]:
+def _special(found: Any) -> Table:
     head = ("special point", *found.parameters, "accuracy", "what changes")
     return "Special points, to the digits that are certain.", head, found.rows()
 
 
-def _borders(found: Any) -> tuple[str, Any, list[Any]]:
+def _borders(found: Any) -> Table:
     rows = []
     for border in found.borders:
         ends = [", ".join(f"{v:.6g}" for v in border.values[k]) for k in (0, -1)]
@@ -82,7 +81,7 @@ def _borders(found: Any) -> tuple[str, Any, list[Any]]:
     return "Borders that were followed in both numbers.", ("kind", "what changes", "from", "to", "accuracy", "ends"), rows
 
 
-def _branches(found: Any) -> tuple[str, Any, list[Any]]:
+def _branches(found: Any) -> Table:
     other = {found.parameters[0]: found.parameters[1], found.parameters[1]: found.parameters[0]}
     rows = [
         (b.parameter, f"{b.values[0]:.6g} to {b.values[-1]:.6g}", f"{other[b.parameter]} = {b.other:.6g}", str(b.period), b.ended)

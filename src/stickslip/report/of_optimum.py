@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
 from stickslip.fields import leaves
 from stickslip.naming import unit_in
+from stickslip.number_names import numbers_meant
 from stickslip.optimising.results import unit_of_result
-from stickslip.report.charts import Figure, chart, curve
+from stickslip.report.charts import Figure, Table, chart, curve, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.of_run import run_page
 
@@ -53,13 +53,12 @@ def optimum_page(best: Any, title: str, command: str = "") -> str:
 def _section(best: Any) -> dict[str, Any]:
     """What the template asks for, of the search."""
     aim = f"The {_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
-    made = [_gains(best), _varied(best), *_limits(best), *_uncertain(best), *_slopes(best)]
     return {
         "aim": f"{aim}; {best.tried} candidates were run. It is the best that the search met: it is not proved that there is none better.",
         "share": best.limit
         if best.of_limit is None
         else f"The mean velocity is {100 * best.of_limit:.4g} % of the limit for {best.limit}.",
-        "tables": [{"caption": caption, "head": head, "rows": rows} for caption, head, rows in made if rows],
+        "tables": tables_of((_gains(best), _varied(best), _limits(best), _uncertain(best), _slopes(best))),
         "notes": [*best.notes, *best.sensitivities.notes],
         "figures": [_history(best)],
     }
@@ -84,7 +83,7 @@ def _within(ends: tuple[float, float], unit: str) -> str:
     return f"{ends[0]:g} to {ends[1]:g} {unit}".rstrip()
 
 
-def _gains(best: Any) -> tuple[str, Any, list[Any]]:
+def _gains(best: Any) -> Table:
     """What the best machine gains and costs against the one that was given."""
     names = [name for name in dict.fromkeys((best.of, *_SHOWN)) if name in best.values]
     rows = []
@@ -99,76 +98,51 @@ def _gains(best: Any) -> tuple[str, Any, list[Any]]:
     return "Gain and cost.", ("", "as given", "best", "change"), rows
 
 
-def _varied(best: Any) -> tuple[str, Any, list[Any]]:
+def _varied(best: Any) -> Table:
     """Numbers that varied, with their bounds, and those of waveforms."""
     own, now = dict(leaves(best.model)), best.varied
     rows = []
     for name, what in best.search.over.items():
         if isinstance(what, tuple):
             at = "at a bound" if name in best.active else ""
-            value = next(now[leaf] for leaf in now if _named(leaf, name))
+            value = next(now[leaf] for leaf in now if numbers_meant(name, [leaf]))
             rows.append((name, _within(what, unit_in(name, best.model)), _text(value, unit_in(name, best.model)), at))
         else:
             rows.append((name, f"a waveform of {what.count} ({what.kind})", "its numbers stand below", ""))
-    numbers = len(own)
-    return f"What varied, of {numbers} numbers.", ("number", "between", "best", ""), rows
+    return f"What varied, of {len(own)} numbers.", ("number", "between", "best", ""), rows
 
 
-def _named(leaf: str, name: str) -> bool:
-    """Whether a number is one of those that were typed."""
-    from stickslip.number_names import numbers_meant
-
-    return bool(numbers_meant(name, [leaf]))
-
-
-def _limits(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+def _limits(best: Any) -> Table:
     """Limits, and what the machine has of them."""
-    rows = [
-        (
-            _words(name),
-            _text(low, unit_of_result(name, best.model)),
-            _text(high, unit_of_result(name, best.model)),
-            _text(best.values.get(name), unit_of_result(name, best.model)),
-            "reached" if name in best.active else "",
-        )
-        for name, (low, high) in best.search.subject_to.items()
-    ]
-    yield "Limits.", ("", "least", "largest", "best", ""), rows
+    rows = []
+    for name, (low, high) in best.search.subject_to.items():
+        numbers = (_text(value, unit_of_result(name, best.model)) for value in (low, high, best.values.get(name)))
+        rows.append((_words(name), *numbers, "reached" if name in best.active else ""))
+    return "Limits.", ("", "least", "largest", "best", ""), rows
 
 
-def _uncertain(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+def _uncertain(best: Any) -> Table:
     """What was not known exactly."""
     part = best.search.quantile
     counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
     rows = [(name, f"{' '.join(map(str, spread))} {unit_in(name, best.model)}".rstrip()) for name, spread in best.search.robust.items()]
-    yield (
-        f"Numbers that are not known exactly. What counted is {counted}: {_text(best.robust, unit_of_result(best.of, best.model))}.",
-        ("number", "distribution"),
-        rows,
-    )
+    worth = _text(best.robust, unit_of_result(best.of, best.model))
+    return f"Numbers that are not known exactly. What counted is {counted}: {worth}.", ("number", "distribution"), rows
 
 
-def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+def _slopes(best: Any) -> Table:
     """Derivatives, those with the largest effect first."""
     own, found, unit = dict(leaves(best.model)), best.sensitivities, unit_of_result(best.of, best.model)
     effects = {name: slope * own[name] / 100 for name, slope in found.items() if name in own and isfinite(slope)}
     order = sorted(effects, key=lambda name: -abs(effects[name]))[:_SLOPES]
     one_sided = {note.partition(":")[0] for note in found.notes}
-    rows = [
-        (
-            name,
-            _text(own[name], unit_in(name, best.model)),
-            _text(found[name], _per(unit, unit_in(name, best.model))),
-            _text(effects[name], unit),
-            "one side, see the remarks" if name in one_sided else "",
-        )
-        for name in order
-    ]
-    yield (
-        f"Effect of each number on the {_words(best.of)}, with the others held.",
-        ("number", "value", "derivative", "for 1 % more", ""),
-        rows,
-    )
+    rows = []
+    for name in order:
+        of = unit_in(name, best.model)
+        numbers = (_text(own[name], of), _text(found[name], _per(unit, of)), _text(effects[name], unit))
+        rows.append((name, *numbers, "one side, see the remarks" if name in one_sided else ""))
+    head = ("number", "value", "derivative", "for 1 % more", "")
+    return f"Effect of each number on the {_words(best.of)}, with the others held.", head, rows
 
 
 def _history(best: Any) -> Figure:
@@ -179,8 +153,7 @@ def _history(best: Any) -> Figure:
 
     def draw(ax: Any) -> None:
         ax.step(x, y, where="post")
-        ax.set_xlabel("candidates tried")
-        ax.set_ylabel(f"{_words(best.of)}{f' ({unit})' if unit else ''}")
+        ax.set(xlabel="candidates tried", ylabel=f"{_words(best.of)}{f' ({unit})' if unit else ''}")
 
     asked = chart(what, x, ("candidates", ""), (_words(best.of), unit), [curve("best so far", y)])
     return Figure(f"Course of the search: {what}.", svg(draw), asked)

@@ -13,7 +13,7 @@ from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-__all__ = ["study_page"]
+__all__ = ["headed", "study_page"]
 
 _BEST = 12  # rows of the table of the fastest cases
 
@@ -125,24 +125,18 @@ def _ends(grid: Any) -> list[tuple[str, int, float]]:
 def _best(grid: Any) -> tuple[list[str], list[list[str]]]:
     """The fastest cases, as a table."""
     dims = [str(d) for d in grid["mean_velocity"].dims]
-    head = [*(_headed(grid, d) for d in dims), _headed(grid, "mean_velocity"), "type", "period", "margin"]
+    head = [*(headed(grid, d) for d in dims), headed(grid, "mean_velocity"), "type", "period", "margin"]
     rows = []
     for place in order(grid, _BEST):
         case = grid.isel(place)
         axes = [plain(case[d].values[()]) if d in case.coords else str(place[d]) for d in dims]
-        rows.append(
-            [
-                *axes,
-                f"{float(case['mean_velocity']):.6g}",
-                " | ".join(map(str, case["motion_type"].values.ravel())),
-                str(int(case["period"]) or "none"),
-                f"{float(case['margin'].min()):.3g}",
-            ]
-        )
+        types, period = " | ".join(map(str, case["motion_type"].values.ravel())), str(int(case["period"]) or "none")
+        rows.append([*axes, f"{float(case['mean_velocity']):.6g}", types, period, f"{float(case['margin'].min()):.3g}"])
     return head, rows
 
 
-def _headed(grid: Any, name: str) -> str:
+def headed(grid: Any, name: str) -> str:
+    """A name and its unit, if it has one."""
     unit = grid[name].attrs.get("units", "1") if name in grid.variables else "1"
     name = name.replace("mean_velocity", "mean velocity")
     return name if unit in ("", "1") else f"{name} [{unit}]"

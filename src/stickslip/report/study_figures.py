@@ -85,8 +85,7 @@ def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
     across, (factor, unit) = scaled(named[0][1], axis), speeds(named[0][1])
     for i, (name, part) in enumerate(named):
         ax.plot(across.values, factor * part["mean_velocity"].values, linestyle=DASHES[i % 7], label=name)
-    ax.set_xlabel(across.label)
-    ax.set_ylabel(f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
+    ax.set(xlabel=across.label, ylabel=f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
     ax.legend()
 
 
@@ -104,7 +103,6 @@ def _curve(grid: Any, ax: Any) -> None:
         there = kinds == kind
         colour = TYPE_COLOURS.get(str(kind), "#888888")
         ax.scatter(x[there], v[there], s=14, color=colour, edgecolor="#333333", linewidth=0.4, label=str(kind), zorder=2)
-    ax.set_xlabel(across.label)
-    ax.set_ylabel(f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
+    ax.set(xlabel=across.label, ylabel=f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
     if kinds.any():
         ax.legend(title="motion type")

@@ -15,7 +15,7 @@ from stickslip.fields import checked_number, example_in, is_array, leaves
 from stickslip.friction.law_adapter import adapted, mirrored
 from stickslip.quantities import between
 from stickslip.testing.moved_contact import burst, shaken
-from stickslip.testing.reports import Claim, LawReport
+from stickslip.testing.reports import Claim, LawReport, judged
 from stickslip.testing.symbol_values import traced
 from stickslip.testing.unit_change import FACTORS, in_other_units
 
@@ -145,10 +145,7 @@ def _finite(probe: Probe) -> Claim:
         except (ValueError, ZeroDivisionError, OverflowError):
             values = [math.nan]
         bad, total = bad + sum(not math.isfinite(value) for value in values), total + len(values)
-    return Claim(
-        "numbers are finite", bad == 0, bad, f"of {total} values are not finite",
-        "look at divisions, logarithms and powers at v = 0 and z = 0",
-    )  # fmt: skip
+    return judged("finite", bad == 0, bad, total=total)
 
 
 def _rest(probe: Probe) -> Claim | None:
@@ -157,17 +154,11 @@ def _rest(probe: Probe) -> Claim | None:
         if not probe.law.states:
             return None
         worst = max(_change_at_rest(probe, z) for _, z, _, _ in _points(probe)) / probe.velocity_scale
-        return Claim(
-            "rest at v = 0", worst <= _SAME, worst, "largest rate of a state at v = 0, in typical velocities",
-            "the rate of every state has to vanish at v = 0, or the force at rest must not know the state",
-        )  # fmt: skip
+        return judged("states_rest", worst <= _SAME, worst)
     low, high = probe.law.breakaway(probe.load)
     tiny = 1e-9 * probe.velocity_scale
     lack = max(low, -high, probe.force(tiny, (), ()) - high, low - probe.force(-tiny, (), ()), 0.0)
-    return Claim(
-        "rest at v = 0", lack <= 1e-6 * probe.load, lack, "N that rest cannot bear, though slow sliding does",
-        "breakaway gives (backward, forward) as (negative, positive) forces, not below those of slow sliding",
-    )  # fmt: skip
+    return judged("limits_enclose", lack <= 1e-6 * probe.load, lack)
 
 
 def _change_at_rest(probe: Probe, z: tuple[float, ...]) -> float:
@@ -186,10 +177,7 @@ def _opposes(probe: Probe) -> Claim | None:
     if probe.law.states or probe.law.needs_applied:
         return None
     wrong = max(max(-math.copysign(1.0, v) * probe.force(v, z, mode) for v, z, mode, _ in _points(probe)), 0.0)
-    return Claim(
-        "friction opposes motion", wrong <= 0, wrong, "N of friction along the motion",
-        "R is positive for v > 0 and negative for v < 0",
-    )  # fmt: skip
+    return judged("opposes", wrong <= 0, wrong)
 
 
 def _cycles(probe: Probe) -> list[dict[str, float]]:
@@ -200,10 +188,7 @@ def _cycles(probe: Probe) -> list[dict[str, float]]:
 
 def _costs(runs: list[dict[str, float]]) -> Claim:
     least = min(run["loss"] / max(run["loss_turned"], 1e-300) for run in runs)
-    return Claim(
-        "a closed cycle costs energy", least >= -1e-4, least, "J lost for each J turned over, at least",
-        "friction that drives for ever is none: look at the signs of force and rate",
-    )  # fmt: skip
+    return judged("costs", least >= -1e-4, least)
 
 
 def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
@@ -212,7 +197,7 @@ def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
     bursts = [burst(probe, reach, 0.01 * side * speed, fast * side * speed) for fast in BURSTS for side in (1.0, -1.0)]
     most = max(-run["least"] / max(run["turned"], 1e-300) for run in [*runs, *bursts])
     most = most if most > 1e-9 else 0.0
-    return Claim("energy given back", None, most, "J beyond what it got, for each J turned over, at most (0: passive in these motions)")
+    return judged("gives_back", None, most)
 
 
 def _mirror(probe: Probe) -> Claim:
@@ -223,10 +208,7 @@ def _mirror(probe: Probe) -> Claim:
         one, two = (shaken(p, stroke, side * probe.velocity_scale, cycles=1) for p, side in ((probe, 1.0), (other, -1.0)))
         apart = abs(one["turned"] - two["turned"]) / one["turned"]
         worst = max(worst, apart if apart > _SAME_WORK else 0.0)
-    return Claim(
-        "mirror symmetry", worst <= _SAME, worst, "difference of the law from its mirror image, relative",
-        "every number of a direction is a pair of fields that end with _plus and _minus, chosen by where(v > 0, ...)",
-    )  # fmt: skip
+    return judged("mirror", worst <= _SAME, worst)
 
 
 def _unmirrored(probe: Probe, other: Probe, turns: float) -> float:
@@ -243,7 +225,7 @@ def _other_units(probe: Probe) -> Claim:
     try:
         law = in_other_units(probe.law.law)
     except LookupError as error:
-        return Claim("change of units", None, math.nan, f"not measured: the docstring has no unit that is known for {error}")
+        return judged("no_units", None, math.nan, field=error)
     other, worst = Probe(law, FACTORS["N"] * probe.load), 0.0
     own = probe.law.scale(probe.load) is not None
     sizes = [new / old if own else FACTORS["m"] for new, old in zip(other.scale, probe.scale, strict=True)]
@@ -253,10 +235,7 @@ def _other_units(probe: Probe) -> Claim:
         there = _all_values(other, v * FACTORS["m"] / FACTORS["s"], moved, mode, FACTORS["N"] * applied)
         by = [FACTORS["N"], *(size / FACTORS["s"] for size in sizes)]
         worst = max(worst, _difference([b * value for b, value in zip(by, here, strict=True)], there))
-    return Claim(
-        "change of units", worst <= 1e-9, worst, "difference after a change of newton, metre and second, relative",
-        "two terms of the formula have different units, or the docstring gives a wrong one",
-    )  # fmt: skip
+    return judged("units", worst <= 1e-9, worst)
 
 
 def _arrays(probe: Probe) -> Claim | None:
@@ -267,29 +246,22 @@ def _arrays(probe: Probe) -> Claim | None:
     points = _points(probe)
     v, applied = (np.array([point[k] for point in points]) for k in (0, 3))
     z, mode = (tuple(np.array(column) for column in zip(*(point[k] for point in points), strict=True)) for k in (1, 2))
-    remedy = "write with where, maximum, exp, ... of stickslip.maths, never `if`, math or numpy"
     try:
         found = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
     except (TypeError, ValueError) as error:
-        return Claim("arrays agree with numbers", False, math.nan, f"it takes no array ({error})", remedy)
+        return judged("no_arrays", False, math.nan, error=error)
     single = np.array([_all_values(probe, *point) for point in points], float).T
     worst = _difference(np.ravel(found), np.ravel(single))
-    return Claim(
-        "arrays agree with numbers", worst <= _SAME, worst, "difference, relative",
-        remedy,
-    )  # fmt: skip
+    return judged("arrays", worst <= _SAME, worst)
 
 
 def _symbols(probe: Probe) -> Claim | None:
     if not probe.law.compiles:
         return None
-    worst, remedy = 0.0, "write with where, maximum, exp, ... of stickslip.maths, and use nothing but fields"
+    worst = 0.0
     try:
         for v, z, mode, applied in _points(probe):
             worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law.law, probe.load, v, z, mode, applied)))
     except (TypeError, ValueError, AttributeError) as error:
-        return Claim("symbols agree with numbers", False, math.nan, f"it takes no symbol ({error})", remedy)
-    return Claim(
-        "symbols agree with numbers", worst <= 1e-9, worst, "difference, relative",
-        remedy,
-    )  # fmt: skip
+        return judged("no_symbols", False, math.nan, error=error)
+    return judged("symbols", worst <= 1e-9, worst)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["Claim", "LawReport"]
+__all__ = ["Claim", "LawReport", "judged"]
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,17 @@ class Claim:
     def __str__(self) -> str:
         mark = {True: "holds", False: "FAILS", None: "-"}[self.passed]
         return f"{mark:6}{self.name:34}{self.value:9.2g}  {self.meaning}"
+
+
+@cache
+def _texts() -> dict[str, dict[str, str]]:
+    return tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
+
+
+def judged(key: str, passed: bool | None, value: float, **told: Any) -> Claim:
+    """A claim in the words of ``claims.toml``."""
+    text = _texts()[key]
+    return Claim(text["name"], passed, value, text["meaning"].format(**told), text.get("remedy", ""))
 
 
 @dataclass(frozen=True)
