@@ -35,7 +35,6 @@ def modes(rec: Any, channel: str | None = None, count: int = 1) -> tuple[Mode, .
 
     Parameters
     ----------
-    rec : Record
     channel : str, optional
         A complex channel over frequency; by default the first there is.
     count : int

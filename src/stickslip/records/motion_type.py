@@ -101,7 +101,6 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
 
     Parameters
     ----------
-    rec : Record
     frequency : float, optional
         Of the drive [Hz]; found in the record otherwise.
     threshold : float, optional
