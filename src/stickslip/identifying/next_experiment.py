@@ -32,8 +32,43 @@ SAME = "same"  # the sensor of the first record, its zero not set anew
 _PERIODS = 3  # of a prescribed sine
 
 
-def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: int, using: str | None, sensor: Any) -> Design:
-    """Experiments in the order in which they determine what a fit leaves open, then of the volume of what is left uncertain."""
+def next_experiment(
+    fit: Fit, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
+) -> Design:
+    """The next experiment that, fitted together with the present records, best determines the parameters that these do not determine.
+
+    Parameters
+    ----------
+    experiments : dict of name -> values, or list of dicts
+        Settings of an experiment: arguments of the model (amplitude, frequency, tilt, a known mass), the measurement (``using``,
+        ``sensor``, ``noise``), and for forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
+        ``load``. Everything else is as in the first record. A dict stands for all combinations.
+    noise : float, optional
+        Standard deviation of one value; by default that of the present records.
+    samples : int
+    using, sensor
+        As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor recalibrated. Settings of an experiment take
+        precedence.
+
+    Returns
+    -------
+    Design
+        The most informative experiments first, with the expected standard errors of a fit to all records.
+
+    Examples
+    --------
+    The motion of a body that never rests contains no information on static friction.
+
+    >>> import stickslip as ss
+    >>> rig, how = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}
+    >>> rec = ss.virtual_rig(rig(**how, f0=0.25), noise=1e-4, seed=1)
+    >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, starts=4, **how)
+    >>> fit.undetermined
+    ('f0',)
+    >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
+    >>> plan.best.settings[0], bool(plan.best.errors["f0"] < 0.01)
+    ({'amplitude': 0.0006}, True)
+    """
     problems = Problems("next_experiment")
     settings = settings_of(experiments, problems)
     kind = fit.problem.targets[0].kind

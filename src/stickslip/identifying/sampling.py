@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from stickslip.identifying.fit import Fit
 
-__all__ = ["bands", "posterior"]
+__all__ = ["bands", "sample"]
 
 _NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
 _LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
@@ -25,8 +25,36 @@ _OPEN = 0.05  # parts of the bounds over which walkers begin along what the data
 _SPREAD = 0.5  # standard errors within which walkers begin
 
 
-def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed: int, progress: Any) -> xr.Dataset:
-    """Samples of the posterior by the affine-invariant ensemble of emcee."""
+def sample(
+    fit: Fit, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
+) -> xr.Dataset:
+    """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
+
+    Priors are uniform between the bounds (in the logarithm with ``"log"``) or as given: ``("normal", mean, sd)``. Unknown noise has
+    Jeffreys' prior and is integrated out; of correlated residuals only the independent number counts. The fit is the mode of this
+    posterior unless a prior is ("uniform", low, high), of which the fit uses mean and standard deviation.
+
+    Parameters
+    ----------
+    draws : int
+        Draws of each walker after the first `burn`.
+    walkers : int, optional
+        By default 2 for each number and 2 more, at least 16.
+    burn : int, optional
+        By default half of the draws, at least 100.
+    seed : int
+    progress : callable or bool, optional
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes give the
+        acceptance rate, the longest autocorrelation time, the number of independent draws, and a note if these are too few.
+
+    References
+    ----------
+    D. Foreman-Mackey, D. W. Hogg, D. Lang and J. Goodman, emcee: the MCMC hammer, Publ. Astron. Soc. Pacific 125 (2013) 306-312.
+    """
     import xarray as xr
 
     emcee = library("sample", "emcee", _NEEDED)
@@ -135,8 +163,25 @@ def _same(values: Any) -> Any:
     return values
 
 
-def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws: int, seed: int) -> xr.Dataset:
-    """What the fitted model gives at the samples of a record, with the band of its curve and that of new measurements."""
+def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:
+    """Bands of the model for a record: of its curve, and of new measurements with the noise of the record.
+
+    Parameters
+    ----------
+    record : int
+    level : float
+        Fraction of the curves, or of the measurements, inside the band.
+    samples : xarray.Dataset, optional
+        From `sample`; if not given, numbers are drawn from the covariance.
+    draws : int
+        Number of curves that are computed.
+    seed : int
+
+    Returns
+    -------
+    xarray.Dataset
+        ``measured``, ``fitted``, ``low``, ``high``, ``predicted_low``, ``predicted_high`` over the values of the record.
+    """
     import xarray as xr
 
     problems = Problems("bands")
