@@ -111,7 +111,7 @@ def _resampled_problem(fit: Fit, rng: Any) -> Any:
 
 
 def _resampled_values(fit: Fit, rng: Any) -> Any:
-    rest = fit._split(fit.residuals * fit.problem.sigma)
+    rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
     parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
     return np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
 

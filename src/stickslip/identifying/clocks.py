@@ -128,7 +128,7 @@ def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, A
     """Evenly spaced instants; where the logger's are not, values between them by a spline, and none in gaps."""
     h = float(np.median(np.diff(t)))
     if abs(np.diff(t) / h - 1).max() <= _EVEN:
-        return t, _filled(t, x, weight), y, weight
+        return t, _filled(t, x), y, weight
     from scipy.interpolate import CubicSpline
 
     known = weight > 0
@@ -142,7 +142,7 @@ def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, A
     return even, *values, np.where(inside, np.interp(even, t[known], weight[known]), 0.0)
 
 
-def _filled(t: Any, x: Any, weight: Any) -> Any:
+def _filled(t: Any, x: Any) -> Any:
     """Positions, between their neighbours where they are missing; windows there are not compared."""
     good = np.isfinite(x)
     return x if good.all() else np.interp(t, t[good], x[good])

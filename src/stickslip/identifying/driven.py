@@ -42,7 +42,7 @@ class DrivenProblem(OverParameters):
     thin: int = 1
     holds: bool = False
     solves: int = 0
-    remembers: bool = False  # whether the contact has inner states
+    remembers: bool = False
     values: Any = None  # measured values that replace those of the targets (bootstrap)
 
     @property

@@ -38,10 +38,9 @@ def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
 
 def held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
     """The best place where outliers count less, by weights that are found anew until they stay."""
-    counts, plain, before = [t.count for t in problem.targets], problem, np.ones(len(problem.y))
+    plain, before = problem, np.ones(len(problem.y))
     for _ in range(_WEIGHINGS):
-        rest = plain.residuals(best.place)[: len(before)]
-        rows = robust_weights(weigh, rest, counts)
+        rows = robust_weights(weigh, plain.parts(plain.residuals(best.place)[: len(before)]))
         if best.stopped or abs(rows - before).max() < _STEADY:
             break
         weighed, before = plain.weighing(rows), rows

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -12,12 +11,12 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
-from stickslip.faces import Face, Text, drawn_on, rounded, sure
+from stickslip.faces import Face, Text, drawn_on, sure
 from stickslip.identifying import distribution, formulas, next_experiment, sampling, uncertainty
 from stickslip.identifying.bootstrapping import by_bootstrap
 from stickslip.identifying.fit_text import OVER_MOTION
 from stickslip.identifying.quality import quality
-from stickslip.identifying.spread import information_of
+from stickslip.identifying.spread import correlated, correlations_of, information_of
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Fit"]
 
-#: Parameters that are correlated more than this are named.
-CORRELATED = 0.95
 PARTS = ("total", "statistical", "systematic")
 #: Ways to an interval, and the options of each.
 METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
@@ -175,12 +172,7 @@ class Fit(Face):
     @property
     def correlations(self) -> NDArray[np.float64]:
         """Correlations of the free parameters, in the order of `values`; NaN for parameters that the data do not determine."""
-        size = np.sqrt(np.diag(self.covariance))
-        known = np.isfinite(size)
-        product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
-        found = np.where(np.outer(known, known), self.covariance, np.nan) / np.where(product == 0, 1.0, product)
-        found[~known, ~known] = 1.0
-        return found
+        return np.asarray(correlations_of(self.covariance))
 
     @explains_arguments
     def interval(self, name: str, level: float = 0.95, method: str = "auto", part: str = "total", **options: Any) -> tuple[float, float]:
@@ -246,21 +238,13 @@ class Fit(Face):
     @cached_property
     def predicted(self) -> tuple[Any, ...]:
         """Values of the fitted model at the samples of each record [SI]."""
-        return self._split(self.problem.predicted(self.place))
-
-    def _split(self, whole: Any) -> tuple[Any, ...]:
-        edges = np.cumsum([0, *(t.count for t in self.problem.targets)])
-        return tuple(whole[a:b] for a, b in pairwise(edges))
+        return tuple(self.problem.parts(self.problem.predicted(self.place)))
 
     @property
     def correlated(self) -> list[str]:
         """Sentences on pairs of parameters that these data can hardly distinguish."""
-        found, table = [], self.correlations
-        for i in range(len(self.names)):
-            for j in range(i):
-                if abs(table[i, j]) > CORRELATED:
-                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self.remedy}")
-        return found
+        pairs = correlated(list(self.names), self.covariance)
+        return [f"{one} and {other} correlated {rho:.2f}: fix one or {self.remedy}" for one, other, rho in pairs]
 
     @property
     def remedy(self) -> str:
@@ -294,9 +278,9 @@ class Fit(Face):
     @explains_arguments
     def plot(self, record: int = 0, ax: Ax = None) -> Axes:
         """Record and fit over one drive period; returns the axes."""
-        from stickslip.identifying.fit_pages import plot_fit
+        from stickslip import plot
 
-        return plot_fit(self, record, ax)
+        return plot.fitted(self, record, ax)
 
     def _title(self) -> str:
         return f"Fit of {self.law}"
@@ -308,19 +292,11 @@ class Fit(Face):
         return {name: line for name, _, line in told}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        from stickslip.identifying.fit_text import error_text, parameter_rows, unit_of_parameter
+        from stickslip.identifying.fit_text import parameter_rows
 
         head = ("parameter", "value", "standard error", "95 % interval", "unit")
-        rows = [
-            (
-                name,
-                rounded(value, error),
-                error_text(self, name),
-                f"{rounded(low, error)} to {rounded(high, error)}",
-                unit_of_parameter(self, name),
-            )
-            for name, value, error, low, high in parameter_rows(self)
-        ]
+        each = parameter_rows(self)
+        rows = [(row["name"], row["value"], row["error"], f"{row['low']} to {row['high']}", row["unit"]) for row in each]
         return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]
 
     def _remarks(self) -> list[str]:
@@ -330,11 +306,11 @@ class Fit(Face):
         return drawn_on(self._draw_both, (8.0, 2.2))
 
     def _draw_both(self, figure: Any) -> None:
-        from stickslip.identifying.fit_pages import plot_fit, plot_residuals
+        from stickslip import plot
 
         left, right = figure.subplots(1, 2)
-        plot_fit(self, 0, left)
-        plot_residuals(self, 0, right)
+        plot.fitted(self, 0, left)
+        plot.residuals(self, 0, right)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())

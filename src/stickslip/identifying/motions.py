@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.clocks import together
 from stickslip.identifying.law_forces import driven_force, slide
+from stickslip.identifying.targets import Compared
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
@@ -25,7 +26,7 @@ _REPEATS = 0.1  # by which part of its own spread the motion may differ from one
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Compared):
     """A prescribed motion with the force that was measured over it.
 
     Parameters
@@ -40,27 +41,21 @@ class Motion:
         Measured friction force [N], positive against positive v; NaN where it is not known, while the motion is.
     before : int
         How many of the samples only lead in; they are not compared.
-    flipped : bool
-        Whether the sign of the measured force was turned, so that friction takes energy.
     label : str
     """
+
+    kind: ClassVar[str] = "force"
 
     t: Any
     v: Any
     load: Any
     force: Any
     before: int
-    flipped: bool
     label: str
-    cut: str | None = None  # which samples were left out, and why
+    cut: str | None = None  # what was done to the samples, and why
     weights: Any = None  # of all samples, where the user gave them
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
-
-    @property
-    def kind(self) -> str:
-        """What is fitted."""
-        return "force"
 
     @property
     def y(self) -> Any:
@@ -77,11 +72,6 @@ class Motion:
     def weight(self) -> Any:
         """Weight of each value."""
         return np.ones(self.count) if self.weights is None else self.weights[self.compared]
-
-    @property
-    def count(self) -> int:
-        """Number of values."""
-        return int(self.compared.sum())
 
     @property
     def time(self) -> Any:
@@ -139,10 +129,6 @@ class Motion:
         }
         return dataclasses.replace(self, **made, weights=None), np.insert(self.compared, places, False)
 
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left of all samples."""
-        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
-
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
         last = np.arange(0, len(self.t), step)
@@ -169,20 +155,24 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     x = x if "position" in rec else _integrated(t, x)
     if load is None and "load" not in rec:
         raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
-    N = _loads(rec["load"], t) if load is None else np.full(len(t), float(load))
+    if load is not None:
+        N = np.full(len(t), float(load))
+    else:
+        N = rec["load"].si if len(rec["load"]) == len(t) else np.interp(t, rec["load"].time, rec["load"].si)
     known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(N), ~(N <= 0)
     good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
     whole = known & np.isfinite(F)
     why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
-    cut = "; ".join(told) or None
     t, x, F, N = t[good], x[good], F[good], N[good]
     own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
-    F = -F if flipped else F
+    if flipped:
+        F = -F
+        told.append("the sign of the force was reversed, so that friction dissipates energy")
     lead = _first_period(rec, t, x, F)
     if lead:
         shift = t[lead] - t[0]
@@ -194,12 +184,7 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * (1.0 if own is None else own)
-    return Motion(t, v, N, F, lead, flipped, label, cut, own, any_start=any_start and not lead)
-
-
-def _loads(c: Any, t: Any) -> Any:
-    """Normal forces at some times."""
-    return c.si if len(c) == len(t) else np.interp(t, c.time, c.si)
+    return Motion(t, v, N, F, lead, label, "; ".join(told) or None, own, any_start=any_start and not lead)
 
 
 def _fewer(rec: Any) -> tuple[Any, list[str]]:

@@ -69,7 +69,7 @@ class Quality:
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """Goodness of fit of each record."""
     found = []
-    for target, curve, rest in zip(fit.problem.targets, fit.predicted, fit._split(fit.residuals * fit.problem.sigma), strict=True):
+    for target, curve, rest in zip(fit.problem.targets, fit.predicted, fit.problem.parts(fit.residuals * fit.problem.sigma), strict=True):
         y = curve - rest
         square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
         r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")

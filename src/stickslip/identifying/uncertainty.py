@@ -189,7 +189,7 @@ def remarks(fit: Fit) -> list[str]:
             f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
             f"its interval is by profile; covariance and bootstrap are not reliable"
         )
-    for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
+    for q, rest in zip(fit.quality, fit.problem.parts(fit.residuals), strict=True):
         if q.suspicious:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
@@ -249,7 +249,7 @@ def open_parameters(fit: Fit) -> tuple[str, ...]:
 def _allowed(fit: Fit, k: int, level: float) -> float:
     """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
     white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
-    parts = fit._split(fit.residuals)
+    parts = fit.problem.parts(fit.residuals)
     wider = coloured / white if np.isfinite(white) else max(len(rest) / effective(rest) for rest in parts)
     return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
 

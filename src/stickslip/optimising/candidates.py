@@ -169,13 +169,9 @@ class Candidates:
             over = np.maximum(over, np.where(worst > KEPT, worst, np.where(np.isnan(worst), 1e3, 0.0)))
             if not np.all(np.isnan(worst)):
                 k = int(np.nanargmin(worst))
-                self._note(limit.name, float(values[k]), float(worst[k]))
+                if worst[k] < self.nearest.get(limit.name, (np.inf, 0.0))[0]:
+                    self.nearest[limit.name] = (float(worst[k]), float(values[k]))
         return over
-
-    def _note(self, name: str, value: float, worst: float) -> None:
-        """The value that comes nearest to a limit, for those who have none that keeps it."""
-        if worst < self.nearest.get(name, (np.inf, 0.0))[0]:
-            self.nearest[name] = (worst, value)
 
     # ------------------------------------------------------------------------------------------------ derivatives
 

@@ -51,7 +51,7 @@ def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count
     if of == "mean_velocity":
         return Exact(lambda motion: (motion.mean_velocity, motion.slopes))
     if isinstance(of, Observable):
-        return _observed(of, model, seeds, count)
+        return _observed(of, model)
     if of.startswith(STATE):
         i = at.names[: at.smooth].index(of.removeprefix(STATE))
         return Exact(lambda motion: (motion.nearer[:, i], motion.changes[:, :, i]))
@@ -113,7 +113,7 @@ def _weight_of(machine: Any) -> list[Any]:
     return [machine.model.total_mass * machine.model.gravity]
 
 
-def _observed(of: Observable, model: Any, seeds: dict[str, Array], count: int) -> Exact | None:
+def _observed(of: Observable, model: Any) -> Exact | None:
     """The mean or the integral of a user's observable."""
     observe = ((OWN, of),)
     names = means_named(model, observe)

@@ -23,7 +23,6 @@ __all__ = ["check_quantity", "moved_by", "quantities", "results_of", "unit_of_re
 Array = Any
 #: Drive periods that a motion is given to settle.
 PERIODS = 400
-_WORDS = ("motion_type", "pattern", "steadiness", "status", "direction")
 
 
 def results_of(
