@@ -101,8 +101,7 @@ def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, An
     t = slow.time
     other = fast.si if len(fast) == len(slow) and np.array_equal(fast.time, t) else _at(t, fast, slow is motion, notes)
     x, y = (slow.si, other) if slow is motion else (other, slow.si)
-    weights = weights_at(rec, t)
-    weight = np.ones(len(t)) if weights is None else weights
+    weight = weights_at(rec, t)
     known = np.isfinite(x) & np.isfinite(y)
     if not known.all():
         notes.append(f"of {len(t)} samples {int((~known).sum())} miss a value; they are left out")

@@ -52,8 +52,8 @@ class Motion(Compared):
     force: Any
     before: int
     label: str
-    cut: str | None = None  # what was done to the samples, and why
-    weights: Any = None  # of all samples, where the user gave them
+    cut: str | None  # what was done to the samples, and why
+    weights: Any  # of all samples, 1 where the user gave none
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
 
@@ -66,12 +66,12 @@ class Motion(Compared):
     def compared(self) -> Any:
         """Which samples are compared: array (n,) of bool."""
         found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
-        return found if self.weights is None else found & (self.weights > 0)
+        return found & (self.weights > 0)
 
     @property
     def weight(self) -> Any:
         """Weight of each value."""
-        return np.ones(self.count) if self.weights is None else self.weights[self.compared]
+        return self.weights[self.compared]
 
     @property
     def time(self) -> Any:
@@ -126,8 +126,9 @@ class Motion(Compared):
             "v": np.insert(v, places, side * speed),
             "load": np.insert(self.load, places, self.load[places]),
             "force": np.insert(self.force, places, np.nan),
+            "weights": np.insert(self.weights, places, 0.0),
         }
-        return dataclasses.replace(self, **made, weights=None), np.insert(self.compared, places, False)
+        return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -136,8 +137,8 @@ class Motion(Compared):
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        weights = None if self.weights is None else self.weights[last]
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
+        kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights")}
+        return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
 
 def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
@@ -177,13 +178,12 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     if lead:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
-        x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
-        own = None if own is None else np.concatenate([own[:lead], own])
+        x, F, N, own = (np.concatenate([a[:lead], a]) for a in (x, F, N, own))
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
     if thinned:  # a mean over a reversal is that of neither side
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
-        own = same * (1.0 if own is None else own)
+        own = same * own
     return Motion(t, v, N, F, lead, label, "; ".join(told) or None, own, any_start=any_start and not lead)
 
 

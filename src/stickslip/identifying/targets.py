@@ -115,8 +115,7 @@ def target(
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), remark=remark)
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
-    if own is not None:
-        t, y, own = t[own > 0], y[own > 0], own[own > 0]
+    t, y, own = t[own > 0], y[own > 0], own[own > 0]
     f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
     level = noise(y) if sigma is None else float(sigma)
     if not level > 0:
@@ -124,10 +123,10 @@ def target(
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
     repeats = None if transient else period_number_of(phase, y if kind == "velocity" else np.gradient(y, t))
-    unit, weight = _ROTARY.get(quantity_of(rec[kind].unit) or "", ""), np.ones(len(t)) if own is None else own
-    known = Target(kind, phase, y, level, f, sigma is not None, label, weight, slips, transient)
+    unit = _ROTARY.get(quantity_of(rec[kind].unit) or "", "")
+    known = Target(kind, phase, y, level, f, sigma is not None, label, own, slips, transient)
     whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit)
-    return _fewer(whole, repeats) if len(t) > MOST and own is None and kind == "velocity" and not transient else whole
+    return _fewer(whole, repeats) if len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient else whole
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:

@@ -73,9 +73,9 @@ def _with(rec: Any, given: Any, i: int, problems: Problems) -> Any:
 
 
 def weights_at(rec: Any, t: Any) -> Any:
-    """Weights of samples at some times; None where a record has no weights."""
+    """Weights of samples at some times; 1 where a record has none."""
     if "weight" not in rec:
-        return None
+        return np.ones(len(t))
     times, first = np.unique(rec["weight"].time, return_index=True)
     return np.interp(t, times, rec["weight"].values[first])
 

@@ -16,7 +16,7 @@ __all__ = ["parse", "vectors"]
 
 def parse(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""
-    raw = Raw("MATLAB", table=True)
+    raw = Raw("MATLAB")
     old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
     try:
         found = version4(data, allowance) if old else version5(data, raw.notes, allowance)

@@ -101,8 +101,7 @@ def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, per
     index = np.minimum((place * bins).astype(int), bins - 1)
     count = np.bincount(index, minlength=bins)
     safe = np.maximum(count, 1)
-    mean = np.bincount(index, v, bins) / safe
-    mean = np.where(count > 0, mean, np.interp(np.arange(bins), np.flatnonzero(count), mean[count > 0]))
+    mean = np.interp(np.arange(bins), np.flatnonzero(count), (np.bincount(index, v, bins) / safe)[count > 0])
     level = np.fmin(noise(v), _scatter(v - np.interp(place * bins - 0.5, np.arange(bins), mean, period=bins), count))
     return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods), float(level))
 

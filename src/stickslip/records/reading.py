@@ -232,9 +232,8 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 
 # ---- axes ----
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
-    if raw.table:
-        raw.columns = by_own_times(raw.columns, raw.notes)
-    axes = table_axes(raw) if raw.table else {}
+    raw.columns = by_own_times(raw.columns, raw.notes)
+    axes = table_axes(raw)
     used = {id(axis) for axis in axes.values()}
     for c in raw.columns:
         for part in (c, c.axis) if c.axis else (c,):

@@ -45,10 +45,8 @@ def settling_periods(rec: Any, frequency: float) -> int:
     bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
     index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index[half], minlength=bins)
-    if (count == 0).any():
-        mean = np.interp(np.arange(bins), np.flatnonzero(count), np.bincount(index[half], v[half], bins)[count > 0] / count[count > 0])
-    else:
-        mean = np.bincount(index[half], v[half], bins) / count
+    sums = np.bincount(index[half], v[half], bins)
+    mean = np.interp(np.arange(bins), np.flatnonzero(count), sums[count > 0] / count[count > 0])
     rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
     number = np.maximum(held, 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
