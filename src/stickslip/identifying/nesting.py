@@ -135,7 +135,8 @@ def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
         return place
     i = int(np.argmin(sizes))
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, _GRID - 1)]
-    near = minimize_scalar(size, bounds=(low, high), method="bounded", options={"xatol": _FINE})
+    with np.errstate(invalid="ignore"):  # where there is no law
+        near = minimize_scalar(size, bounds=(low, high), method="bounded", options={"xatol": _FINE})
     found = np.array(place)
     found[k] = min((sizes[i], grid[i]), (near.fun, near.x))[1]
     return found

@@ -21,7 +21,7 @@ __all__ = [
     "frequency_of",
     "loop_friction",
     "mean_velocity",
-    "period_number",
+    "period",
     "period_number_of",
     "velocity_of",
 ]
@@ -139,7 +139,7 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
     return Value(float(each.mean()), float(np.hypot(level, spread)))
 
 
-def period_number(rec: Any, frequency: float | None = None) -> int | None:
+def period(rec: Any, frequency: float | None = None) -> int | None:
     """After how many drive periods the motion repeats, 1 to 4; None if it does not, or not in a record this short."""
     t, v = velocity_of(rec)
     return period_number_of((t - t[0]) * frequency_of(rec, frequency), v)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.records.measures import cycle, frequency_of, period_number
+from stickslip.records.measures import cycle, frequency_of, period
 from stickslip.records.rests import Rest, rest_at
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of, type_of
@@ -120,7 +120,7 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
     'I'
     """
     f = frequency_of(rec, frequency)
-    number = period_number(rec, f)
+    number = period(rec, f)
     periods = number or 1
     rough = cycle(rec, f, period=periods)
     limit = float(max(ERRORS * np.median(rough.error), RANGE * np.ptp(rough.v))) if threshold is None else float(threshold)

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
-from stickslip.records import modes, motion_type, saving, segments_and_masks
+from stickslip.records import measures, modes, motion_type, saving, segments_and_masks, settling
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.sealing import sealed
 from stickslip.units import quantity_of
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stickslip.records.overview import Overview
-    from stickslip.records.tones import Frequency
 
 __all__ = ["Record"]
 
@@ -175,7 +174,9 @@ class Record:
     save = explains_arguments(saving.save)
 
     # ---- measures ----
+    drive_frequency = explains_arguments(settling.drive_frequency)
     motion = explains_arguments(motion_type.motion)
+    period = explains_arguments(measures.period)
     modes = explains_arguments(modes.modes)
 
     @property
@@ -186,32 +187,18 @@ class Record:
         return overview(self)
 
     @explains_arguments
-    def drive_frequency(self, about: float | None = None) -> Frequency:
-        """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
-
-        Drive periods at the start of a velocity or a position that differ from the later ones are left out.
-        """
-        from stickslip.records.settling import steady_frequency
-
-        return steady_frequency(self, about)
-
-    @explains_arguments
     def settled(self, settle: int | str = "auto", frequency: float | None = None) -> Record:
         """The steady part of the record: without the first `settle` drive periods, "auto" those that differ from the later ones.
 
         A note says how many were left out.
         """
-        from stickslip.records.settling import settled
-
-        kept, _, said = settled(self, settle, frequency)
+        kept, _, said = settling.settled(self, settle, frequency)
         return kept if said is None else kept.replace(notes=(*kept.notes, said.partition(" and are not compared")[0]))
 
     @explains_arguments
     def mean_velocity(self, frequency: float | None = None) -> float:
         """Mean steady velocity over whole drive periods [m/s]."""
-        from stickslip.records.measures import mean_velocity
-
-        return mean_velocity(self, frequency).value
+        return measures.mean_velocity(self, frequency).value
 
     @property
     def motion_type(self) -> str:
@@ -225,13 +212,6 @@ class Record:
         """Intervals at rest, as (start, length) in drive periods."""
         m = self.motion(frequency, threshold, dwell)
         return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
-
-    @explains_arguments
-    def period(self, frequency: float | None = None) -> int | None:
-        """Number of drive periods after which the motion repeats; None if it does not within the record."""
-        from stickslip.records.measures import period_number
-
-        return period_number(self, frequency)
 
     @explains_arguments
     def spectrum(self, channel: str = "velocity") -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, is_one_of, is_whole
+from stickslip.records import tones
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import period_number_of, velocity_of
-from stickslip.records.tones import Frequency, drive_frequency
+from stickslip.records.tones import Frequency
 
-__all__ = ["settled", "settling_periods", "steady_frequency"]
+__all__ = ["drive_frequency", "settled", "settling_periods"]
 
 _FEWEST = 6  # drive periods in a record that can be judged
 _TWICE = 2.5  # mean square in a period over the usual one
@@ -56,8 +57,11 @@ def settling_periods(rec: Any, frequency: float) -> int:
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
 
 
-def steady_frequency(rec: Any, about: float | None = None) -> Frequency:
-    """The drive frequency, of a velocity or a position from where it is steady: a transient shifts phases, as another frequency would.
+def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
+    """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
+
+    Drive periods at the start of a velocity or a position that differ from the later ones are left out: a transient shifts phases, as
+    another frequency would.
 
     Examples
     --------
@@ -65,14 +69,14 @@ def steady_frequency(rec: Any, about: float | None = None) -> Frequency:
     >>> from stickslip.records import Record
     >>> t = np.arange(4000) / 200
     >>> rec = Record.of(t, {"v [m/s]": np.sin(2 * np.pi * t + 2 * np.exp(-t))})
-    >>> bool(abs(drive_frequency(rec).value - 1) > 1e-3), bool(abs(steady_frequency(rec).value - 1) < 1e-4)
+    >>> bool(abs(tones.drive_frequency(rec).value - 1) > 1e-3), bool(abs(drive_frequency(rec).value - 1) < 1e-4)
     (True, True)
     """
-    found = drive_frequency(rec, about)
+    found = tones.drive_frequency(rec, about)
     if rec[found.channel].role not in ("velocity", "position"):
         return found
     kept, count, _ = settled(rec, "auto", found.value)
-    return drive_frequency(kept, found.value) if count else found
+    return tones.drive_frequency(kept, found.value) if count else found
 
 
 def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:
