@@ -15,8 +15,6 @@ from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import at_least, positive
 
-__all__ = ["LANGUAGES", "ExportedLaw", "export_law"]
-
 
 @dataclass(frozen=True)
 class ExportedLaw:

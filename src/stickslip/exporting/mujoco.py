@@ -11,8 +11,6 @@ from stickslip.benching.velocity import shown
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["reduced", "written_for_mujoco"]
-
 _COUNT = 41  # speeds, each way: a factor of 1.26 apart over four decades
 _ROUNDING = 1e-9  # of the largest force, what the linear programme leaves
 

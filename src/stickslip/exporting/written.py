@@ -15,8 +15,6 @@ from stickslip.engine.traced_law import TracedLaw
 from stickslip.exporting.names import names_of_numbers
 from stickslip.maths import LARGEST
 
-__all__ = ["MATLAB", "C", "written"]
-
 _SAME = {name: name for name in ("log", "sqrt", "sin", "cos", "atan", "tanh", "asinh")}
 
 

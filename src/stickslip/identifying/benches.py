@@ -17,8 +17,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.units import quantity_of
 
-__all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
-
 #: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
 APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
 _SMALL = 0.02  # part of the acceleration that the noise of the motion may be: an inertia is too small by the square of that

@@ -12,8 +12,6 @@ from stickslip.identifying.weighting import weights_at
 from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
-__all__ = ["Clock", "clock_of", "together"]
-
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
 

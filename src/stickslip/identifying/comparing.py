@@ -22,8 +22,6 @@ from stickslip.records import Record
 from stickslip.records.settling import settled
 from stickslip.sealing import sealed
 
-__all__ = ["Comparison", "Row", "compare"]
-
 _PHASES = 400
 
 

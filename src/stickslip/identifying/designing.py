@@ -23,8 +23,6 @@ from stickslip.information import Information
 from stickslip.naming import unit_in
 from stickslip.sealing import sealed
 
-__all__ = ["USES", "Design", "Experiment", "curve_and_slopes", "design", "in_words", "record_of", "settings_of", "units_of_settings"]
-
 #: A parameter is told if its expected standard error is below this part of its value.
 TOLD = 0.25
 #: A parameter is faint if a change by a tenth moves the values by less than this part of the noise of one sample.

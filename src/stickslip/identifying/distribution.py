@@ -14,8 +14,6 @@ from stickslip.identifying.spread import root_of
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["OfFit", "distribution_of"]
-
 Array = Any
 _FAR = 1e-12  # how near a sample comes to the ends of the normal distribution
 

@@ -11,8 +11,6 @@ import numpy as np
 from stickslip.identifying.motions import Motion
 from stickslip.identifying.parameters import OverParameters, Parameters
 
-__all__ = ["DrivenProblem"]
-
 _STEP = 1e-5
 
 

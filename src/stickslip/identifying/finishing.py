@@ -14,8 +14,6 @@ from stickslip.identifying.sensors import EFFECTS
 from stickslip.identifying.spread import information_of, neighbours, noise_sizes, with_noise_of
 from stickslip.identifying.weighting import robust_weights
 
-__all__ = ["canonical", "finished", "held_back", "spared_note", "spared_numbers", "undetermined"]
-
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from stickslip.information import Information
 
-__all__ = ["Fit"]
-
 PARTS = ("total", "statistical", "systematic")
 #: Ways to an interval, and the options of each.
 METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}

@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-__all__ = ["write_report"]
-
 _SHOWN = 8  # records with pictures of their own
 
 

@@ -11,21 +11,6 @@ from stickslip.fields import leaves
 from stickslip.naming import described
 from stickslip.quantities import with_unit
 
-__all__ = [
-    "NOT_DETERMINED",
-    "OVER_MOTION",
-    "counted",
-    "error_text",
-    "known_line",
-    "listed",
-    "parameter_rows",
-    "report_text",
-    "sure",
-    "undetermined",
-    "unit_of_parameter",
-    "unit_of_values",
-]
-
 
 def parameter_rows(fit: Any) -> list[dict[str, str]]:
     """For each free parameter its name, value, standard error, unit and the ends of its 95 % interval, as text."""

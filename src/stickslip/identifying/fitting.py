@@ -37,8 +37,6 @@ from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
 
-__all__ = ["identify"]
-
 USES = ("auto", "velocity", "position", "mean", "force")
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
@@ -261,7 +259,9 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.remark}, transient=True fits them too" for t in problem.targets if t.remark]
     notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
-    return notes + [f"{t.label}: {t.cut}" for t in problem.targets if t.cut]
+    notes += [f"{t.label}: {t.cut}" for t in problem.targets if t.cut]
+    turned = (t.label for t in problem.targets if getattr(t, "flipped", False))
+    return notes + [f"{label}: the sign of the force was reversed, so that friction dissipates energy" for label in turned]
 
 
 def _fit(

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Formula", "candidates", "gradient", "local_formulas"]
-
 _FEW = 4  # numbers of which products of powers are tried that are not 1
 _SHAPES = (1.0, 0.0, -1.0, 2.0, 0.5)  # powers of the numbers in a weighted sum; 0 for their logarithms, a product of powers
 _NOTHING = 1e-3  # share of a number in a formula that is left out

@@ -13,8 +13,6 @@ from stickslip.identifying.formula_shapes import Formula, candidates, gradient, 
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import determined_spread
 
-__all__ = ["Combination", "combinations"]
-
 _ALONG = (3e-3, 0.05)  # parts of what a formula can change by that it may change by along an undetermined direction: exact, and less so
 _MOVED = (0.07, 0.3)  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
 _SEEN = 0.05  # standard deviations, squared, by which the fit may then be worse

@@ -14,8 +14,6 @@ from stickslip.identifying.parameters import OverParameters, Parameters
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
 
-__all__ = ["MeansProblem"]
-
 _PERIODS = 400  # in which a motion should settle; most do in far fewer
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 

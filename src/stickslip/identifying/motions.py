@@ -16,8 +16,6 @@ from stickslip.identifying.targets import Compared
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
-__all__ = ["Motion", "motion_of"]
-
 _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
@@ -41,6 +39,8 @@ class Motion(Compared):
         Measured friction force [N], positive against positive v; NaN where it is not known, while the motion is.
     before : int
         How many of the samples only lead in; they are not compared.
+    flipped : bool
+        Whether the sign of the measured force was turned, so that friction takes energy.
     label : str
     """
 
@@ -51,11 +51,15 @@ class Motion(Compared):
     load: Any
     force: Any
     before: int
+    flipped: bool
     label: str
-    cut: str | None  # what was done to the samples, and why
-    weights: Any  # of all samples, 1 where the user gave none
+    cut: str | None = None  # which samples were left out, and why
+    weights: Any = 1.0  # of all samples
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
 
     @property
     def y(self) -> Any:
@@ -171,9 +175,7 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     if (count := int(np.isfinite(F).sum())) < 16:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
-    if flipped:
-        F = -F
-        told.append("the sign of the force was reversed, so that friction dissipates energy")
+    F = -F if flipped else F
     lead = _first_period(rec, t, x, F)
     if lead:
         shift = t[lead] - t[0]
@@ -184,7 +186,7 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * own
-    return Motion(t, v, N, F, lead, label, "; ".join(told) or None, own, any_start=any_start and not lead)
+    return Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead)
 
 
 def _fewer(rec: Any) -> tuple[Any, list[str]]:

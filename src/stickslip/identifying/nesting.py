@@ -12,8 +12,6 @@ from stickslip.fields import leaves
 from stickslip.identifying.effects import EFFECTS, numbers_without
 from stickslip.identifying.search import polished, searched
 
-__all__ = ["nested_seeds"]
-
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
 _GRID, _FINE = 33, 1e-10  # places that are tried, and how near the best one is found

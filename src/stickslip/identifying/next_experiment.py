@@ -33,8 +33,6 @@ from stickslip.records import Record
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["SAME", "next_experiment"]
-
 _MOTION = ("stroke", "frequency", "load")  # of a prescribed sine
 _HOW = ("using", "sensor", "noise")
 SAME = "same"  # the sensor of the first record, its zero not set anew

@@ -19,8 +19,6 @@ from stickslip.identifying.limits import Limits, limits_of
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
-__all__ = ["Free", "OverParameters", "Parameters"]
-
 
 @dataclass(frozen=True)
 class Free:

@@ -15,8 +15,6 @@ from stickslip.identifying.steady_curves import SteadyCurve, steady_curve, trans
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
 
-__all__ = ["SteadyProblem", "best_phase", "modelled_values"]
-
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 _PLACES = (0.0, 0.25, -0.25, 0.5, -0.5)  # of its reach, where a transient is tried to begin
 _GRID = 256  # phases tried for the alignment of a curve

@@ -13,8 +13,6 @@ from stickslip.identifying.spread import neighbours
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["Quality", "quality"]
-
 
 @dataclass(frozen=True)
 class Quality:

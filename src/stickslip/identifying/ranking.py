@@ -16,8 +16,6 @@ from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
 from stickslip.sealing import sealed
 
-__all__ = ["Ranked", "Ranking", "rank"]
-
 #: A difference of AICc below which data do not tell two laws apart (Burnham and Anderson 2002), here for corrected sample sizes.
 UNDECIDED = 4.0
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from stickslip.identifying.fit import Fit
 
-__all__ = ["bands", "sample"]
-
 _NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
 _LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
 _OPEN = 0.05  # parts of the bounds over which walkers begin along what the data do not determine

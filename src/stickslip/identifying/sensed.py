@@ -15,8 +15,6 @@ from stickslip.identifying.sensor_readings import change_shown, of_records, show
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 from stickslip.identifying.weak_directions import derivative_along, sharpened
 
-__all__ = ["Sensed"]
-
 #: Residual of a value that a model cannot give, in standard deviations.
 IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")

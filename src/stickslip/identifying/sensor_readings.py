@@ -8,8 +8,6 @@ import numpy as np
 
 from stickslip.identifying.sensors import SensorNumber
 
-__all__ = ["change_shown", "known_rows", "of_records", "shown_by_sensor"]
-
 
 def _wide(values: Any, like: Any) -> Any:
     """A number for each value, as a column where there are many cases."""

@@ -8,21 +8,6 @@ import numpy as np
 
 from stickslip.information import Information
 
-__all__ = [
-    "autocorrelation",
-    "correlated",
-    "correlations_of",
-    "determined_spread",
-    "effective",
-    "information_of",
-    "neighbours",
-    "noise_scale",
-    "noise_sizes",
-    "root_of",
-    "spread_of",
-    "with_noise_of",
-]
-
 _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
 _SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off

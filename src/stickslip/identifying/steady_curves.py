@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import solve
 
-__all__ = ["SteadyCurve", "TransientCurve", "moves_alike_anywhere", "steady_curve", "transient_curve"]
-
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
 _LEFT = 1e-5  # of the tolerance: what may still be left where strobe points fall to their limit; derivatives are differences of curves
 _FALLS = 0.5  # times the last step from period to period that the next one is, where they do

@@ -21,8 +21,6 @@ from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 from stickslip.units import SI, quantity_of
 
-__all__ = ["Compared", "Target", "mean_target", "target"]
-
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
 
 

@@ -27,8 +27,6 @@ _AT_BOUND = 1e-4  # on the scale of the search
 _PROFILED = 24  # places that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
-__all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "remarks"]
-
 
 def calibrated(fit: Fit, name: str) -> Fit:
     """The same fit if the sensors, and all else of which something is known beforehand, were known to be as they are fitted."""

@@ -10,8 +10,6 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records import Record
 from stickslip.records.channel import Channel
 
-__all__ = ["LOSSES", "loss_of", "outlier_notes", "robust_scale", "robust_weights", "weighted", "weights_at"]
-
 #: Weights by size of a residual in standard deviations of the bulk (least squares, Huber 1964, Beaton and Tukey 1974), with their constants
 #: of 95 % efficiency under normal noise.
 LOSSES = {

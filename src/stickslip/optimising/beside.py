@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import leaves
 
-__all__ = ["is_allowed", "moves_of", "sides_of", "sizes_of", "words_of"]
-
 Array = Any
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 

@@ -22,8 +22,6 @@ from stickslip.optimising.results import results_of
 from stickslip.optimising.uncertainty_samples import allowed_with, sampled
 from stickslip.optimising.unknowns import Unknowns
 
-__all__ = ["Candidates", "Stopped"]
-
 Array = Any
 _BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are not machines
 _GUIDE, _GUIDE_BEYOND = 1e-12, 1e-6  # what nearness to motion counts of machines at rest, and of those beyond a limit: less than any motion

@@ -17,8 +17,6 @@ from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 
-__all__ = ["OWN", "STATE", "Exact", "exactly"]
-
 Array = Any
 #: What a user's observable is called among the means, and what the names of coordinates on the strobe begin with.
 OWN, STATE = "own", "state."

@@ -18,8 +18,6 @@ from stickslip.optimising.results import check_quantity, results_of, unit_of_res
 from stickslip.optimising.uncertainty_samples import check_sample, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
 
-__all__ = ["Indices", "Propagated", "propagate"]
-
 Array = Any
 _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
 _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices

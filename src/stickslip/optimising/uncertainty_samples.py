@@ -14,8 +14,6 @@ from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
 from stickslip.optimising.beside import is_allowed
 
-__all__ = ["Independent", "Uncertain", "allowed_with", "check_sample", "checked_spread", "sample_of", "sampled", "sobol"]
-
 Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
 

@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 from stickslip.records.dialects import SEPARATORS, Dialect, heading_cells
 
-__all__ = ["without_words"]
-
 _SAMPLED = 400
 _MOST = 0.9  # part of the rows in which a column holds what it holds
 

@@ -15,8 +15,6 @@ from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
 
-__all__ = ["parse_hdf5", "parse_netcdf3"]
-
 _DEEPEST = 8  # groups within groups
 
 

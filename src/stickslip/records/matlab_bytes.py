@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.unpacking import Allowance
 
-__all__ = ["version4", "version5"]
-
 _KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 16: "u1", 17: "u2", 18: "u4"}
 _MATRIX, _COMPRESSED = 14, 15
 _STRUCT, _CHAR, _NUMERIC = 2, 4, range(6, 16)

@@ -13,19 +13,6 @@ from stickslip.records.overview import noise
 from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 
-__all__ = [
-    "LONGEST",
-    "Cycle",
-    "Value",
-    "cycle",
-    "frequency_of",
-    "loop_friction",
-    "mean_velocity",
-    "period",
-    "period_number_of",
-    "velocity_of",
-]
-
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4
 

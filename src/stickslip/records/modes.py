@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.information import Information
 from stickslip.sealing import sealed
 
-__all__ = ["Mode", "modes"]
-
 _BAND = 12  # lines on either side of a peak
 _UNKNOWN = 8  # numbers of a mode: frequency and damping, and a, b and c, which are complex
 

@@ -14,8 +14,6 @@ from stickslip.records.rests import Rest, rest_at
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of, type_of
 
-__all__ = ["MeasuredMotion", "motion"]
-
 #: A place counts as slow below this many standard errors of the mean cycle, and below this part of its range.
 ERRORS, RANGE = 4.0, 0.01
 #: A slip that is less sure than this many standard errors may be none; one of this part of the range may hide in a rest.

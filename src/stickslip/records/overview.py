@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.records.tones import NotPeriodic
 from stickslip.units import unit_of
 
-__all__ = ["Line", "Overview", "clipped", "dead_zone", "noise", "overview", "runs_of"]
-
 
 @dataclass(frozen=True)
 class Line:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Column", "Raw", "unmarked"]
-
 
 @dataclass(frozen=True, eq=False)
 class Column:

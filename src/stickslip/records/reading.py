@@ -26,8 +26,6 @@ from stickslip.records.tables_of_values import is_frame, raw_of_frame
 from stickslip.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
 
-__all__ = ["read", "read_bytes", "remarks"]
-
 
 @explains_arguments
 def read(

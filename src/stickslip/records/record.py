@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from stickslip.records.overview import Overview
 
-__all__ = ["Record"]
-
 
 #: Sensitivities of sensors, as their data sheets give them, by what they measure.
 _SENSITIVITIES = {"velocity": "100 mm/s/V", "absolute velocity": "100 mm/s/V", "position": "1 mm/V", "force": "50 N/V", "load": "50 N/V",

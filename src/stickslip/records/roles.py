@@ -11,8 +11,6 @@ from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import Column
 from stickslip.units import quantity_of, unit_of
 
-__all__ = ["OURS", "remark_range", "remarks", "roles_of"]
-
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
 _ROLE_WORDS = (
     (r"absolute.*", "absolute velocity"),

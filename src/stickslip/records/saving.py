@@ -14,8 +14,6 @@ from stickslip.errors import Problems, as_path
 from stickslip.records.channel import ROLES
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["SYNTHETIC", "roles_in", "save"]
-
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
 #: A line with the role of a channel, where its name and unit do not tell it.

@@ -16,8 +16,6 @@ from stickslip.quantities import positive
 if TYPE_CHECKING:
     from stickslip.records.record import Record
 
-__all__ = ["averaged", "joined", "masked", "segments"]
-
 
 def segments(rec: Record, least: int = 100) -> tuple[Record, ...]:
     """The parts between gaps and between restarts of the time axis, with at least `least` samples each: records to fit jointly."""

@@ -12,8 +12,6 @@ from stickslip.records.given import given_frequency
 from stickslip.records.measures import period_number_of, velocity_of
 from stickslip.records.tones import Frequency
 
-__all__ = ["drive_frequency", "settled", "settling_periods"]
-
 _FEWEST = 6  # drive periods in a record that can be judged
 _TWICE = 2.5  # mean square in a period over the usual one
 _SURE = 4.0  # standard errors of the mean over a period

@@ -17,8 +17,6 @@ from stickslip.records.tables_of_values import is_plain_number, number_in
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
 
-__all__ = ["parse_xlsx"]
-
 #: Bytes in memory for a byte of XML and for a cell, and most rows, which are Excel's.
 _PER_BYTE, _PER_CELL, _MOST_ROWS = 10, 32, 2**20
 _Row = tuple[Any, ...]

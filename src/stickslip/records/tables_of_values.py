@@ -14,8 +14,6 @@ from stickslip.records.stamps import STAMP_UNIT, nanoseconds
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
 
-__all__ = ["is_frame", "is_plain_number", "number_in", "parse_json", "raw_of_frame"]
-
 _FORMS = (
     'allowed are [{"t [s]": 0.0, "v [mm/s]": 1.0}, ...], {"t [s]": [...], "v [mm/s]": [...]}, '
     '{"columns": [...], "data": [[...], ...]} and one object a line'

@@ -18,8 +18,6 @@ from stickslip.records.tables_of_values import parse_json
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 
-__all__ = ["decoded", "is_json", "parse"]
-
 Table = tuple[list[str], Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
 

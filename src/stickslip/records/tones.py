@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.faces import rounded, sure
 from stickslip.records.given import given_frequency
 
-__all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "measured_samples", "spectrum"]
-
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
 _FEWEST = 1.9  # periods in a record that can show one

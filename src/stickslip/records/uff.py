@@ -11,8 +11,6 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.raw import Column, Raw, unmarked
 
-__all__ = ["parse"]
-
 _DELIMITER = re.compile(rb"^ {4}-1[ \t]*\r?$", re.M)
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)", re.I)
 #: Ordinate data type -> (bytes of one number, numbers for one value).
