@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.callbacks import progress_callback
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, is_whole
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective, root_of
 from stickslip.optional import library
@@ -175,7 +175,9 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
     import xarray as xr
 
     problems = Problems("bands")
-    problems.whole("record", record, 0, example=0, most=len(fit.problem.targets) - 1)
+    count = len(fit.problem.targets)
+    if not is_whole(record) or not 0 <= record < count:
+        problems.add(f"record = {record!r}; allowed is a whole number from 0 to {count - 1}; type record=0")
     problems.whole("draws", draws, 10, example=200)
     if not 0 < level < 1:
         problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type level=0.95")

@@ -71,10 +71,12 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float)
     where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal.
     """
     info = information_of(problem, jacobian)
-    found = info.of_the_determined(scale)
-    for target, rest, own in zip(problem.targets, problem.parts(residuals), problem.parts(info.inverse.T), strict=True):
-        if target.within == 0.0:  # averaged values have lost their order
-            found = found + _coloured(own.T, rest, scale)
+    found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
+    for target in problem.targets:
+        end = begin + target.count
+        if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
+            found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
+        begin = end
     return found
 
 

@@ -55,6 +55,7 @@ def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
                 unit = channel.properties.get("unit_string") or None
                 raw.columns.append(Column(name, unit, values.astype(float), _waveform_axis(channel, len(values))))
     _check_segments(data, raw.notes)
+    raw.table = all(column.axis is None for column in raw.columns)
     if not raw.columns:
         raise InputError("read", ["the TDMS file holds no channel of numbers"])
     return raw

@@ -20,7 +20,7 @@ _DEEPEST = 8  # groups within groups
 
 def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
-    raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5")
+    raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
     with damage_reported(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
         told = hdf5.attributes(file, allowance, len(data))
         if "_NCProperties" in told:
@@ -119,7 +119,7 @@ def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a classic netCDF file."""
     from scipy.io import netcdf_file
 
-    raw, watched = Raw("netCDF3"), _Watched(data, allowance)
+    raw, watched = Raw("netCDF3", table=True), _Watched(data, allowance)
     with damage_reported("netCDF"), netcdf_file(watched, "r", mmap=False) as file:
         for name, variable in file.variables.items():
             unit = getattr(variable, "units", None)

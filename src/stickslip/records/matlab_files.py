@@ -14,7 +14,7 @@ from stickslip.unpacking import Allowance
 
 def parse(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""
-    raw = Raw("MATLAB")
+    raw = Raw("MATLAB", table=True)
     old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
     try:
         found = version4(data, allowance) if old else version5(data, raw.notes, allowance)

@@ -37,6 +37,7 @@ class Raw:
     columns: list[Column] = field(default_factory=list)
     info: dict[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    table: bool = False  # columns of one table share an axis, which is one of them
 
 
 def unmarked(data: bytes) -> str:

@@ -230,8 +230,9 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 
 # ---- axes ----
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
-    raw.columns = by_own_times(raw.columns, raw.notes)
-    axes = table_axes(raw)
+    if raw.table:
+        raw.columns = by_own_times(raw.columns, raw.notes)
+    axes = table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
     for c in raw.columns:
         for part in (c, c.axis) if c.axis else (c,):

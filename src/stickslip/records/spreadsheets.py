@@ -24,7 +24,7 @@ _Row = tuple[Any, ...]
 
 def parse_xlsx(data: bytes, allowance: Allowance) -> Raw:
     """The table on the first sheet of an Excel file."""
-    openpyxl, raw = library("openpyxl", "XLSX"), Raw("XLSX")
+    openpyxl, raw = library("openpyxl", "XLSX"), Raw("XLSX", table=True)
     with damage_reported("XLSX"):
         _check_archive(data, allowance)
         with warnings.catch_warnings(action="ignore"):  # of styles and the like, which are not read

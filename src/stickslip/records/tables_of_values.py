@@ -44,7 +44,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     if not lists:
         raise InputError("read", [f"the JSON holds no list of numbers; {_FORMS}"])
     allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
-    raw = Raw("JSON")
+    raw = Raw("JSON", table=True)
     left = [name for name in found if name not in lists and name != "units"]
     if left:
         raw.notes.append(f"{', '.join(map(repr, left[:6]))} of the JSON are not lists of numbers and are left out")
@@ -169,7 +169,7 @@ def is_frame(value: Any) -> bool:
 
 def raw_of_frame(frame: Any) -> Raw:
     """The columns of a data frame, of pandas or another library, or of a mapping; an index of times is a column too."""
-    raw = Raw("data frame")
+    raw = Raw("data frame", table=True)
     names: Sequence[Any] = list(frame) if isinstance(frame, Mapping) else list(frame.columns)
     index = getattr(frame, "index", None)
     series = [(str(name), np.asarray(frame[name])) for name in names]

@@ -51,7 +51,7 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     text = decoded(data)
     if is_json(text):
         return parse_json(text, Allowance("read", len(data)))
-    raw, lines = Raw("text"), re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
+    raw, lines = Raw("text", table=True), re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
     lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     values = _fast(lines[first:], dialect)
