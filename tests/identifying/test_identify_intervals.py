@@ -87,7 +87,7 @@ def unlike():
 
 def test_each_record_counts_by_the_noise_of_its_own_residuals(unlike):
     counts = [t.count for t in unlike.problem.targets]
-    noise = [float(part[0]) for part in unlike._split(unlike.scale * unlike.problem.sigma)]
+    noise = [float(part[0]) for part in unlike.problem.parts(unlike.scale * unlike.problem.sigma)]
     assert noise == pytest.approx([q.rms for q in unlike.quality], rel=0.02)  # of some 1500 values each, less what was fitted
     assert noise[1] / noise[0] == pytest.approx(3.0, rel=0.15)
     assert np.average(np.log(unlike.problem.sizes), weights=counts) == pytest.approx(0.0, abs=1e-12)
@@ -96,7 +96,7 @@ def test_each_record_counts_by_the_noise_of_its_own_residuals(unlike):
 
 def test_sums_of_squares_of_records_with_noise_of_their_own_say_which_law_is_likelier(unlike):
     """n exp(mean of ln s²), with s² of each record and the noise that its target supposes."""
-    parts = unlike._split(unlike.residuals * unlike.problem.sigma / unlike.problem.model.sigma)
+    parts = unlike.problem.parts(unlike.residuals * unlike.problem.sigma / unlike.problem.model.sigma)
     counts = np.array([len(part) for part in parts])
     likely = counts.sum() * np.exp(np.average([np.log(np.mean(part**2)) for part in parts], weights=counts))
     assert unlike.cost - unlike.penalty == pytest.approx(likely, rel=1e-3)

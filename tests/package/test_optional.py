@@ -12,7 +12,7 @@ import stickslip as ss
 from house import ROOT
 from stickslip.dynamics.periodic.balls import flint_for
 from stickslip.explorer.widget import _widget_class
-from stickslip.identifying.sampling import posterior
+from stickslip.identifying.sampling import sample
 from stickslip.sweeps.cluster import connected
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
@@ -40,7 +40,7 @@ def shown(path):
 
 
 def sampled(path):
-    posterior(None, 100, None, None, 0, None)  # it asks for its library before anything else
+    sample(None, 100)  # it asks for its library before anything else
 
 
 @pytest.mark.parametrize(

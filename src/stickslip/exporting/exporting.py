@@ -15,8 +15,6 @@ from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import at_least, positive
 
-__all__ = ["LANGUAGES", "ExportedLaw", "export_law"]
-
 
 @dataclass(frozen=True)
 class ExportedLaw:
@@ -180,13 +178,9 @@ def _load_of(model: Any) -> float:
 def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     from stickslip import __version__
     from stickslip.engine.traced_law import TracedLaw
-    from stickslip.exporting.c import written_in_c
-    from stickslip.exporting.heads import head
-    from stickslip.exporting.matlab_source import written_in_matlab
+    from stickslip.exporting.written import MATLAB, C, written
 
-    law = TracedLaw(own)
-    write = written_in_c if language == "c" else written_in_matlab
-    return ExportedLaw(language, name, write(law, name, head(law, name, __version__)))
+    return ExportedLaw(language, name, written(TracedLaw(own), name, C if language == "c" else MATLAB, __version__))
 
 
 def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
@@ -201,10 +195,10 @@ def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature
     from stickslip.exporting.mujoco import reduced, written_for_mujoco
 
     low, high = map(float, speeds)
-    found = reduced(own, load, (low, high))
+    found, lost = reduced(own, load, (low, high))
     told = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
-    numbers = {name: getattr(found, name) for name in ("frictionloss", "damping", "error", "worst", "largest")} | {"armature": armature}
-    return ExportedLaw(language, name, written_for_mujoco(found, name, told, armature), numbers, found.notes)
+    numbers = found | {"armature": armature}
+    return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, told), numbers, lost)
 
 
 LANGUAGES: dict[str, Callable[..., ExportedLaw]] = {"c": _source, "matlab": _source, "octave": _source, "toml": _toml, "mujoco": _mujoco}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 from stickslip.benching.setup import Setup
@@ -11,42 +11,20 @@ from stickslip.benching.velocity import shown
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["Reduction", "reduced", "written_for_mujoco"]
-
 _COUNT = 41  # speeds, each way: a factor of 1.26 apart over four decades
 _ROUNDING = 1e-9  # of the largest force, what the linear programme leaves
 
 
-@dataclass(frozen=True)
-class Reduction:
-    """Dry friction and damping of a joint that come closest to a law over a range of speed.
+def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[str, float], tuple[str, ...]]:
+    """The friction and the damping with the smallest largest error (a linear programme) at speeds of equal ratio.
 
-    Parameters
-    ----------
-    frictionloss : float
-        [N], or N m of a hinge.
-    damping : float
-        [N s/m], or N m s/rad.
-    error : float
-        Largest error of the steady friction force over the range, both ways [N].
-    worst : float
-        Velocity at which it is that large [m/s].
-    largest : float
-        Largest steady friction of the law over the range [N].
-    notes : tuple of str
-        What the joint cannot do that the law does.
+    Returns
+    -------
+    tuple of dict, tuple
+        frictionloss [N], or N m of a hinge; damping [N s/m], or N m s/rad; error, the largest of the steady friction force over the range,
+        both ways [N]; worst, the velocity at which it is that large [m/s]; largest, the largest steady friction of the law [N]. And
+        sentences on what the joint cannot do that the law does.
     """
-
-    frictionloss: float
-    damping: float
-    error: float
-    worst: float
-    largest: float
-    notes: tuple[str, ...]
-
-
-def reduced(law: Any, load: float, speeds: tuple[float, float]) -> Reduction:
-    """The friction and the damping with the smallest largest error (a linear programme) at speeds of equal ratio."""
     from scipy.optimize import linprog
 
     bench = Setup(law, load, 1.0)
@@ -65,7 +43,8 @@ def reduced(law: Any, load: float, speeds: tuple[float, float]) -> Reduction:
     frictionloss, damping = dry * size, viscous * size / fast
     errors = [abs(frictionloss + damping * abs(v) - force) for v, force in zip(velocities, forces, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    return Reduction(frictionloss, damping, errors[worst], velocities[worst], max(map(abs, forces)), tuple(_lost(bench, forces)))
+    found = {"frictionloss": frictionloss, "damping": damping, "error": errors[worst], "worst": velocities[worst]}
+    return found | {"largest": max(map(abs, forces))}, tuple(_lost(bench, forces))
 
 
 def _lost(bench: Setup, forces: list[float]) -> list[str]:
@@ -80,10 +59,10 @@ def _lost(bench: Setup, forces: list[float]) -> list[str]:
     return found
 
 
-def written_for_mujoco(found: Reduction, name: str, told: str, armature: float) -> str:
+def written_for_mujoco(found: Mapping[str, float], lost: tuple[str, ...], name: str, told: str) -> str:
     """The joint's attributes as XML, with a comment."""
-    lost = f" Not in it: {'; '.join(found.notes)}." if found.notes else ""
-    share = f", {found.error / found.largest:.2%} of the law's largest there" if found.largest else ""
-    remark = f"{told} Largest error of steady friction {found.error:.4g}{share}, at {found.worst:.4g} m/s.{lost}"
-    attributes = f'frictionloss="{found.frictionloss:.9g}" damping="{found.damping:.9g}" armature="{armature:.9g}"'
+    notes = f" Not in it: {'; '.join(lost)}." if lost else ""
+    share = f", {found['error'] / found['largest']:.2%} of the law's largest there" if found["largest"] else ""
+    remark = f"{told} Largest error of steady friction {found['error']:.4g}{share}, at {found['worst']:.4g} m/s.{notes}"
+    attributes = " ".join(f'{what}="{found[what]:.9g}"' for what in ("frictionloss", "damping", "armature"))
     return f'<!-- {remark.replace("--", "- -")} -->\n<joint name="{name}" {attributes}/>\n'

@@ -8,8 +8,6 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["names_of_numbers", "prefix_of"]
-
 #: Words of C and MATLAB, and functions of the MATLAB file: nothing of one's own has these names.
 _WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short

@@ -14,8 +14,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["KNOWN", "check_chunks", "values"]
-
 _DEFLATE, _SHUFFLE, _FLETCHER, _LZF = 1, 2, 3, 32000
 Undo = Callable[[bytes, int, tuple[int, ...]], bytes]
 

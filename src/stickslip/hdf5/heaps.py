@@ -9,8 +9,6 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-__all__ = ["check_heaps"]
-
 _BEGIN, _HEAD = b"GCOL\x01\x00\x00\x00", 16
 
 

@@ -19,8 +19,6 @@ from stickslip.hdf5.chunks import KNOWN, check_chunks
 from stickslip.hdf5.heaps import check_heaps
 from stickslip.unpacking import Allowance
 
-__all__ = ["attributes", "members", "opened", "place_of"]
-
 _UNPACK, _REPACK = "export the record with its numbers in the file itself", "type h5repack -f GZIP=4 old.h5 new.h5"
 
 

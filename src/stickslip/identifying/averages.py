@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["MOST", "averaged"]
-
 #: Values of one record; of more samples, those at neighbouring phases are averaged.
 MOST = 20_000
 _PARTS = 5  # of the record, averaged apart, so that a frequency which is a little off still shows

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,11 +12,10 @@ from stickslip.errors import InputError
 from stickslip.friction.law_adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.law_forces import Stepped, law_force
+from stickslip.identifying.targets import Compared
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.units import quantity_of
-
-__all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
 
 #: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
 APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
@@ -31,7 +30,7 @@ _PUSH = 1e9  # of what is applied: no contact is held against as much
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Bench:
+class Bench(Compared):
     r"""The motion of a machine with what was applied to it, averaged over windows.
 
     A window is a triangle of W samples on either side: the mean acceleration over it is exactly
@@ -58,6 +57,9 @@ class Bench:
     label : str
     """
 
+    open: ClassVar[bool] = False  # no window reaches over a gap
+    any_start: ClassVar[bool] = True  # a log begins when it begins
+
     kind: str
     t: Any
     x: Any
@@ -73,11 +75,6 @@ class Bench:
     given_sigma: bool = False
 
     @property
-    def count(self) -> int:
-        """Number of values."""
-        return len(self.y)
-
-    @property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
@@ -87,24 +84,10 @@ class Bench:
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])
 
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left."""
-        return float(np.average(rest**2, weights=self.weight))
-
     def every(self, step: int) -> Bench:
         """Every so many-th window."""
         names = ("at", "acceleration", "y", "weight", "still")
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
-
-    @property
-    def open(self) -> bool:
-        """Whether the motion leaves anything open: no window reaches over a gap."""
-        return False
-
-    @property
-    def any_start(self) -> bool:
-        """Whether inner states may be bent in any way at the first sample: a log begins when it begins."""
-        return True
 
     def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
         """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""

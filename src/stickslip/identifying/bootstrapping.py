@@ -15,8 +15,6 @@ from stickslip.identifying.spread import effective
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["bootstrap", "by_bootstrap"]
-
 _STEPS = 8  # common steps of all replicates
 _NEAR = 0.05  # ... and when it moves the residuals by less than this part of one standard error of them all
 _SMALL = 0.01  # a replicate is done when its step is below this part of the standard errors
@@ -111,7 +109,7 @@ def _resampled_problem(fit: Fit, rng: Any) -> Any:
 
 
 def _resampled_values(fit: Fit, rng: Any) -> Any:
-    rest = fit._split(fit.residuals * fit.problem.sigma)
+    rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
     parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
     return np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
 

@@ -12,8 +12,6 @@ from stickslip.identifying.weighting import weights_at
 from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
-__all__ = ["Clock", "clock_of", "together"]
-
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
 
@@ -101,8 +99,7 @@ def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, An
     t = slow.time
     other = fast.si if len(fast) == len(slow) and np.array_equal(fast.time, t) else _at(t, fast, slow is motion, notes)
     x, y = (slow.si, other) if slow is motion else (other, slow.si)
-    weights = weights_at(rec, t)
-    weight = np.ones(len(t)) if weights is None else weights
+    weight = weights_at(rec, t)
     known = np.isfinite(x) & np.isfinite(y)
     if not known.all():
         notes.append(f"of {len(t)} samples {int((~known).sum())} miss a value; they are left out")
@@ -128,7 +125,7 @@ def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, A
     """Evenly spaced instants; where the logger's are not, values between them by a spline, and none in gaps."""
     h = float(np.median(np.diff(t)))
     if abs(np.diff(t) / h - 1).max() <= _EVEN:
-        return t, _filled(t, x, weight), y, weight
+        return t, _filled(t, x), y, weight
     from scipy.interpolate import CubicSpline
 
     known = weight > 0
@@ -142,7 +139,7 @@ def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, A
     return even, *values, np.where(inside, np.interp(even, t[known], weight[known]), 0.0)
 
 
-def _filled(t: Any, x: Any, weight: Any) -> Any:
+def _filled(t: Any, x: Any) -> Any:
     """Positions, between their neighbours where they are missing; windows there are not compared."""
     good = np.isfinite(x)
     return x if good.all() else np.interp(t, t[good], x[good])

@@ -22,8 +22,6 @@ from stickslip.records import Record
 from stickslip.records.settling import settled
 from stickslip.sealing import sealed
 
-__all__ = ["Comparison", "Row", "compare"]
-
 _PHASES = 400
 
 
@@ -109,12 +107,15 @@ class Comparison(Drawn):
 
     _drawn_by = "comparison"
 
+    @property
+    def _unit(self) -> str:
+        return "m/s" if self.kind == "velocity" else "m"
+
     def _title(self) -> str:
         return f"Over the cycle {self.best.label} is closest"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        unit = "m/s" if self.kind == "velocity" else "m"
-        head = ("", "mean velocity [m/s]", "type", f"rms [{unit}]", "R²")
+        head = ("", "mean velocity [m/s]", "type", f"rms [{self._unit}]", "R²")
         return [[head, *map(_cells, (self.record, *self.laws))]]
 
     def report(self, path: Any = None) -> Any:
@@ -126,13 +127,10 @@ class Comparison(Drawn):
         return write_report(path, [], comparison=self)
 
     def __str__(self) -> str:
-        unit = "m/s" if self.kind == "velocity" else "m"
-        width = max(len(row.label) for row in (self.record, *self.laws))
-        lines = [f"{'':<{width}}  mean velocity [m/s]  type        rms [{unit}]   R²"]
-        for row in (self.record, *self.laws):
-            rest = "" if np.isnan(row.rms) else f"{row.rms:<11.4g}  {row.r2:.5f}"
-            lines.append(f"{row.label:<{width}}  {row.mean_velocity:<19.7g}  {row.type:<10}  {rest}".rstrip())
-        lines.append(f"noise of the record {self.noise:.3g} {unit}; over the cycle {self.best.label} is closest")
+        head, *rows = self._tables()[0]
+        widths = (max(len(row[0]) for row in rows), 19, 10, 11)
+        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, (*widths, 0), strict=True)).rstrip() for row in (head, *rows)]
+        lines.append(f"noise of the record {self.noise:.3g} {self._unit}; over the cycle {self.best.label} is closest")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     __repr__ = __str__
@@ -140,8 +138,8 @@ class Comparison(Drawn):
 
 def _cells(row: Row) -> tuple[str, ...]:
     """A row of the table of a notebook."""
-    rest = ("", "") if np.isnan(row.rms) else (f"{row.rms:.3g}", f"{row.r2:.5f}")
-    return (row.label, f"{row.mean_velocity:.6g}", row.type, *rest)
+    rest = ("", "") if np.isnan(row.rms) else (f"{row.rms:.4g}", f"{row.r2:.5f}")
+    return (row.label, f"{row.mean_velocity:.7g}", row.type, *rest)
 
 
 @explains_arguments

@@ -14,15 +14,14 @@ from stickslip.errors import InputError, Problems, SolveError, is_number, is_who
 from stickslip.faces import Drawn
 from stickslip.identifying.fit_text import NOT_DETERMINED
 from stickslip.identifying.parameters import Parameters, parameters
-from stickslip.identifying.sensor_readings import of_records
+from stickslip.identifying.sensor_readings import known_rows, of_records
 from stickslip.identifying.sensors import sensors_of
+from stickslip.identifying.spread import correlated
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.targets import Target
 from stickslip.information import Information
 from stickslip.naming import unit_in
 from stickslip.sealing import sealed
-
-__all__ = ["USES", "Design", "Experiment", "curve_and_slopes", "design", "in_words", "record_of", "settings_of", "units_of_settings"]
 
 #: A parameter is told if its expected standard error is below this part of its value.
 TOLD = 0.25
@@ -200,8 +199,7 @@ def design(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
         )
     found = [
-        _expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor, noise))
-        for chosen in combinations(slopes, together)
+        _expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor)) for chosen in combinations(slopes, together)
     ]
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
     found.sort(key=key)
@@ -304,15 +302,14 @@ def record_of(here: Any, using: str, noise: float, period: float) -> Target:
     return Target(using, phase, here, noise, 1.0 / period, False, "experiment", np.ones(len(here)))
 
 
-def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None, noise: float) -> tuple[Any, Any]:
+def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None) -> tuple[Any, Any]:
     """Derivatives of all values by the numbers of the sensors, and the rows of what is known of these."""
     targets = [seen[i] for i in chosen]
     numbers, _ = sensors_of(sensor, targets, "design")
     parts: list[Any] = [(t, t.y, {}) for t in targets]
     columns = [of_records(number, parts) for number in numbers]
-    known = [np.where(np.arange(len(numbers)) == k, noise / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
     count = sum(t.count for t in targets)
-    return np.stack(columns, axis=1) if columns else np.empty((count, 0)), np.array(known).reshape(len(known), len(numbers))
+    return np.array(columns).reshape(-1, count).T, known_rows(numbers, len(numbers))
 
 
 def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, here: Any, using: str, samples: int, rtol: float) -> float:
@@ -341,7 +338,7 @@ def _expected(
         rows.append(np.concatenate(blocks, axis=1))
     whole = np.concatenate([np.concatenate(rows), sensors[0]], axis=1)
     known = np.concatenate([np.zeros((len(sensors[1]), whole.shape[1] - sensors[0].shape[1])), sensors[1]], axis=1)
-    covariance = Information(whole / noise, prior=known / noise).covariance()[:n, :n]
+    covariance = Information(whole / noise, prior=known).covariance()[:n, :n]
     size = np.array([abs(v) or 1.0 for v in free.values()])
     relative = covariance / np.outer(size, size)
     volume = float(np.linalg.slogdet(relative)[1]) if np.isfinite(relative).all() else float("inf")
@@ -367,15 +364,9 @@ def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: s
     ]
     if not np.isfinite(covariance).all():
         return notes
-    names, size = list(free), np.sqrt(np.diag(covariance))
-    for i in range(len(names)):
-        for j in range(i):
-            rho = covariance[i, j] / (size[i] * size[j]) if size[i] * size[j] > 0 else 0.0
-            if abs(rho) > 0.95:
-                notes.append(
-                    f"{names[j]} and {names[i]} would be correlated {rho:.2f}: fix one or do another experiment with it (together=2)"
-                )
-    return notes
+    pairs = correlated(list(free), covariance)
+    advice = "fix one or do another experiment with it (together=2)"
+    return notes + [f"{one} and {other} would be correlated {rho:.2f}: {advice}" for one, other, rho in pairs]
 
 
 def _part(error: float, value: float) -> str:

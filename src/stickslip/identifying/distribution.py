@@ -9,11 +9,10 @@ import numpy as np
 
 from stickslip.errors import Problems
 from stickslip.fields import leaves
+from stickslip.identifying.spread import root_of
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
-
-__all__ = ["OfFit", "distribution_of"]
 
 Array = Any
 _FAR = 1e-12  # how near a sample comes to the ends of the normal distribution
@@ -75,9 +74,7 @@ def _normal(u: Array) -> Array:
 
 def _root(fit: Fit) -> Array:
     """A square root of the covariance on the scale of the search."""
-    covariance = fit.covariance / np.outer(fit.slopes, fit.slopes)
-    values, vectors = np.linalg.eigh(covariance)
-    return vectors * np.sqrt(np.maximum(values, 0.0))
+    return root_of(fit.covariance / np.outer(fit.slopes, fit.slopes))
 
 
 def distribution_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:

@@ -11,8 +11,6 @@ import numpy as np
 from stickslip.identifying.motions import Motion
 from stickslip.identifying.parameters import OverParameters, Parameters
 
-__all__ = ["DrivenProblem"]
-
 _STEP = 1e-5
 
 
@@ -42,7 +40,7 @@ class DrivenProblem(OverParameters):
     thin: int = 1
     holds: bool = False
     solves: int = 0
-    remembers: bool = False  # whether the contact has inner states
+    remembers: bool = False
     values: Any = None  # measured values that replace those of the targets (bootstrap)
 
     @property

@@ -6,8 +6,6 @@ from typing import Any
 
 from stickslip.fields import leaves, replace_leaf
 
-__all__ = ["EFFECTS", "floors", "numbers_without", "plainer"]
-
 #: Effects of laws that may be left out: the numbers that make them, and what these are without it (a number, or another number of the
 #: law, below which laws do not take it). What they mean is in docs/notation.md; a law in which they mean something else gets a seed that is
 #: no better than others.

@@ -14,8 +14,6 @@ from stickslip.identifying.sensors import EFFECTS
 from stickslip.identifying.spread import information_of, neighbours, noise_sizes, with_noise_of
 from stickslip.identifying.weighting import robust_weights
 
-__all__ = ["canonical", "finished", "held_back", "spared_note", "spared_numbers", "undetermined"]
-
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
@@ -38,10 +36,9 @@ def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
 
 def held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
     """The best place where outliers count less, by weights that are found anew until they stay."""
-    counts, plain, before = [t.count for t in problem.targets], problem, np.ones(len(problem.y))
+    plain, before = problem, np.ones(len(problem.y))
     for _ in range(_WEIGHINGS):
-        rest = plain.residuals(best.place)[: len(before)]
-        rows = robust_weights(weigh, rest, counts)
+        rows = robust_weights(weigh, plain.parts(plain.residuals(best.place)[: len(before)]))
         if best.stopped or abs(rows - before).max() < _STEADY:
             break
         weighed, before = plain.weighing(rows), rows

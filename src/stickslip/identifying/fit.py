@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -12,77 +11,23 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
-from stickslip.faces import Face, Text, drawn_on, rounded, sure
+from stickslip.faces import Face, Text, drawn_on, sure
+from stickslip.identifying import distribution, formulas, next_experiment, sampling, uncertainty
+from stickslip.identifying.bootstrapping import by_bootstrap
 from stickslip.identifying.fit_text import OVER_MOTION
-from stickslip.identifying.spread import information_of
+from stickslip.identifying.quality import quality
+from stickslip.identifying.spread import correlated, correlations_of, information_of
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from stickslip.identifying.designing import Design
-    from stickslip.identifying.formulas import Combination
     from stickslip.information import Information
 
-__all__ = ["Fit", "Quality"]
-
-#: Parameters that are correlated more than this are named.
-CORRELATED = 0.95
 PARTS = ("total", "statistical", "systematic")
 #: Ways to an interval, and the options of each.
 METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
-
-
-@dataclass(frozen=True)
-class Quality:
-    """How well one record is met.
-
-    Parameters
-    ----------
-    label, kind : str
-    count : int
-    rms : float
-        Of the residuals, in the unit of the record [SI].
-    noise : float
-        What the record's own noise is, where that is known [SI]; NaN otherwise.
-    r2 : float
-        Part of the variance that is explained; NaN for a single number.
-    correlation : float
-        Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
-    coloured : bool
-        Whether residuals are those of noise at equal phases of the drive, so that a correlation is not due to law or drive.
-    unit : str
-        SI unit of the values.
-    """
-
-    label: str
-    kind: str
-    count: int
-    rms: float
-    noise: float
-    r2: float
-    correlation: float
-    coloured: bool = False
-    unit: str = ""
-
-    @property
-    def excess(self) -> str:
-        """What is left, in words."""
-        beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
-        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}"
-
-    @property
-    def suspicious(self) -> bool:
-        """Whether more is left than noise."""
-        white = 3.5 / np.sqrt(max(self.count, 1))
-        too_large = (
-            np.isfinite(self.noise)
-            and self.rms > 1.15 * self.noise
-            and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
-        )
-        return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
 
 
 @sealed
@@ -205,13 +150,6 @@ class Fit(Face):
         """Combinations of undetermined parameters that the data do determine: (formula, value, standard error)."""
         return [(found.formula, found.value, found.error) for found in self.determined]
 
-    @cached_property
-    def determined(self) -> tuple[Combination, ...]:
-        """The same, each with whether it also holds far from the fitted values."""
-        from stickslip.identifying.formulas import combinations
-
-        return tuple(combinations(self))
-
     @property
     def undetermined(self) -> tuple[str, ...]:
         """Parameters that the data do not determine: any value between their bounds fits as well, possibly with changes of others."""
@@ -224,13 +162,6 @@ class Fit(Face):
         alone = {members[0] for members, _ in self.information.groups if len(members) == 1}
         return tuple(name for k, name in enumerate(self.names) if k in alone)
 
-    @cached_property
-    def open(self) -> tuple[str, ...]:
-        """Parameters whose interval reaches from bound to bound, although the curvature at the optimum gives a standard error."""
-        from stickslip.identifying.uncertainty import open_parameters
-
-        return tuple(open_parameters(self))
-
     @property
     def slopes(self) -> NDArray[np.float64]:
         """Derivative of each free parameter with respect to its search coordinate: array (parameters,)."""
@@ -239,12 +170,7 @@ class Fit(Face):
     @property
     def correlations(self) -> NDArray[np.float64]:
         """Correlations of the free parameters, in the order of `values`; NaN for parameters that the data do not determine."""
-        size = np.sqrt(np.diag(self.covariance))
-        known = np.isfinite(size)
-        product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
-        found = np.where(np.outer(known, known), self.covariance, np.nan) / np.where(product == 0, 1.0, product)
-        found[~known, ~known] = 1.0
-        return found
+        return np.asarray(correlations_of(self.covariance))
 
     @explains_arguments
     def interval(self, name: str, level: float = 0.95, method: str = "auto", part: str = "total", **options: Any) -> tuple[float, float]:
@@ -282,115 +208,21 @@ class Fit(Face):
                 typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
                 problems.add(f"{option!r} is not an option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
         problems.check()
-        from stickslip.identifying.bootstrapping import by_bootstrap
-        from stickslip.identifying.uncertainty import by_covariance, by_profile, calibrated, in_parts
-
         method = ("profile" if name in self.bent else "covariance") if method == "auto" else method
-        by: Any = {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method]
+        by: Any = {"covariance": uncertainty.by_covariance, "profile": uncertainty.by_profile, "bootstrap": by_bootstrap}[method]
         whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)
-        noise = (float("nan"),) * 2 if part == "total" else by(calibrated(self, name), name, level, **options)
-        return {"total": whole, "statistical": noise, "systematic": in_parts(self.values[name], whole, noise)}[part]
+        noise = (float("nan"),) * 2 if part == "total" else by(uncertainty.calibrated(self, name), name, level, **options)
+        return {"total": whole, "statistical": noise, "systematic": uncertainty.in_parts(self.values[name], whole, noise)}[part]
 
-    @explains_arguments
-    def sample(
-        self, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
-    ) -> xr.Dataset:
-        """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
-
-        Priors are uniform between the bounds (in the logarithm with ``"log"``) or as given: ``("normal", mean, sd)``. Unknown noise has
-        Jeffreys' prior and is integrated out; of correlated residuals only the independent number counts. The fit is the mode of this
-        posterior unless a prior is ("uniform", low, high), of which the fit uses mean and standard deviation.
-
-        Parameters
-        ----------
-        draws : int
-            Draws of each walker after the first `burn`.
-        walkers : int, optional
-            By default 2 for each number and 2 more, at least 16.
-        burn : int, optional
-            By default half of the draws, at least 100.
-        seed : int
-        progress : callable or bool, optional
-
-        Returns
-        -------
-        xarray.Dataset
-            A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes give the
-            acceptance rate, the longest autocorrelation time, the number of independent draws, and a note if these are too few.
-
-        References
-        ----------
-        D. Foreman-Mackey, D. W. Hogg, D. Lang and J. Goodman, emcee: the MCMC hammer, Publ. Astron. Soc. Pacific 125 (2013) 306-312.
-        """
-        from stickslip.identifying.sampling import posterior
-
-        return posterior(self, draws, walkers, burn, seed, progress)
-
-    @explains_arguments
-    def bands(self, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:
-        """Bands of the model for a record: of its curve, and of new measurements with the noise of the record.
-
-        Parameters
-        ----------
-        record : int
-        level : float
-            Fraction of the curves, or of the measurements, inside the band.
-        samples : xarray.Dataset, optional
-            From `sample`; if not given, numbers are drawn from the covariance.
-        draws : int
-            Number of curves that are computed.
-        seed : int
-
-        Returns
-        -------
-        xarray.Dataset
-            ``measured``, ``fitted``, ``low``, ``high``, ``predicted_low``, ``predicted_high`` over the values of the record.
-        """
-        from stickslip.identifying.sampling import bands
-
-        return bands(self, record, level, samples, draws, seed)
-
-    @explains_arguments
-    def next_experiment(
-        self, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
-    ) -> Design:
-        """The next experiment that, fitted together with the present records, best determines the parameters that these do not determine.
-
-        Parameters
-        ----------
-        experiments : dict of name -> values, or list of dicts
-            Settings of an experiment: arguments of the model (amplitude, frequency, tilt, a known mass), the measurement (``using``,
-            ``sensor``, ``noise``), and for forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
-            ``load``. Everything else is as in the first record. A dict stands for all combinations.
-        noise : float, optional
-            Standard deviation of one value; by default that of the present records.
-        samples : int
-        using, sensor
-            As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor recalibrated. Settings of an experiment take
-            precedence.
-
-        Returns
-        -------
-        Design
-            The most informative experiments first, with the expected standard errors of a fit to all records.
-
-        Examples
-        --------
-        The motion of a body that never rests contains no information on static friction.
-
-        >>> import stickslip as ss
-        >>> rig, how = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}
-        >>> rec = ss.virtual_rig(rig(**how, f0=0.25), noise=1e-4, seed=1)
-        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, starts=4, **how)
-        >>> fit.undetermined
-        ('f0',)
-        >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
-        >>> plan.best.settings[0], bool(plan.best.errors["f0"] < 0.01)
-        ({'amplitude': 0.0006}, True)
-        """
-        from stickslip.identifying.next_experiment import next_experiment
-
-        return next_experiment(self, experiments, noise, samples, using, sensor)
+    determined = cached_property(formulas.combinations)
+    open = cached_property(uncertainty.open_parameters)
+    bent = cached_property(uncertainty.bent_parameters)
+    costs = cached_property(uncertainty.costs)
+    quality = cached_property(quality)
+    sample = explains_arguments(sampling.sample)
+    bands = explains_arguments(sampling.bands)
+    next_experiment = explains_arguments(next_experiment.next_experiment)
+    distribution = distribution.distribution_of
 
     # ---- what was fitted ----
     @explains_arguments
@@ -404,35 +236,13 @@ class Fit(Face):
     @cached_property
     def predicted(self) -> tuple[Any, ...]:
         """Values of the fitted model at the samples of each record [SI]."""
-        return self._split(self.problem.predicted(self.place))
-
-    def _split(self, whole: Any) -> tuple[Any, ...]:
-        edges = np.cumsum([0, *(t.count for t in self.problem.targets)])
-        return tuple(whole[a:b] for a, b in pairwise(edges))
-
-    @cached_property
-    def quality(self) -> tuple[Quality, ...]:
-        """Goodness of fit of each record."""
-        from stickslip.identifying.uncertainty import quality
-
-        return quality(self)
-
-    @cached_property
-    def bent(self) -> tuple[str, ...]:
-        """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable."""
-        from stickslip.identifying.uncertainty import bent_parameters
-
-        return tuple(bent_parameters(self))
+        return tuple(self.problem.parts(self.problem.predicted(self.place)))
 
     @property
     def correlated(self) -> list[str]:
         """Sentences on pairs of parameters that these data can hardly distinguish."""
-        found, table = [], self.correlations
-        for i in range(len(self.names)):
-            for j in range(i):
-                if abs(table[i, j]) > CORRELATED:
-                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self.remedy}")
-        return found
+        pairs = correlated(list(self.names), self.covariance)
+        return [f"{one} and {other} correlated {rho:.2f}: fix one or {self.remedy}" for one, other, rho in pairs]
 
     @property
     def remedy(self) -> str:
@@ -442,25 +252,10 @@ class Fit(Face):
             return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 
-    @cached_property
-    def costs(self) -> dict[str, dict[str, float]]:
-        """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were."""
-        from stickslip.identifying.uncertainty import costs
-
-        return costs(self)
-
     @property
     def warnings(self) -> list[str]:
         """Warnings about the fitted values."""
-        from stickslip.identifying.uncertainty import remarks
-
-        return [*self.doubts, *remarks(self), *self.correlated, *self.notes]
-
-    def distribution(self, machine: Any, problems: Problems) -> Any:
-        """The distribution of a machine's numbers under the fit, for `propagate` and `optimise`."""
-        from stickslip.identifying.distribution import distribution_of
-
-        return distribution_of(self, machine, problems)
+        return [*self.doubts, *uncertainty.remarks(self), *self.correlated, *self.notes]
 
     # ---- show ----
     @overload
@@ -481,9 +276,9 @@ class Fit(Face):
     @explains_arguments
     def plot(self, record: int = 0, ax: Ax = None) -> Axes:
         """Record and fit over one drive period; returns the axes."""
-        from stickslip.identifying.fit_pages import plot_fit
+        from stickslip import plot
 
-        return plot_fit(self, record, ax)
+        return plot.fitted(self, record, ax)
 
     def _title(self) -> str:
         return f"Fit of {self.law}"
@@ -495,19 +290,11 @@ class Fit(Face):
         return {name: line for name, _, line in told}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        from stickslip.identifying.fit_text import error_text, parameter_rows, unit_of_parameter
+        from stickslip.identifying.fit_text import parameter_rows
 
         head = ("parameter", "value", "standard error", "95 % interval", "unit")
-        rows = [
-            (
-                name,
-                rounded(value, error),
-                error_text(self, name),
-                f"{rounded(low, error)} to {rounded(high, error)}",
-                unit_of_parameter(self, name),
-            )
-            for name, value, error, low, high in parameter_rows(self)
-        ]
+        each = parameter_rows(self)
+        rows = [(row["name"], row["value"], row["error"], f"{row['low']} to {row['high']}", row["unit"]) for row in each]
         return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]
 
     def _remarks(self) -> list[str]:
@@ -517,11 +304,11 @@ class Fit(Face):
         return drawn_on(self._draw_both, (8.0, 2.2))
 
     def _draw_both(self, figure: Any) -> None:
-        from stickslip.identifying.fit_pages import plot_fit, plot_residuals
+        from stickslip import plot
 
         left, right = figure.subplots(1, 2)
-        plot_fit(self, 0, left)
-        plot_residuals(self, 0, right)
+        plot.fitted(self, 0, left)
+        plot.residuals(self, 0, right)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())

@@ -8,23 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-__all__ = ["plot_fit", "plot_residuals", "write_report"]
-
 _SHOWN = 8  # records with pictures of their own
-
-
-def plot_fit(fit: Any, record: int, ax: Any) -> Any:
-    """Record and fit."""
-    from stickslip import plot
-
-    return plot.fitted(fit, record, ax)
-
-
-def plot_residuals(fit: Any, record: int, ax: Any) -> Any:
-    """What is left."""
-    from stickslip import plot
-
-    return plot.residuals(fit, record, ax)
 
 
 def write_report(path: str | Path, fits: list[Any], comparison: Any = None, ranking: Any = None) -> Path:
@@ -65,30 +49,11 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.faces import rounded
-    from stickslip.identifying.fit_text import (
-        cost_lines,
-        error_text,
-        known_line,
-        parameter_rows,
-        sensor_lines,
-        unit_of_parameter,
-    )
+    from stickslip.identifying.fit_text import cost_lines, known_line, parameter_rows, sensor_lines
 
     free, lost = {f.name: f for f in fit.problem.parameters.free}, fit.undetermined
-    rows = [
-        {
-            "name": n,
-            "unit": unit_of_parameter(fit, n),
-            "value": rounded(v, e),
-            "error": error_text(fit, n),
-            "low": rounded(a, e) if n not in lost else "–",
-            "high": rounded(b, e) if n not in lost else "–",
-            "bounds": (free[n].low, free[n].high),
-            "log": free[n].log,
-        }
-        for n, v, e, a, b in parameter_rows(fit)
-    ]
+    none = {"low": "–", "high": "–"}
+    rows = [row | (none if row["name"] in lost else {}) | {"bound": free[row["name"]]} for row in parameter_rows(fit)]
     pictures = []
     for i in range(min(len(fit.problem.targets), _SHOWN)):
         if fit.problem.targets[i].kind == "mean" and i > 0:

@@ -11,26 +11,15 @@ from stickslip.fields import leaves
 from stickslip.naming import described
 from stickslip.quantities import with_unit
 
-__all__ = [
-    "NOT_DETERMINED",
-    "OVER_MOTION",
-    "counted",
-    "error_text",
-    "known_line",
-    "listed",
-    "parameter_rows",
-    "report_text",
-    "sure",
-    "undetermined",
-    "unit_of_kind",
-    "unit_of_parameter",
-    "unit_of_values",
-]
 
-
-def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
-    """For each free parameter: name, value, standard error, and the ends of its interval."""
-    return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
+def parameter_rows(fit: Any) -> list[dict[str, str]]:
+    """For each free parameter its name, value, standard error, unit and the ends of its 95 % interval, as text."""
+    ends = {name: (fit.errors[name], *fit.interval(name)) for name in fit.values}
+    return [
+        {"name": name, "unit": unit_of_parameter(fit, name), "value": rounded(value, error), "error": error_text(fit, name),
+         "low": rounded(low, error), "high": rounded(high, error)}
+        for (name, value), (error, low, high) in zip(fit.values.items(), ends.values(), strict=True)
+    ]  # fmt: skip
 
 
 #: Kinds of values that are forces, or what stands for them, over a motion that was measured.
@@ -44,22 +33,12 @@ def error_text(fit: Any, name: str) -> str:
     return "(by profile)" if name in fit.bent else sure(fit.errors[name])
 
 
-def unit_of_kind(kind: str) -> str:
-    """The SI unit of what is compared."""
-    return {
-        "velocity": "m/s",
-        "position": "m",
-        "mean": "m/s",
-        "force": "N",
-        "applied force": "N",
-        "torque": "N m",
-        "current": "A",
-    }.get(kind, "")
+_UNITS = {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A"}
 
 
 def unit_of_values(target: Any) -> str:
     """The SI unit of what is compared of one record."""
-    return getattr(target, "unit", "") or unit_of_kind(target.kind)
+    return target.unit or _UNITS[target.kind]
 
 
 def unit_of_parameter(fit: Any, name: str) -> str:
@@ -188,13 +167,12 @@ def report_text(fit: Any) -> str:
     records, parameters = counted(len(fit.problem.targets), "record"), counted(len(fit.names), "parameter")
     rows = [f"{fit.law} fitted to {records}, {counted(fit.count, 'value')}; {parameters} free"]
     width = max(len(name) for name in fit.names)
-    for name, value, error, low, high in parameter_rows(fit):
-        unit = unit_of_parameter(fit, name)
-        if name in fit.undetermined:
-            rows.append(f"  {name:<{width}} {NOT_DETERMINED}: {f'{value:.3g} {unit}'.rstrip()} is one of many values that fit as well")
-            continue
-        how_sure = f"{error_text(fit, name)} {unit}".rstrip()
-        rows.append(f"  {name:<{width}} = {rounded(value, error)} {how_sure}   95 % {rounded(low, error)} to {rounded(high, error)}")
+    for row in parameter_rows(fit):
+        name, unit = f"{row['name']:<{width}}", f" {row['unit']}".rstrip()
+        if row["name"] in fit.undetermined:
+            rows.append(f"  {name} {NOT_DETERMINED}: {fit.values[row['name']]:.3g}{unit} is one of many values that fit as well")
+        else:
+            rows.append(f"  {name} = {row['value']} {row['error']}{unit}   95 % {row['low']} to {row['high']}")
     rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit)) if line]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""

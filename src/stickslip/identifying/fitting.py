@@ -37,8 +37,6 @@ from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
 
-__all__ = ["identify"]
-
 USES = ("auto", "velocity", "position", "mean", "force")
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
@@ -259,15 +257,11 @@ def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None,
 
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
-    notes += [f"{t.label}: {t.remark}, transient=True fits them too" for t in problem.targets if getattr(t, "remark", None)]
+    notes += [f"{t.label}: {t.remark}, transient=True fits them too" for t in problem.targets if t.remark]
     notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
-    notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
-    notes += [
-        f"{m.label}: the sign of the force was reversed, so that friction dissipates energy"
-        for m in problem.targets
-        if getattr(m, "flipped", False)
-    ]
-    return notes
+    notes += [f"{t.label}: {t.cut}" for t in problem.targets if t.cut]
+    turned = (t.label for t in problem.targets if getattr(t, "flipped", False))
+    return notes + [f"{label}: the sign of the force was reversed, so that friction dissipates energy" for label in turned]
 
 
 def _fit(
@@ -292,7 +286,8 @@ def _fit(
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__
 
-    law = _law_name(problem.parameters.model(values, 0))
+    model = problem.parameters.model(values, 0)
+    law = type(getattr(model, "friction", model)).__name__
     provenance = {
         "stickslip": __version__,
         "seed": seed,
@@ -319,10 +314,6 @@ def _fit(
         stopped=best.stopped,
         doubts=tuple(doubts(problem, values, best.place)),
     )
-
-
-def _law_name(model: Any) -> str:
-    return type(getattr(model, "friction", model)).__name__
 
 
 def _plain(arguments: dict[str, Any]) -> dict[str, Any]:

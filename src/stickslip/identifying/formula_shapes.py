@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Formula", "candidates", "gradient", "local_formulas"]
-
 _FEW = 4  # numbers of which products of powers are tried that are not 1
 _SHAPES = (1.0, 0.0, -1.0, 2.0, 0.5)  # powers of the numbers in a weighted sum; 0 for their logarithms, a product of powers
 _NOTHING = 1e-3  # share of a number in a formula that is left out
@@ -59,11 +57,7 @@ def _and_one(i: int, j: int, k: int, power: int, v: Any) -> float:
 def _sums(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
     for signs in product((1, -1), repeat=len(which) - 1):
         text = names[which[0]] + "".join(f" {'+' if s > 0 else '-'} {names[i]}" for s, i in zip(signs, which[1:], strict=True))
-        yield text, partial(_sum, which, (1, *signs))
-
-
-def _sum(which: tuple[int, ...], factors: tuple[float, ...], v: Any) -> float:
-    return float(sum(c * v[i] for c, i in zip(factors, which, strict=True)))
+        yield text, partial(_weighted_sum, which, (1, *signs), 1.0)
 
 
 def _powers(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:

@@ -13,8 +13,6 @@ from stickslip.identifying.formula_shapes import Formula, candidates, gradient, 
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import determined_spread
 
-__all__ = ["Combination", "combinations"]
-
 _ALONG = (3e-3, 0.05)  # parts of what a formula can change by that it may change by along an undetermined direction: exact, and less so
 _MOVED = (0.07, 0.3)  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
 _SEEN = 0.05  # standard deviations, squared, by which the fit may then be worse
@@ -39,14 +37,14 @@ class Combination:
     holds: bool
 
 
-def combinations(fit: Any) -> list[Combination]:
-    """What the data determine of the undetermined parameters.
+def combinations(fit: Any) -> tuple[Combination, ...]:
+    """What the data determine of the undetermined parameters, each with whether it also holds far from the fitted values.
 
     A formula is a product, a ratio or a sum whose gradient is orthogonal to every undetermined direction, and that holds along the way
     too: where numbers are moved by 7 and by 30 % and the formulas are kept, the fit is as good as before. Where there is none as simple,
     weighted sums and products of powers are tried; and where none holds, the one that does so best is told as one that holds near here.
     """
-    found, n = [], len(fit.names)
+    found, n = list[Combination](), len(fit.names)
     spread = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale)
     for members, directions in fit.information.groups:
         own = [k for k in members if k < n]
@@ -60,7 +58,7 @@ def combinations(fit: Any) -> list[Combination]:
             slopes = np.zeros(len(fit.place))
             slopes[own] = gradient(function, at, size) / size * fit.slopes[own]
             found.append(Combination(text, float(function(at)), float(np.sqrt(max(slopes @ spread @ slopes, 0.0))), holds))
-    return found
+    return tuple(found)
 
 
 def _basis(rows: Any) -> Any:

@@ -13,8 +13,6 @@ from stickslip.friction.law_adapter import LawAdapter, adapted
 if TYPE_CHECKING:
     from stickslip.identifying.motions import Motion
 
-__all__ = ["Stepped", "driven_force", "law_force", "slide"]
-
 _NUDGE = 1e-6
 _SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the motion's
 

@@ -10,8 +10,6 @@ import numpy as np
 from stickslip.fields import leaves
 from stickslip.identifying.effects import floors
 
-__all__ = ["Limits", "limits_of"]
-
 _TRIED = 256  # places among which one that makes a model is looked for
 _CHECKED = 16  # places at which what is even in the numbers is checked
 _AWAY = 0.01  # between the bounds: how far a number is moved to see what it does

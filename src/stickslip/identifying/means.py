@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from stickslip.errors import InputError, SolveError
 from stickslip.identifying.parameters import OverParameters, Parameters
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
-
-__all__ = ["MeansProblem"]
 
 _PERIODS = 400  # in which a motion should settle; most do in far fewer
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
@@ -33,27 +31,10 @@ class MeansProblem(OverParameters):
         Relative tolerance of the solver.
     """
 
-    resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
-    remembers: ClassVar[bool] = False
-
     parameters: Parameters
     targets: tuple[Target, ...]
     rtol: float = 1e-8
     solves: int = 0
-
-    @property
-    def y(self) -> Any:
-        """All measured values."""
-        return np.concatenate([t.y for t in self.targets])
-
-    @property
-    def sigma(self) -> Any:
-        """Standard deviation of each value."""
-        return np.array([t.sigma for t in self.targets])
-
-    def with_values(self, y: Any) -> MeansProblem:
-        """The same fit for other measured values."""
-        return dataclasses.replace(self, targets=tuple(dataclasses.replace(t, y=y[[i]]) for i, t in enumerate(self.targets)))
 
     def rough(self) -> MeansProblem:
         """The same fit for the search: a looser tolerance."""

@@ -5,17 +5,16 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.clocks import together
 from stickslip.identifying.law_forces import driven_force, slide
+from stickslip.identifying.targets import Compared
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
-
-__all__ = ["Motion", "motion_of"]
 
 _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
@@ -25,7 +24,7 @@ _REPEATS = 0.1  # by which part of its own spread the motion may differ from one
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Compared):
     """A prescribed motion with the force that was measured over it.
 
     Parameters
@@ -45,6 +44,8 @@ class Motion:
     label : str
     """
 
+    kind: ClassVar[str] = "force"
+
     t: Any
     v: Any
     load: Any
@@ -53,14 +54,12 @@ class Motion:
     flipped: bool
     label: str
     cut: str | None = None  # which samples were left out, and why
-    weights: Any = None  # of all samples, where the user gave them
+    weights: Any = 1.0  # of all samples
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
 
-    @property
-    def kind(self) -> str:
-        """What is fitted."""
-        return "force"
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
 
     @property
     def y(self) -> Any:
@@ -71,17 +70,12 @@ class Motion:
     def compared(self) -> Any:
         """Which samples are compared: array (n,) of bool."""
         found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
-        return found if self.weights is None else found & (self.weights > 0)
+        return found & (self.weights > 0)
 
     @property
     def weight(self) -> Any:
         """Weight of each value."""
-        return np.ones(self.count) if self.weights is None else self.weights[self.compared]
-
-    @property
-    def count(self) -> int:
-        """Number of values."""
-        return int(self.compared.sum())
+        return self.weights[self.compared]
 
     @property
     def time(self) -> Any:
@@ -136,12 +130,9 @@ class Motion:
             "v": np.insert(v, places, side * speed),
             "load": np.insert(self.load, places, self.load[places]),
             "force": np.insert(self.force, places, np.nan),
+            "weights": np.insert(self.weights, places, 0.0),
         }
-        return dataclasses.replace(self, **made, weights=None), np.insert(self.compared, places, False)
-
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left of all samples."""
-        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
+        return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -150,8 +141,8 @@ class Motion:
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        weights = None if self.weights is None else self.weights[last]
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
+        kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights")}
+        return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
 
 def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
@@ -169,14 +160,16 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     x = x if "position" in rec else _integrated(t, x)
     if load is None and "load" not in rec:
         raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
-    N = _loads(rec["load"], t) if load is None else np.full(len(t), float(load))
+    if load is not None:
+        N = np.full(len(t), float(load))
+    else:
+        N = rec["load"].si if len(rec["load"]) == len(t) else np.interp(t, rec["load"].time, rec["load"].si)
     known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(N), ~(N <= 0)
     good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
     whole = known & np.isfinite(F)
     why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
-    cut = "; ".join(told) or None
     t, x, F, N = t[good], x[good], F[good], N[good]
     own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
@@ -187,19 +180,13 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     if lead:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
-        x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
-        own = None if own is None else np.concatenate([own[:lead], own])
+        x, F, N, own = (np.concatenate([a[:lead], a]) for a in (x, F, N, own))
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
     if thinned:  # a mean over a reversal is that of neither side
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
-        own = same * (1.0 if own is None else own)
-    return Motion(t, v, N, F, lead, flipped, label, cut, own, any_start=any_start and not lead)
-
-
-def _loads(c: Any, t: Any) -> Any:
-    """Normal forces at some times."""
-    return c.si if len(c) == len(t) else np.interp(t, c.time, c.si)
+        own = same * own
+    return Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead)
 
 
 def _fewer(rec: Any) -> tuple[Any, list[str]]:

@@ -12,18 +12,15 @@ from stickslip.fields import leaves
 from stickslip.identifying.effects import EFFECTS, numbers_without
 from stickslip.identifying.search import polished, searched
 
-__all__ = ["nested_seeds"]
-
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
-_GOLDEN = 0.5 * (np.sqrt(5) - 1)
-_GRID, _STEPS = 33, 40
+_GRID, _FINE = 33, 1e-10  # places that are tried, and how near the best one is found
 
 
 def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
     """Whole places where the law is a simpler one, and fits best as such: from the simplest on, each sought from those inside it."""
     try:
-        known = _known(problem)
+        known = [numbers for place in _samples(problem) if (numbers := _numbers(problem, place)) is not None]
     except InputError:
         return []
     active = [effect for effect in EFFECTS if _changed(_differences(known, [effect]))]
@@ -50,11 +47,6 @@ def _numbers(problem: Any, place: Any) -> Numbers | None:
     """The numbers of the models at a place; None where there are none."""
     models = problem.parameters.models(place)
     return None if models is None else [dict(leaves(model)) for model in models]
-
-
-def _known(problem: Any) -> list[Numbers]:
-    """The numbers of the models at a few places."""
-    return [numbers for place in _samples(problem) if (numbers := _numbers(problem, place)) is not None]
 
 
 def _away(models: Numbers, effects: Any) -> Any:
@@ -125,6 +117,8 @@ def _embedded(problem: Any, place: Any, idle: list[int], effects: Any, scale: An
 
 def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
     """The place with one parameter moved to where the numbers of the effects are nearest to what they are without these."""
+    from scipy.optimize import minimize_scalar
+
     n = len(problem.parameters.free)
 
     def size(x: float) -> float:
@@ -139,16 +133,8 @@ def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
         return place
     i = int(np.argmin(sizes))
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, _GRID - 1)]
-    best = (sizes[i], grid[i])
-    left, right = ((size(x), x) for x in (high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)))
-    for _ in range(_STEPS):
-        best = min(best, left, right)
-        if left[0] < right[0]:
-            high, right, x = right[1], left, right[1] - _GOLDEN * (right[1] - low)
-            left = size(x), x
-        else:
-            low, left, x = left[1], right, left[1] + _GOLDEN * (high - left[1])
-            right = size(x), x
+    with np.errstate(invalid="ignore"):  # where there is no law
+        near = minimize_scalar(size, bounds=(low, high), method="bounded", options={"xatol": _FINE})
     found = np.array(place)
-    found[k] = best[1]
+    found[k] = min((sizes[i], grid[i]), (near.fun, near.x))[1]
     return found

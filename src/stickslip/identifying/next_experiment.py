@@ -10,13 +10,22 @@ import numpy as np
 
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import leaves
-from stickslip.identifying.benches import bench_of
-from stickslip.identifying.designing import USES, Design, Experiment, curve_and_slopes, in_words, record_of, settings_of, units_of_settings
+from stickslip.identifying.benches import APPLIED, bench_of
+from stickslip.identifying.designing import (
+    USES,
+    Design,
+    Experiment,
+    curve_and_slopes,
+    in_words,
+    record_of,
+    settings_of,
+    units_of_settings,
+)
 from stickslip.identifying.driven import DrivenProblem
-from stickslip.identifying.fit_text import OVER_MOTION, listed
+from stickslip.identifying.fit_text import OVER_MOTION, listed, unit_of_values
 from stickslip.identifying.motions import motion_of
 from stickslip.identifying.sensed import Sensed
-from stickslip.identifying.sensor_readings import of_records
+from stickslip.identifying.sensor_readings import known_rows, of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.information import Information
 from stickslip.records import Record
@@ -24,20 +33,57 @@ from stickslip.records import Record
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["SAME", "next_experiment"]
-
 _MOTION = ("stroke", "frequency", "load")  # of a prescribed sine
 _HOW = ("using", "sensor", "noise")
 SAME = "same"  # the sensor of the first record, its zero not set anew
 _PERIODS = 3  # of a prescribed sine
 
 
-def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: int, using: str | None, sensor: Any) -> Design:
-    """Experiments in the order in which they determine what a fit leaves open, then of the volume of what is left uncertain."""
+def next_experiment(
+    fit: Fit, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
+) -> Design:
+    """The next experiment that, fitted together with the present records, best determines the parameters that these do not determine.
+
+    Parameters
+    ----------
+    experiments : dict of name -> values, or list of dicts
+        Settings of an experiment: arguments of the model (amplitude, frequency, tilt, a known mass), the measurement (``using``,
+        ``sensor``, ``noise``), and for forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
+        ``load``. Everything else is as in the first record. A dict stands for all combinations.
+    noise : float, optional
+        Standard deviation of one value; by default that of the present records.
+    samples : int
+    using, sensor
+        As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor recalibrated. Settings of an experiment take
+        precedence.
+
+    Returns
+    -------
+    Design
+        The most informative experiments first, with the expected standard errors of a fit to all records.
+
+    Examples
+    --------
+    The motion of a body that never rests contains no information on static friction.
+
+    >>> import stickslip as ss
+    >>> rig, how = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}
+    >>> rec = ss.virtual_rig(rig(**how, f0=0.25), noise=1e-4, seed=1)
+    >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, starts=4, **how)
+    >>> fit.undetermined
+    ('f0',)
+    >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
+    >>> plan.best.settings[0], bool(plan.best.errors["f0"] < 0.01)
+    ({'amplitude': 0.0006}, True)
+    """
     problems = Problems("next_experiment")
     settings = settings_of(experiments, problems)
     kind = fit.problem.targets[0].kind
-    usual = {"using": (using or (kind if kind in USES else "velocity")), "sensor": sensor, "noise": _noise(fit) if noise is None else noise}
+    usual = {
+        "using": (using or (kind if kind in USES else "velocity")),
+        "sensor": sensor,
+        "noise": float(fit.scale * np.median(fit.problem.sigma)) if noise is None else noise,
+    }
     known = _known(fit)
     for name in dict.fromkeys(name for s in settings for name in s):
         if name not in known:
@@ -63,7 +109,7 @@ def _units(fit: Fit, settings: list[dict[str, Any]]) -> dict[str, str]:
     """Units of parameters and settings; a prescribed motion has its own."""
     stroke = "m" if fit.problem.targets[0].kind in ("force", "applied force") else "rad"
     motion = dict(zip(_MOTION, (stroke, "Hz", "N"), strict=True)) if _over_motion(fit) else {}
-    return {**units_of_settings(fit.problem.parameters.make, fit.values, settings), **motion}
+    return units_of_settings(fit.problem.parameters.make, fit.values, settings) | motion
 
 
 def _over_motion(fit: Fit) -> bool:
@@ -77,10 +123,6 @@ def _known(fit: Fit) -> list[str]:
     make = fit.problem.parameters.make
     own = [p.name for p in parameters_of(make)] if callable(make) else [name for name, _ in leaves(make)]
     return [*(_MOTION if _over_motion(fit) else ()), *own, *_HOW]
-
-
-def _noise(fit: Fit) -> float:
-    return float(fit.scale * np.median(fit.problem.sigma))
 
 
 def _rows_of(fit: Fit) -> Any:
@@ -145,14 +187,7 @@ def _driven(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int)
     parts: list[Any] = [(target, target.y, {})]
     sensors = [of_records(number, parts)[:, None] for number in numbers]
     slopes = np.concatenate([main * fit.slopes, nuisances, *sensors], axis=1) / noise
-    return np.concatenate([slopes, _known_rows(numbers, slopes.shape[1])])
-
-
-def _known_rows(numbers: Any, width: int) -> Any:
-    """Rows of what is known of the numbers of a sensor, which are the last."""
-    first = width - len(numbers)
-    rows = [np.where(np.arange(width) == first + k, 1.0 / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
-    return np.array(rows).reshape(len(rows), width)
+    return np.concatenate([slopes, known_rows(numbers, slopes.shape[1])])
 
 
 def _moved(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> Any:
@@ -179,11 +214,8 @@ def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
         load = chosen.get("load", float(np.mean(first.load)))
         rec = Record.of(time, {"x [m]": way, "F [N]": np.zeros(samples)}, roles={"F": "force"})
         return dataclasses.replace(motion_of(rec, float(load), "experiment"), given_sigma=True)
-    unit = {"torque": "N m", "current": "A", "applied force": "N"}[first.kind]
-    role = "current" if first.kind == "current" else "force"
-    rec = Record.of(
-        time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role}
-    )
+    columns = {"x [m]" if first.kind == "applied force" else "x [rad]": way, f"y [{unit_of_values(first)}]": np.zeros(samples)}
+    rec = Record.of(time, columns, roles={"y": APPLIED[first.kind][0]})
     return dataclasses.replace(bench_of(made, rec, "experiment"), given_sigma=True)
 
 

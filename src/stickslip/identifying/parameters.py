@@ -19,8 +19,6 @@ from stickslip.identifying.limits import Limits, limits_of
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
 
-__all__ = ["Free", "OverParameters", "Parameters"]
-
 
 @dataclass(frozen=True)
 class Free:
@@ -283,21 +281,42 @@ def _fixed(arguments: dict[str, Any], count: int, problems: Problems) -> tuple[d
 class OverParameters:
     """Base of the problems whose places are those of their free parameters alone, solved side by side."""
 
+    resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    remembers: bool = False  # whether the contact has inner states
     batched: ClassVar[bool] = True
-    kinked: ClassVar[bool] = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
-    nuisances: ClassVar[int] = 0
-    timing: ClassVar[int] = 0
+    kinked: bool = False  # whether parameters move kinks past samples, so that derivatives are worth a closer look
+    nuisances: Any = 0
+    timing: Any = 0
 
     if TYPE_CHECKING:
         parameters: Parameters
+        targets: tuple[Any, ...]
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return np.concatenate([t.y for t in self.targets])
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        return np.concatenate([t.sigma / np.sqrt(t.weight * np.ones(t.count)) for t in self.targets])
+
+    def _like(self, **changes: Any) -> Self:
+        return replace(self, **changes)  # type: ignore[type-var]
+
+    def with_values(self, y: Any) -> Self:
+        """The same fit for other measured values."""
+        parts = np.split(y, np.cumsum([t.count for t in self.targets])[:-1])
+        return self._like(targets=tuple(replace(t, y=part) for t, part in zip(self.targets, parts, strict=True)))
 
     def only(self, fixed: dict[str, float]) -> Self:
         """The same fit with some parameters held."""
-        return replace(self, parameters=self.parameters.only(fixed))  # type: ignore[type-var]
+        return self._like(parameters=self.parameters.only(fixed))
 
     def leaving_out(self, effects: Any) -> Self:
         """The same fit of a law without some effects."""
-        return replace(self, parameters=self.parameters.leaving_out(effects))  # type: ignore[type-var]
+        return self._like(parameters=self.parameters.leaving_out(effects))
 
     def aligned(self, place: Any) -> Any:
         """Nothing is aligned: there is no phase besides the parameters."""

@@ -13,8 +13,6 @@ from stickslip.identifying.targets import Target
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.robot import Robot
 
-__all__ = ["doubts"]
-
 _APART = 0.01  # relative distance of two frequencies that no clock has
 _OTHER_UNIT = 30.0  # ratio of two motions beyond which a unit is likelier to be wrong than a number of the model
 

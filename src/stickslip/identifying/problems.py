@@ -10,12 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stickslip.errors import InputError, SolveError
-from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.parameters import OverParameters, Parameters
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve, transient_curve
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
-
-__all__ = ["SteadyProblem", "best_phase", "modelled_values"]
 
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 _PLACES = (0.0, 0.25, -0.25, 0.5, -0.5)  # of its reach, where a transient is tried to begin
@@ -23,7 +21,7 @@ _GRID = 256  # phases tried for the alignment of a curve
 
 
 @dataclass(eq=False)
-class SteadyProblem:
+class SteadyProblem(OverParameters):
     """Fit of steady curves and of mean velocities.
 
     A search moves the places of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
@@ -39,22 +37,15 @@ class SteadyProblem:
         Relative tolerance of the solver.
     """
 
-    resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
-    remembers: ClassVar[bool] = False
     batched: ClassVar[bool] = False
 
     parameters: Parameters
     targets: tuple[Target, ...]
     rtol: float = 1e-8
-    central: bool = True
+    kinked: bool = True  # not in the search, whose derivatives are one-sided
     solves: int = 0
     _warm: dict[int, Any] = field(default_factory=dict)
     _curves: dict[tuple[Any, ...], list[Any] | None] = field(default_factory=dict)
-
-    @property
-    def kinked(self) -> bool:
-        """Whether parameters move kinks past samples, so that derivatives are worth a closer look: not in the search."""
-        return self.central
 
     # ---- layout ----
     @property
@@ -84,33 +75,20 @@ class SteadyProblem:
         phase = target.phase + place[n + self._timing.index((i, "phase"))]
         return phase + place[n + self._timing.index((i, "slip"))] * target.course if target.slips else phase
 
-    @property
-    def y(self) -> Any:
-        """All measured values."""
-        return np.concatenate([t.y for t in self.targets])
-
-    @property
-    def sigma(self) -> Any:
-        """Standard deviation of each value."""
-        return np.concatenate([t.sigma / np.sqrt(t.weight * np.ones(t.count)) for t in self.targets])
+    def _like(self, **changes: Any) -> SteadyProblem:
+        return dataclasses.replace(self, **{"solves": 0, "_warm": dict(self._warm), "_curves": {}, **changes})
 
     def with_values(self, y: Any) -> SteadyProblem:
-        """The same fit for other measured values."""
-        edges = np.cumsum([0, *(t.count for t in self.targets)])
-        made = tuple(dataclasses.replace(t, y=y[a:b]) for t, a, b in zip(self.targets, edges[:-1], edges[1:], strict=True))
-        return SteadyProblem(self.parameters, made, self.rtol, self.central, _warm=dict(self._warm), _curves=dict(self._curves))
-
-    def only(self, fixed: dict[str, float]) -> SteadyProblem:
-        """The same fit with some parameters held."""
-        return SteadyProblem(self.parameters.only(fixed), self.targets, self.rtol, self.central, _warm=dict(self._warm))
+        """The same fit for other measured values, of the same motions."""
+        return dataclasses.replace(super().with_values(y), _curves=dict(self._curves))
 
     def leaving_out(self, effects: Any) -> SteadyProblem:
-        """The same fit of a law without some effects."""
-        return SteadyProblem(self.parameters.leaving_out(effects), self.targets, self.rtol, self.central)
+        """The same fit of a law without some effects, which moves otherwise."""
+        return dataclasses.replace(super().leaving_out(effects), _warm={})
 
     def rough(self) -> SteadyProblem:
         """The same fit for the search: looser tolerance, one-sided differences."""
-        return SteadyProblem(self.parameters, self.targets, max(self.rtol, 1e-6), False, _warm=dict(self._warm))
+        return self._like(rtol=max(self.rtol, 1e-6), kinked=False)
 
     # ---- predictions ----
     def predicted(self, place: Any) -> Any:
@@ -186,14 +164,14 @@ class SteadyProblem:
 
     def _slope(self, place: Any, k: int, here: Any) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
-        h, sides = 10 * _STEP if not self.central else _STEP, []
+        h, sides = 10 * _STEP if not self.kinked else _STEP, []
         for sign in (1.0, -1.0):
             moved = np.array(place, float)
             moved[k] += sign * h
             found = self.predicted(moved) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
             if found is not None:
                 sides.append((sign * h, found))
-            if sides and not self.central:
+            if sides and not self.kinked:
                 break
         if len(sides) == 2:
             return (sides[0][1] - sides[1][1]) / (2 * h)
@@ -201,7 +179,7 @@ class SteadyProblem:
             step, once = sides[0]
             moved = np.array(place, float)
             moved[k] += 2 * step
-            twice = self.predicted(moved) if self.central and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0 else None
+            twice = self.predicted(moved) if self.kinked and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0 else None
             return (once - here) / step if twice is None else (4 * (once - here) - (twice - here)) / (2 * step)
         return np.zeros(len(self.y))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,6 @@ from stickslip.identifying.fit import Fit
 from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
 from stickslip.sealing import sealed
-
-__all__ = ["Ranked", "Ranking", "rank"]
 
 #: A difference of AICc below which data do not tell two laws apart (Burnham and Anderson 2002), here for corrected sample sizes.
 UNDECIDED = 4.0
@@ -95,14 +92,9 @@ class Ranking(Drawn):
         return self.rows[0]
 
     def __str__(self) -> str:
-        width = max(len(r.label) for r in self.rows)
-        lines = [f"{'':<{width}}  numbers  rms [σ]    ΔAICc      ΔBIC       weight  held out"]
-        for r in self.rows:
-            held = "" if np.isnan(r.held_out) else f"{r.held_out:.4g}"
-            lines.append(
-                f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip()
-            )
-        return "\n".join([*lines, *(f"{r.label}: {fault}" for r in self.rows for fault in r.faults), self.verdict])
+        widths = (max(len(r.label) for r in self.rows), 7, 9, 9, 9, 6, 8)
+        rows = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)).rstrip() for row in self._tables()[0]]
+        return "\n".join([*rows, *(f"{r.label}: {fault}" for r in self.rows for fault in r.faults), self.verdict])
 
     def _title(self) -> str:
         return self.verdict
@@ -150,12 +142,15 @@ def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequenc
     count = next(iter(named.values())).count
     given = all(_given(fit) for fit in named.values())
     smallest = min(named.values(), key=lambda fit: fit.cost)
-    independent = float(np.clip(sum(effective(part) for part in smallest._split(smallest.residuals)), 1.0, count))
+    independent = float(np.clip(sum(effective(part) for part in smallest.problem.parts(smallest.residuals)), 1.0, count))
     parts = {label: _criteria(fit, independent, given) for label, fit in named.items()}
     least = {k: min(p[k] for p in parts.values()) for k in (0, 1)}
     weights = {label: np.exp(-0.5 * min(p[0] - least[0], 1400.0)) for label, p in parts.items()}
     total = sum(weights.values())
-    outside = {label: _mean_square(held_out[label]) if held_out and label in held_out else float("nan") for label in named}
+    outside = {
+        label: float(np.sqrt(np.mean(np.square(np.asarray(held_out[label], float))))) if held_out and label in held_out else float("nan")
+        for label in named
+    }
     rows = sorted(
         (
             Ranked(
@@ -210,7 +205,7 @@ def prediction_errors(
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
     sensor = fit.problem.given
     using = fit.problem.targets[0].kind
-    transient = any(getattr(t, "transient", False) for t in fit.problem.targets)
+    transient = any(t.transient for t in fit.problem.targets)
     if not as_list(records):
         raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
     whole = problem_of(
@@ -218,9 +213,8 @@ def prediction_errors(
     )
     problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))
-    edges = np.cumsum([0, *(t.count for t in problem.targets)])
-    rest = found.residuals[: edges[-1]] * problem.sigma
-    return [float(np.sqrt(np.mean(rest[a:b] ** 2))) for a, b in pairwise(edges)]
+    rest = problem.parts(found.residuals[: len(problem.y)] * problem.sigma)
+    return [float(np.sqrt(np.mean(part**2))) for part in rest]
 
 
 def _named(fits: Any) -> dict[str, Fit]:
@@ -263,10 +257,6 @@ def _criteria(fit: Fit, independent: float, given: bool) -> tuple[float, float]:
     misfit = fit.cost * n / fit.count if given else n * np.log(max(fit.cost, 1e-300) / fit.count)
     correction = 2 * k * (k + 1) / (n - k - 1) if n > k + 1.5 else 0.0 if given else np.inf
     return float(misfit + 2 * k + correction), float(misfit + k * np.log(max(n, 2.0)))
-
-
-def _mean_square(values: Any) -> float:
-    return float(np.sqrt(np.mean(np.square(np.asarray(values, float)))))
 
 
 def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[tuple[str, ...], bool, str]:

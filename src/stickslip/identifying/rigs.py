@@ -15,8 +15,6 @@ from stickslip.quantities import between
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
-__all__ = ["virtual_rig"]
-
 _OVER = 8  # the sensor's bandwidth is applied to this many times more samples
 MOST_SAMPLES = 1e7
 _OF_THE_DRIVE = ("absolute velocity", "drive")

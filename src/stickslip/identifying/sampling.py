@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.callbacks import progress_callback
 from stickslip.errors import InputError, Problems, is_whole
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
-from stickslip.identifying.spread import determined_spread, effective
+from stickslip.identifying.spread import determined_spread, effective, root_of
 from stickslip.optional import library
 
 if TYPE_CHECKING:
@@ -17,16 +17,42 @@ if TYPE_CHECKING:
 
     from stickslip.identifying.fit import Fit
 
-__all__ = ["bands", "posterior"]
-
 _NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
 _LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
 _OPEN = 0.05  # parts of the bounds over which walkers begin along what the data do not determine
 _SPREAD = 0.5  # standard errors within which walkers begin
 
 
-def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed: int, progress: Any) -> xr.Dataset:
-    """Samples of the posterior by the affine-invariant ensemble of emcee."""
+def sample(
+    fit: Fit, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
+) -> xr.Dataset:
+    """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
+
+    Priors are uniform between the bounds (in the logarithm with ``"log"``) or as given: ``("normal", mean, sd)``. Unknown noise has
+    Jeffreys' prior and is integrated out; of correlated residuals only the independent number counts. The fit is the mode of this
+    posterior unless a prior is ("uniform", low, high), of which the fit uses mean and standard deviation.
+
+    Parameters
+    ----------
+    draws : int
+        Draws of each walker after the first `burn`.
+    walkers : int, optional
+        By default 2 for each number and 2 more, at least 16.
+    burn : int, optional
+        By default half of the draws, at least 100.
+    seed : int
+    progress : callable or bool, optional
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes give the
+        acceptance rate, the longest autocorrelation time, the number of independent draws, and a note if these are too few.
+
+    References
+    ----------
+    D. Foreman-Mackey, D. W. Hogg, D. Lang and J. Goodman, emcee: the MCMC hammer, Publ. Astron. Soc. Pacific 125 (2013) 306-312.
+    """
     import xarray as xr
 
     emcee = library("sample", "emcee", _NEEDED)
@@ -45,7 +71,8 @@ def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed:
             report(done, ahead + draws)
     chain = sampler.get_chain(discard=ahead)  # (draws, walkers, numbers)
     times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
-    data = {name: _column(chain[..., k], *told) for k, (name, told) in enumerate(_named(fit).items())}
+    named = enumerate(_named(fit).items())
+    data = {name: (("draw", "walker"), outer(chain[..., k]), attrs) for k, (name, (outer, attrs)) in named}
     longest = float(np.nanmax(times))
     few = f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more"
     attrs = {
@@ -68,8 +95,7 @@ def _check(draws: int, walkers: int, burn: int, size: int) -> None:
 def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     """Where walkers begin: about the best place as the covariance has it, over all of what the data do not determine."""
     determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale)
-    values, vectors = np.linalg.eigh(determined)
-    places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
     for members, directions in fit.information.groups:
         for direction in directions:
             along = np.zeros(len(fit.place))
@@ -84,7 +110,7 @@ class _Posterior:
 
     def __init__(self, fit: Fit, low: Any, high: Any):
         self.fit, self.low, self.high = fit, low, high
-        rest = fit._split(fit.residuals)
+        rest = fit.problem.parts(fit.residuals)
         self.worth = np.concatenate([np.full(len(r), effective(r) / len(r)) for r in rest])
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
@@ -110,12 +136,8 @@ class _Posterior:
         found = 0.0
         for row in self.fit.problem._known:
             if not np.isfinite(row.prior.low):
-                found -= 0.5 * ((row.value(place) - row.mean) / row.sd) ** 2
+                found -= 0.5 * ((row.value(place) - row.prior.mean) / row.prior.sd) ** 2
         return found
-
-
-def _column(values: Any, outer: Any, attrs: dict[str, str]) -> Any:
-    return ("draw", "walker"), outer(values), attrs
 
 
 def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -124,41 +146,51 @@ def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
     for free in fit.problem.parameters.free:
         found[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}
     for record, what in getattr(fit.problem.model, "_timing", ()):
-        found[f"{what}[{record}]"] = _same, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
+        found[f"{what}[{record}]"] = np.asarray, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
     for number in fit.problem.numbers:
         unit = number.unit(unit_of_values(fit.problem.targets[number.records[0]]))
-        found[f"sensor {number.name}"] = _same, {"units": unit}
+        found[f"sensor {number.name}"] = np.asarray, {"units": unit}
     return found
 
 
-def _same(values: Any) -> Any:
-    return values
+def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:
+    """Bands of the model for a record: of its curve, and of new measurements with the noise of the record.
 
+    Parameters
+    ----------
+    record : int
+    level : float
+        Fraction of the curves, or of the measurements, inside the band.
+    samples : xarray.Dataset, optional
+        From `sample`; if not given, numbers are drawn from the covariance.
+    draws : int
+        Number of curves that are computed.
+    seed : int
 
-def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws: int, seed: int) -> xr.Dataset:
-    """What the fitted model gives at the samples of a record, with the band of its curve and that of new measurements."""
+    Returns
+    -------
+    xarray.Dataset
+        ``measured``, ``fitted``, ``low``, ``high``, ``predicted_low``, ``predicted_high`` over the values of the record.
+    """
     import xarray as xr
 
     problems = Problems("bands")
     count = len(fit.problem.targets)
-    problems.whole("record", record, 0, example=0)
+    if not is_whole(record) or not 0 <= record < count:
+        problems.add(f"record = {record!r}; allowed is a whole number from 0 to {count - 1}; type record=0")
     problems.whole("draws", draws, 10, example=200)
-    if is_whole(record) and record >= count:
-        problems.add(f"record = {record}; allowed is a whole number from 0 to {count - 1}; type record=0")
     if not 0 < level < 1:
         problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type level=0.95")
     problems.check()
     rng = np.random.default_rng(seed)
     places = _drawn(fit, draws, rng) if samples is None else _of_samples(fit, samples, draws, rng)
-    edges = np.cumsum([0, *(t.count for t in fit.problem.targets)])
-    own = slice(edges[record], edges[record + 1])
-    curves = fit.problem.batch(places)[own]
+    curves = fit.problem.parts(fit.problem.batch(places))[record]
     curves = curves[:, np.isfinite(curves).all(axis=0)]
-    sigma = fit.scale * fit.problem.sigma[own][:, None]
+    sigma = fit.scale * fit.problem.parts(fit.problem.sigma)[record][:, None]
     ends = (0.5 - 0.5 * level, 0.5 + 0.5 * level)
     low, high = np.quantile(curves, ends, axis=1)
     new_low, new_high = np.quantile(curves + sigma * rng.normal(size=curves.shape), ends, axis=1)
-    y = fit.predicted[record] - (fit.residuals * fit.problem.sigma)[own]
+    y = fit.predicted[record] - fit.problem.parts(fit.residuals * fit.problem.sigma)[record]
     unit = {"units": unit_of_values(fit.problem.targets[record])}
     data = {"measured": y, "fitted": fit.predicted[record], "low": low, "high": high, "predicted_low": new_low, "predicted_high": new_high}
     time = fit.problem.targets[record].time if fit.problem.targets[record].kind != "mean" else np.zeros(len(y))
@@ -170,8 +202,7 @@ def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws
 
 def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
     """Places as the covariance spreads them; along what the data do not determine nothing measured changes."""
-    values, vectors = np.linalg.eigh(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale))
     return np.clip(fit.place + rng.normal(size=(draws, len(fit.place))) @ root.T, *fit.problem.bounds())
 
 

@@ -13,8 +13,6 @@ from stickslip.errors import InputError
 from stickslip.one_thread import in_one_thread
 from stickslip.sealing import sealed
 
-__all__ = ["Found", "multistart", "polished", "searched", "starting_places"]
-
 _ALIGNED = 16  # places that are judged by their curves
 _POLISHED = 3  # places from which steps are taken
 _APART = 0.03  # places nearer than this are one

@@ -15,8 +15,6 @@ from stickslip.identifying.sensor_readings import change_shown, of_records, show
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 from stickslip.identifying.weak_directions import derivative_along, sharpened
 
-__all__ = ["Sensed"]
-
 #: Residual of a value that a model cannot give, in standard deviations.
 IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
@@ -146,9 +144,6 @@ class Sensed:
         fixed = tuple(dataclasses.replace(n, value=float(v)) for n, v in zip(self.numbers, values, strict=True) if n.name in names)
         return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
 
-    def _phase(self, place: Any, record: int) -> Any:
-        return self.model._phase(place, record)
-
     # ---- predictions ----
     def readings(self, places: Any) -> list[dict[str, Any]]:
         """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
@@ -213,7 +208,7 @@ class Sensed:
         return np.concatenate([values, self._known_rows(place)])
 
     def _known_rows(self, place: Any) -> Any:
-        away = np.array([(k.value(place) - k.mean) / k.sd for k in self._known])
+        away = np.array([(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known])
         return self.trust * (away - self.shifts * np.ones(len(away)))
 
     def penalty(self, place: Any) -> float:
@@ -239,7 +234,7 @@ class Sensed:
 
     def against_what_is_known(self, place: Any) -> dict[str, float]:
         """By how many standard deviations numbers are off what is known of them, of those that are far off."""
-        away = {k.name: abs(k.value(place) - k.mean) / k.sd for k in self._known if k.prior.kind == "normal"}
+        away = {k.name: abs(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known if k.prior.kind == "normal"}
         return {name: float(size) for name, size in away.items() if size > _FAR_OFF}
 
     def jacobian(self, place: Any) -> Any:
@@ -256,7 +251,7 @@ class Sensed:
             slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
-            row[k.index] = self.trust * k.slope(place) / k.sd
+            row[k.index] = self.trust * k.slope(place) / k.prior.sd
         return np.concatenate([slopes, known])
 
     def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
@@ -344,14 +339,6 @@ class _Known:
     prior: Distribution
     name: str
     free: Any = None
-
-    @property
-    def mean(self) -> float:
-        return self.prior.mean
-
-    @property
-    def sd(self) -> float:
-        return self.prior.sd
 
     def value(self, place: Any) -> float:
         return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))

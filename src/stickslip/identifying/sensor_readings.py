@@ -8,8 +8,6 @@ import numpy as np
 
 from stickslip.identifying.sensors import SensorNumber
 
-__all__ = ["change_shown", "of_records", "shown_by_sensor"]
-
 
 def _wide(values: Any, like: Any) -> Any:
     """A number for each value, as a column where there are many cases."""
@@ -70,3 +68,10 @@ def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:
         return np.ones(target.count)
     seen = _delayed(target, h - _middle(target), reading.get("delay"))
     return seen if what == "gain" else -reading.get("gain", 1.0) * np.gradient(seen, target.time)
+
+
+def known_rows(numbers: Any, width: int) -> Any:
+    """Rows of what is known of the numbers of a sensor, which are the last."""
+    first = width - len(numbers)
+    rows = [np.where(np.arange(width) == first + k, 1.0 / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
+    return np.array(rows).reshape(len(rows), width)

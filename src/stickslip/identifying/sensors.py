@@ -14,8 +14,6 @@ import numpy as np
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import Problems, did_you_mean, is_number
 
-__all__ = ["EFFECTS", "SensorNumber", "sensors_of", "with_starts"]
-
 
 @dataclass(frozen=True)
 class Effect:

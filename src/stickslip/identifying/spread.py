@@ -8,21 +8,10 @@ import numpy as np
 
 from stickslip.information import Information
 
-__all__ = [
-    "autocorrelation",
-    "determined_spread",
-    "effective",
-    "information_of",
-    "neighbours",
-    "noise_scale",
-    "noise_sizes",
-    "spread_of",
-    "with_noise_of",
-]
-
 _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
 _SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
+_TOGETHER = 0.95  # correlation of two numbers above which they are named
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
 
 
@@ -85,11 +74,32 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float)
     found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
     for target in problem.targets:
         end = begin + target.count
-        rest = residuals[begin:end]
         if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
-            found = found + _coloured(inverse[:, begin:end], rest, scale)
+            found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
         begin = end
     return found
+
+
+def correlations_of(covariance: Any) -> Any:
+    """Correlations; NaN where a variance is infinite."""
+    size = np.sqrt(np.diag(covariance))
+    known = np.isfinite(size)
+    product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
+    found = np.where(np.outer(known, known), covariance, np.nan) / np.where(product == 0, 1.0, product)
+    found[~known, ~known] = 1.0
+    return found
+
+
+def correlated(names: list[str], covariance: Any) -> list[tuple[str, str, float]]:
+    """Pairs of numbers that can hardly be told apart, and their correlation."""
+    table = correlations_of(covariance)
+    return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > _TOGETHER]
+
+
+def root_of(covariance: Any) -> Any:
+    """A square root of a covariance."""
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def _coloured(inverse: Any, rest: Any, scale: float) -> Any:

@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import solve
 
-__all__ = ["SteadyCurve", "TransientCurve", "moves_alike_anywhere", "steady_curve", "transient_curve"]
-
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
 _LEFT = 1e-5  # of the tolerance: what may still be left where strobe points fall to their limit; derivatives are differences of curves
 _FALLS = 0.5  # times the last step from period to period that the next one is, where they do
@@ -24,7 +22,36 @@ _LONGEST = 4  # motion periods up to here are followed
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class SteadyCurve:
+class TransientCurve:
+    """A motion from a given velocity at a strobe time on; its phases count drive periods from there.
+
+    Parameters
+    ----------
+    run : Trajectory
+    """
+
+    run: Any
+
+    def _times(self, phase: Any) -> Any:
+        return np.asarray(phase) * self.run.period_time
+
+    def _state(self, phase: Any, which: int) -> Any:
+        """x, v or z, those of the machine's principal body."""
+        t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
+        return self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which])
+
+    def v(self, phase: Any) -> Any:
+        """Velocity at phases counted in drive periods [m/s]."""
+        return self._state(phase, 1)
+
+    def x(self, phase: Any) -> Any:
+        """Position [m]."""
+        return self._state(phase, 0)
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class SteadyCurve(TransientCurve):
     """The last motion period of a run.
 
     Parameters
@@ -36,26 +63,16 @@ class SteadyCurve:
         Whether the strobe point repeats.
     """
 
-    run: Any
     period: int
     settled: bool
 
     def _times(self, phase: Any) -> Any:
-        T = self.run.period_time
-        return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * T
-
-    def _states(self, phase: Any) -> tuple[Any, Any, Any]:
-        t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return _own_states(self.run, t)
-
-    def v(self, phase: Any) -> Any:
-        """Velocity at phases counted in drive periods [m/s]."""
-        return self._states(phase)[1]
+        return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * self.run.period_time
 
     def x(self, phase: Any) -> Any:
         """Position at phases counted in drive periods, going on from period to period [m]."""
         whole = np.floor(np.asarray(phase) / self.period)
-        return self._states(phase)[0] - self.run.strobe_x[-1 - self.period] + whole * self.step
+        return super().x(phase) - self.run.strobe_x[-1 - self.period] + whole * self.step
 
     @property
     def step(self) -> float:
@@ -74,11 +91,6 @@ class SteadyCurve:
             return coordinates(self.run.model).start(strobe_states(self.run)[-1])
         z = self.run.strobe_z
         return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
-
-
-def _own_states(run: Any, t: Any) -> tuple[Any, ...]:
-    """x, v and z at times, those of the machine's principal body."""
-    return tuple(run._own(name, column) for name, column in zip(("x", "v", "z"), run._states_at(t, run._index(t)), strict=True))
 
 
 def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8) -> SteadyCurve:
@@ -113,39 +125,14 @@ def _still_nearing(v: Any, p: int, tolerance: float) -> bool:
 
 def _nearer(run: Any, v: Any) -> dict[str, Any]:
     """A start nearer to the limit of the strobe points."""
-    if not machine_of(run.model).is_single:
-        return SteadyCurve(run, 1, False).end
     end = SteadyCurve(run, 1, False).end
+    if not machine_of(run.model).is_single:
+        return end
     last, before = v[-1] - v[-2], v[-2] - v[-3]
     ratio = last / before if before else 0.0
     if 0.05 < ratio < 0.98:
         end["v"] += float(last * ratio / (1 - ratio))
     return end
-
-
-@sealed
-@dataclass(frozen=True, eq=False)
-class TransientCurve:
-    """A motion from a given velocity at a strobe time on; its phases count drive periods from there.
-
-    Parameters
-    ----------
-    run : Trajectory
-    """
-
-    run: Any
-
-    def _states(self, phase: Any) -> tuple[Any, Any, Any]:
-        t = np.clip(np.asarray(phase) * self.run.period_time, self.run.pieces.t[0], self.run.pieces.t[-1])
-        return _own_states(self.run, t)
-
-    def v(self, phase: Any) -> Any:
-        """Velocity [m/s]."""
-        return self._states(phase)[1]
-
-    def x(self, phase: Any) -> Any:
-        """Position [m]."""
-        return self._states(phase)[0]
 
 
 def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8) -> TransientCurve:

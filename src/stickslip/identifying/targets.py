@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,14 +21,33 @@ from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 from stickslip.units import SI, quantity_of
 
-__all__ = ["Target", "mean_target", "target"]
-
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
+
+
+class Compared:
+    """Base of what a fit compares with: values y with their weights; what is special of a kind of records says its own class."""
+
+    if TYPE_CHECKING:
+        y: Any
+        weight: Any
+    transient: bool = False
+    remark: str | None = None
+    unit: str = ""
+    within: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return len(self.y)
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples, told from what is left of the values."""
+        return float(np.average(rest**2, weights=self.weight)) + self.within
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Target:
+class Target(Compared):
     """The numbers of one record that a model is to give.
 
     Parameters
@@ -74,15 +93,6 @@ class Target:
         """Times of the values, counted from the middle of the record [s]."""
         return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / self.frequency
 
-    @property
-    def count(self) -> int:
-        """Number of values."""
-        return len(self.y)
-
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left of all samples, told from what is left of the values."""
-        return float(np.average(rest**2, weights=self.weight * np.ones(self.count))) + self.within
-
 
 def target(
     rec: Any, kind: str, sigma: float | None, frequency: float | None, label: str, settle: int | str = "auto", transient: bool = False
@@ -103,8 +113,7 @@ def target(
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), remark=remark)
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
-    if own is not None:
-        t, y, own = t[own > 0], y[own > 0], own[own > 0]
+    t, y, own = t[own > 0], y[own > 0], own[own > 0]
     f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
     level = noise(y) if sigma is None else float(sigma)
     if not level > 0:
@@ -112,24 +121,10 @@ def target(
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
     repeats = None if transient else period_number_of(phase, y if kind == "velocity" else np.gradient(y, t))
-    whole = Target(
-        kind,
-        phase,
-        y,
-        level,
-        f,
-        sigma is not None,
-        label,
-        np.ones(len(t)) if own is None else own,
-        slips,
-        transient,
-        False,
-        remark,
-        None,
-        repeats or 1,
-        unit=_ROTARY.get(quantity_of(rec[kind].unit) or "", ""),
-    )
-    return _fewer(whole, repeats) if len(t) > MOST and own is None and kind == "velocity" and not transient else whole
+    unit = _ROTARY.get(quantity_of(rec[kind].unit) or "", "")
+    known = Target(kind, phase, y, level, f, sigma is not None, label, own, slips, transient)
+    whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit)
+    return _fewer(whole, repeats) if len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient else whole
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:

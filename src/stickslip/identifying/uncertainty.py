@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.identifying.fit_text import listed, undetermined, unit_of_values
+from stickslip.identifying.fit_text import listed, undetermined
 from stickslip.identifying.search import polished
-from stickslip.identifying.spread import effective, neighbours, spread_of
+from stickslip.identifying.spread import effective, spread_of
 from stickslip.information import Information
 
 if TYPE_CHECKING:
-    from stickslip.identifying.fit import Fit, Quality
+    from stickslip.identifying.fit import Fit
+    from stickslip.identifying.quality import Quality
 
 _LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
 _LEVEL = 0.95  # of the intervals that are looked at for a parabola
@@ -25,8 +26,6 @@ _FOLLOWS = 3  # places there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
 _PROFILED = 24  # places that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
-
-__all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
 
 
 def calibrated(fit: Fit, name: str) -> Fit:
@@ -132,37 +131,6 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
     return found.cost - fit.cost, np.insert(found.place, k, held)
 
 
-def quality(fit: Fit) -> tuple[Quality, ...]:
-    """Goodness of fit of each record."""
-    from stickslip.identifying.fit import Quality
-
-    found = []
-    for target, curve, rest in zip(fit.problem.targets, fit.predicted, fit._split(fit.residuals * fit.problem.sigma), strict=True):
-        y = curve - rest
-        square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
-        r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
-        noise = float(getattr(target, "sigma", float("nan")))
-        known = target.kind in ("velocity", "position") or target.given_sigma
-        periodic = target.kind == "velocity" and not target.transient and target.phase[-1] > 2 * target.period
-        order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
-        folded, shape = neighbours(rest[order]), max(neighbours(rest), neighbours(rest[order]), key=abs)
-        coloured = periodic and abs(folded) < 3.5 / np.sqrt(len(rest))
-        found.append(
-            Quality(
-                target.label,
-                target.kind,
-                len(rest),
-                float(np.sqrt(square)),
-                noise if known else float("nan"),
-                r2,
-                shape,
-                coloured,
-                unit_of_values(target),
-            )
-        )
-    return tuple(found)
-
-
 def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     found = ["the search was interrupted"] if fit.stopped else []
@@ -219,7 +187,7 @@ def remarks(fit: Fit) -> list[str]:
             f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
             f"its interval is by profile; covariance and bootstrap are not reliable"
         )
-    for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
+    for q, rest in zip(fit.quality, fit.problem.parts(fit.residuals), strict=True):
         if q.suspicious:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
@@ -227,8 +195,8 @@ def remarks(fit: Fit) -> list[str]:
     return found
 
 
-def bent_parameters(fit: Fit) -> list[str]:
-    """Parameters along whose interval the model is not linear: covariance and bootstrap are then not to be believed, a profile is.
+def bent_parameters(fit: Fit) -> tuple[str, ...]:
+    """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable.
 
     Two standard errors of white noise away, the others along, the sum of squares should have risen by four; and where noise is coloured,
     so that the interval is wider, at its end by as much as the interval allows.
@@ -237,7 +205,7 @@ def bent_parameters(fit: Fit) -> list[str]:
     errors = np.sqrt(np.diag(covariance))
     known = [] if fit.stopped else [k for k in range(len(fit.names)) if np.isfinite(errors[k]) and errors[k] > 0]
     bent = [fit.names[k] for k in known if not _parabolic_within(fit, k, np.nan_to_num(covariance[:, k]) / errors[k])]
-    return [name for name in fit.names if name in bent or (name in fit.flat and not fit.stopped)]
+    return tuple(name for name in fit.names if name in bent or (name in fit.flat and not fit.stopped))
 
 
 def _parabolic_within(fit: Fit, k: int, along: Any) -> bool:
@@ -267,20 +235,19 @@ def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
     return True
 
 
-def open_parameters(fit: Fit, level: float = _LEVEL) -> list[str]:
-    """Of those the ones that may be at either bound: the sum of squares rises by less than the level allows once the others follow."""
-    names = []
-    for name in fit.bent:
-        k = fit.names.index(name)
-        if all(_risen(fit, k, bound, fit.place)[0] < _allowed(fit, k, level) for bound in (0.0, 1.0)):
-            names.append(name)
-    return names
+def open_parameters(fit: Fit) -> tuple[str, ...]:
+    """Parameters whose interval reaches from bound to bound, although the curvature at the optimum gives a standard error.
+
+    At either bound the sum of squares rises by less than the level allows once the others follow.
+    """
+    bent = [(name, fit.names.index(name)) for name in fit.bent]
+    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.place)[0] < _allowed(fit, k, _LEVEL) for end in (0.0, 1.0)))
 
 
 def _allowed(fit: Fit, k: int, level: float) -> float:
     """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
     white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
-    parts = fit._split(fit.residuals)
+    parts = fit.problem.parts(fit.residuals)
     wider = coloured / white if np.isfinite(white) else max(len(rest) / effective(rest) for rest in parts)
     return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
 

@@ -15,8 +15,6 @@ import numpy as np
 
 from stickslip.information import decomposed
 
-__all__ = ["derivative_along", "sharpened"]
-
 _WEAK = 0.02  # part of the largest singular value below which a direction is differentiated along itself
 _TIMES = 2  # by which it is turned, each time by some thousandth of what it was turned before
 _STEP = 1e-4  # of the distance between bounds, at most: differences along a direction

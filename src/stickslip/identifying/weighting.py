@@ -10,8 +10,6 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records import Record
 from stickslip.records.channel import Channel
 
-__all__ = ["LOSSES", "loss_of", "outlier_notes", "robust_scale", "robust_weights", "weighted", "weights_at"]
-
 #: Weights by size of a residual in standard deviations of the bulk (least squares, Huber 1964, Beaton and Tukey 1974), with their constants
 #: of 95 % efficiency under normal noise.
 LOSSES = {
@@ -37,9 +35,8 @@ def weighted(records: list[Any], weights: Any, what: str = "identify") -> list[A
     own = [weights] if len(records) == 1 and not _is_list_for(weights, 1) else weights
     problems = Problems(what)
     if not isinstance(own, (list, tuple)) or len(own) != len(records):
-        problems.add(
-            f"weights are for {_counted(own)} and there are {len(records)} records; type weights=[w0, w1], an array or None for each"
-        )
+        count = f"{len(own)} records" if isinstance(own, (list, tuple)) else "one record"
+        problems.add(f"weights are for {count} and there are {len(records)} records; type weights=[w0, w1], an array or None for each")
         problems.check()
     found = [_with(rec, w, i, problems) for i, (rec, w) in enumerate(zip(records, own, strict=True))]
     problems.check()
@@ -48,10 +45,6 @@ def weighted(records: list[Any], weights: Any, what: str = "identify") -> list[A
 
 def _is_list_for(weights: Any, count: int) -> bool:
     return isinstance(weights, (list, tuple)) and len(weights) == count and (weights[0] is None or np.ndim(weights[0]) == 1)
-
-
-def _counted(own: Any) -> str:
-    return f"{len(own)} records" if isinstance(own, (list, tuple)) else "one record"
 
 
 def _with(rec: Any, given: Any, i: int, problems: Problems) -> Any:
@@ -78,22 +71,17 @@ def _with(rec: Any, given: Any, i: int, problems: Problems) -> Any:
 
 
 def weights_at(rec: Any, t: Any) -> Any:
-    """Weights of samples at some times; None where a record has no weights."""
+    """Weights of samples at some times; 1 where a record has none."""
     if "weight" not in rec:
-        return None
+        return np.ones(len(t))
     times, first = np.unique(rec["weight"].time, return_index=True)
     return np.interp(t, times, rec["weight"].values[first])
 
 
-def robust_weights(weigh: Any, rest: Any, parts: list[int]) -> Any:
-    """Weights of residuals; the bulk of each record has a size of its own."""
-    found, begin = [], 0
-    for count in parts:
-        own = rest[begin : begin + count]
-        size = float(np.median(abs(own))) / _NORMAL
-        found.append(weigh(own / size) if size > 0 and count > 8 else np.ones(count))
-        begin += count
-    return np.concatenate(found)
+def robust_weights(weigh: Any, parts: list[Any]) -> Any:
+    """Weights of the residuals of each record; the bulk of each has a size of its own."""
+    sizes = [float(np.median(abs(own))) / _NORMAL for own in parts]
+    return np.concatenate([weigh(own / s) if s > 0 and len(own) > 8 else np.ones(len(own)) for own, s in zip(parts, sizes, strict=True)])
 
 
 def robust_scale(weigh: Any, rest: Any, weights: Any, scale: float) -> float:

@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import leaves
 
-__all__ = ["moves_of", "sides_of", "sizes_of", "words_of"]
-
 Array = Any
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
@@ -55,11 +53,12 @@ def sides_of(model: Any, moved: dict[str, tuple[str, ...]], share: float) -> Arr
     """
     own, pairs = dict(leaves(model)), zip(moved.values(), share * sizes_of(model, moved), strict=True)
     each = [{name: own[name] + move for name in names} for names, size in pairs for move in (-size, size)]
-    allowed = np.array([_is_allowed(model, numbers) for numbers in each], int).reshape(-1, 2)
+    allowed = np.array([is_allowed(model, numbers) for numbers in each], int).reshape(-1, 2)
     return allowed[:, 1] - allowed[:, 0]
 
 
-def _is_allowed(model: Any, numbers: dict[str, float]) -> bool:
+def is_allowed(model: Any, numbers: dict[str, Any]) -> bool:
+    """Whether a record takes these numbers."""
     try:
         model.replace(numbers)
     except InputError:

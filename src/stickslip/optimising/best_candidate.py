@@ -24,8 +24,6 @@ from stickslip.optimising.results import moved_by, results_of
 from stickslip.optimising.small_friction import small_friction_limit
 from stickslip.optimising.unknowns import Unknowns
 
-__all__ = ["optimum_of", "values_of"]
-
 Array = Any
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
 _OFF, _LOST = 1e-4, 0.01  # how far a number may be off, and which part of the optimum that may cost

@@ -22,8 +22,6 @@ from stickslip.optimising.results import results_of
 from stickslip.optimising.uncertainty_samples import allowed_with, sampled
 from stickslip.optimising.unknowns import Unknowns
 
-__all__ = ["Candidates", "Stopped"]
-
 Array = Any
 _BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are not machines
 _GUIDE, _GUIDE_BEYOND = 1e-12, 1e-6  # what nearness to motion counts of machines at rest, and of those beyond a limit: less than any motion
@@ -169,13 +167,9 @@ class Candidates:
             over = np.maximum(over, np.where(worst > KEPT, worst, np.where(np.isnan(worst), 1e3, 0.0)))
             if not np.all(np.isnan(worst)):
                 k = int(np.nanargmin(worst))
-                self._note(limit.name, float(values[k]), float(worst[k]))
+                if worst[k] < self.nearest.get(limit.name, (np.inf, 0.0))[0]:
+                    self.nearest[limit.name] = (float(worst[k]), float(values[k]))
         return over
-
-    def _note(self, name: str, value: float, worst: float) -> None:
-        """The value that comes nearest to a limit, for those who have none that keeps it."""
-        if worst < self.nearest.get(name, (np.inf, 0.0))[0]:
-            self.nearest[name] = (worst, value)
 
     # ------------------------------------------------------------------------------------------------ derivatives
 

@@ -12,8 +12,6 @@ from stickslip.fields import leaves
 from stickslip.machine_adapter import machine_of
 from stickslip.optimising.results import results_of
 
-__all__ = ["continued", "from_other_starts"]
-
 Array = Any
 _STEPS, _PERIODS = 24, 40  # of the way from one machine to the other, and drive periods at each
 _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one

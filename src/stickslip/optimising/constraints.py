@@ -17,8 +17,6 @@ from stickslip.optimising.waveforms import Scales
 from stickslip.quantities import pretty_unit
 from stickslip.variables import unit_of
 
-__all__ = ["KEPT", "Limit", "checked_limits", "scales_within"]
-
 Array = Any
 #: How far beyond a limit still counts as within, as a part of it: rounding, of formulas that reach it exactly.
 KEPT = 1e-9

@@ -20,8 +20,6 @@ from stickslip.observables import Derived, Observable
 from stickslip.optimising.exact_derivatives import Exact, exactly
 from stickslip.optimising.gradients import AGREE, RTOL_OF_SLOPES, check_of
 
-__all__ = ["derivative"]
-
 Array = Any
 _PART = 512  # machines that are followed together
 

@@ -17,8 +17,6 @@ from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 
-__all__ = ["OWN", "STATE", "Exact", "exactly"]
-
 Array = Any
 #: What a user's observable is called among the means, and what the names of coordinates on the strobe begin with.
 OWN, STATE = "own", "state."
@@ -51,7 +49,7 @@ def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count
     if of == "mean_velocity":
         return Exact(lambda motion: (motion.mean_velocity, motion.slopes))
     if isinstance(of, Observable):
-        return _observed(of, model, seeds, count)
+        return _observed(of, model)
     if of.startswith(STATE):
         i = at.names[: at.smooth].index(of.removeprefix(STATE))
         return Exact(lambda motion: (motion.nearer[:, i], motion.changes[:, :, i]))
@@ -113,7 +111,7 @@ def _weight_of(machine: Any) -> list[Any]:
     return [machine.model.total_mass * machine.model.gravity]
 
 
-def _observed(of: Observable, model: Any, seeds: dict[str, Array], count: int) -> Exact | None:
+def _observed(of: Observable, model: Any) -> Exact | None:
     """The mean or the integral of a user's observable."""
     observe = ((OWN, of),)
     names = means_named(model, observe)

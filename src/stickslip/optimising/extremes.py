@@ -29,8 +29,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 from stickslip.optimising.exact_derivatives import OWN
 
-__all__ = ["Looked", "extreme_of"]
-
 Array = Any
 _INNER = np.array([1e-6, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - 1e-6])  # of a piece: where it is looked at
 _BESIDE = 1e-10  # of the period: how near to a switch the tangent is looked at on either side of it

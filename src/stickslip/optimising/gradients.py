@@ -22,8 +22,6 @@ from stickslip.optimising.exact_derivatives import OWN, STATE, Exact, exactly
 from stickslip.optimising.extremes import Looked, extreme_of
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
-__all__ = ["AGREE", "RTOL_OF_SLOPES", "Gradient", "check_of", "gradient", "steady_motion"]
-
 Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences

@@ -20,8 +20,6 @@ from stickslip.optimising.starts import closed_starts
 from stickslip.optimising.uncertainty_samples import check_sample, checked_spread, sample_of
 from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 
-__all__ = ["optimise"]
-
 Array = Any
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
 _GENERATIONS, _MORE = 60, 25  # of the search over everything, and more for each unknown

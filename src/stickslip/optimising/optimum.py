@@ -12,8 +12,6 @@ from stickslip.optimising.gradients import Gradient
 from stickslip.optimising.results import unit_of_result
 from stickslip.sealing import sealed
 
-__all__ = ["Optimum", "Search"]
-
 
 @sealed
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,6 @@ import numpy as np
 
 from stickslip.optimising.candidates import Candidates
 
-__all__ = ["cuts_of"]
-
 Array = Any
 _POINTS = 41  # from bound to bound, beside the best machine itself
 

@@ -19,8 +19,6 @@ from stickslip.variables import VARIABLES, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["pareto"]
-
 _ABOVE = 1e-6  # of the least value: how far above it the first level is, so that of equally cheap machines the best is found
 
 

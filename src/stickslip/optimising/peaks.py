@@ -10,8 +10,6 @@ import numpy as np
 from stickslip.drives.drive_adapter import drive_of
 from stickslip.fields import leaves
 
-__all__ = ["LIMITS", "peaks_of"]
-
 Array = Any
 _GRID = 256  # points of a period, beside its breaks
 _ROUNDS, _FINER = 16, 2.0  # in which the neighbourhood of the best point is searched, each time so much finer: any point of it is reached

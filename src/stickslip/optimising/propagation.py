@@ -15,10 +15,8 @@ from stickslip.errors import Problems
 from stickslip.faces import Drawn, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of, unit_of_result
-from stickslip.optimising.uncertainty_samples import Spread, check_sample, checked_spread, sampled, sobol
+from stickslip.optimising.uncertainty_samples import check_sample, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
-
-__all__ = ["Indices", "Propagated", "propagate"]
 
 Array = Any
 _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
@@ -218,7 +216,6 @@ def propagate(
             "indices of numbers that depend on one another are not defined; type indices=False, or give each a distribution of its own"
         )
     problems.check()
-    assert spread is not None
     watch = progress_callback(progress, "propagate")
     u = _designed(len(spread.names), samples, int(seed), indices)
     values = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch).reshape(u.shape[1:])
@@ -246,7 +243,7 @@ def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1, watch:
     return results_of(machines, cases, workers, watch=watch)[of]
 
 
-def _swings(model: Any, spread: Spread, of: str) -> dict[str, tuple[float, float]]:
+def _swings(model: Any, spread: Any, of: str) -> dict[str, tuple[float, float]]:
     """The result where each number in turn is at the ends of its band."""
     found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of) for name in spread.names}
     return {name: (float(low), float(high)) for name, (low, high) in found.items()}

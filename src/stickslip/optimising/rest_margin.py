@@ -10,8 +10,6 @@ from stickslip.errors import StickslipError
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["nearness"]
-
 Array = Any
 _POINTS = 256  # of a period
 

@@ -19,12 +19,9 @@ from stickslip.sweeps.result_columns import COLUMNS, dim_of, part_columns
 from stickslip.sweeps.solving import columns_of_group
 from stickslip.variables import VARIABLES, in_units_of
 
-__all__ = ["check_quantity", "moved_by", "quantities", "results_of", "unit_of_result"]
-
 Array = Any
 #: Drive periods that a motion is given to settle.
 PERIODS = 400
-_WORDS = ("motion_type", "pattern", "steadiness", "status", "direction")
 
 
 def results_of(

@@ -8,8 +8,6 @@ import numpy as np
 
 from stickslip.optimising.candidates import Candidates
 
-__all__ = ["search"]
-
 Array = Any
 _AROUND = (0.02, 0.002, 2e-4)  # of the unknowns: half the boxes around the best in which the population goes on
 _GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time

@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.optimising.constraints import Limit
 from stickslip.tracks import grip_of
 
-__all__ = ["small_friction_limit"]
-
 _POINTS = 32  # of Gauss's formula between two breaks of the drive
 _SPEEDS = (1e-4, 1e-2, 1.0)  # at which friction has to be the same
 

@@ -14,8 +14,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.optimising.unknowns import Unknowns
 from stickslip.optimising.waveforms import unknowns_of_pieces
 
-__all__ = ["closed_starts"]
-
 Array = Any
 _SLIDES = 1e-3  # at which friction is asked for [m/s]
 

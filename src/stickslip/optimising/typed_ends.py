@@ -6,8 +6,6 @@ from typing import Any
 
 from stickslip.fields import number
 
-__all__ = ["typed_ends"]
-
 
 def typed_ends(given: Any, unit: str) -> tuple[float | None, float | None]:
     """The ends of a range in a unit; `ValueError` says why they are none.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -12,32 +12,10 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
 from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
-
-__all__ = ["Independent", "Spread", "Uncertain", "allowed_with", "check_sample", "checked_spread", "sample_of", "sampled", "sobol"]
+from stickslip.optimising.beside import is_allowed
 
 Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
-
-
-class Spread(Protocol):
-    """How some numbers of a machine are spread together."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The numbers as they were typed, or as a fit has them."""
-
-    @property
-    def independent(self) -> bool:
-        """Whether each is spread by itself."""
-
-    def inputs(self, u: Array) -> dict[str, Array]:
-        """The numbers by these names, for u evenly spread between 0 and 1: array (names, cases)."""
-
-    def numbers(self, u: Array) -> dict[str, Array]:
-        """The same by the names of the machine's numbers."""
-
-    def alone(self, name: str, u: Array) -> dict[str, Array]:
-        """Numbers of the machine where one of them is at some parts u of its own distribution, and the others as they are."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +26,10 @@ class Uncertain:
     leaves: tuple[str, ...]
     distribution: Distribution
 
-    def at(self, u: Array) -> Array:
-        """The numbers below which a part u of the distribution lies."""
-        return self.distribution.at(u)
-
 
 @dataclass(frozen=True)
 class Independent:
-    """Numbers each of which is spread by itself.
+    """Numbers each of which is spread by itself; a fit, whose numbers are spread together, says the same of them.
 
     Examples
     --------
@@ -68,35 +42,34 @@ class Independent:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """As they were typed."""
+        """The numbers as they were typed, or as a fit has them."""
         return tuple(one.name for one in self.each)
 
     @property
     def independent(self) -> bool:
-        """Always."""
+        """Whether each is spread by itself."""
         return True
 
     def inputs(self, u: Array) -> dict[str, Array]:
-        """The numbers by the names that were typed."""
-        return {one.name: one.at(part) for one, part in zip(self.each, u, strict=True)}
+        """The numbers by these names, for u evenly spread between 0 and 1: array (names, cases)."""
+        return {one.name: one.distribution.at(part) for one, part in zip(self.each, u, strict=True)}
 
     def numbers(self, u: Array) -> dict[str, Array]:
-        """The numbers of the machine."""
-        return {name: one.at(part) for one, part in zip(self.each, u, strict=True) for name in one.leaves}
+        """The same by the names of the machine's numbers."""
+        return {name: one.distribution.at(part) for one, part in zip(self.each, u, strict=True) for name in one.leaves}
 
     def alone(self, name: str, u: Array) -> dict[str, Array]:
-        """One of them at some parts of its distribution."""
-        return {leaf: one.at(u) for one in self.each if one.name == name for leaf in one.leaves}
+        """Numbers of the machine where one of them is at some parts u of its own distribution, and the others as they are."""
+        return {leaf: one.distribution.at(u) for one in self.each if one.name == name for leaf in one.leaves}
 
 
-def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Spread | None:
+def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Any:
     """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
     if not isinstance(given, dict):
         if not hasattr(given, "distribution"):
             problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
             return None
-        spread: Spread | None = given.distribution(model, problems)
-        return spread
+        return given.distribution(model, problems)
     if not given:
         problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
         return None
@@ -119,7 +92,7 @@ def sobol(dimensions: int, count: int, seed: int) -> Array:
     return qmc.Sobol(dimensions, seed=np.random.default_rng(seed)).random_base2(round(np.log2(count))).T
 
 
-def sample_of(spread: Spread, count: int, seed: int) -> dict[str, Array]:
+def sample_of(spread: Any, count: int, seed: int) -> dict[str, Array]:
     """A scrambled Sobol sample of a machine's numbers, by name: arrays (count,), a power of two.
 
     Examples
@@ -150,17 +123,13 @@ def allowed_with(machines: Any, count: int, sample: dict[str, Array]) -> Array:
     [True, False]
     """
 
-    def refused(which: Array) -> bool:
+    def allowed(which: Array) -> bool:
         numbers = {name: np.broadcast_to(np.asarray(own, float), (count,))[which][:, None] for name, own in leaves(machines)}
-        try:
-            replace_leaf(machines, numbers).replace(sample)
-        except InputError:
-            return True
-        return False
+        return is_allowed(replace_leaf(machines, numbers), sample)
 
-    if not refused(np.arange(count)):
+    if allowed(np.arange(count)):
         return np.ones(count, bool)
-    return np.array([not refused(np.array([k])) for k in range(count)])
+    return np.array([allowed(np.array([k])) for k in range(count)])
 
 
 def sampled(machines: Any, count: int, sample: dict[str, Array]) -> tuple[Any, int]:

@@ -16,8 +16,6 @@ from stickslip.optimising.typed_ends import typed_ends
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 from stickslip.quantities import allowed_in, example_of
 
-__all__ = ["Unknowns", "Varied", "checked_over"]
-
 Array = Any
 _DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
 _INWARD = 1e-9  # of the way between two bounds: how far within them a number has to be allowed

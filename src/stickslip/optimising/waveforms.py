@@ -14,8 +14,6 @@ from stickslip.drives.fourier import extremes
 from stickslip.errors import Problems
 from stickslip.sealing import sealed
 
-__all__ = ["Scales", "Waveform", "drive_of_waveform", "unknowns_of", "unknowns_of_pieces", "waveform"]
-
 Array = Any
 _KINDS = {"pieces": 2, "fourier": 1, "spline": 4}  # with the least count of each
 _MOST = 64

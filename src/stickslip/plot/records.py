@@ -116,7 +116,7 @@ def _target(fit: Any, record: int) -> Any:
 
 
 def _rest(fit: Any, record: int) -> Any:
-    return fit._split(fit.residuals * fit.problem.sigma)[record]
+    return fit.problem.parts(fit.residuals * fit.problem.sigma)[record]
 
 
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
@@ -127,7 +127,7 @@ def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     if fit.problem.batched:
         return target.t[target.at], "time (s)"
-    return np.mod(fit.problem._phase(fit.place, record), 1.0), "drive periods"
+    return np.mod(fit.problem.model._phase(fit.place, record), 1.0), "drive periods"
 
 
 def _means(fit: Any, ax: Any) -> Any:

@@ -12,8 +12,6 @@ import numpy as np
 from stickslip.records.raw import Column, Raw
 from stickslip.units import quantity_of
 
-__all__ = ["by_own_times", "counted", "table_axes"]
-
 _TIME = re.compile(r"((t|time|times|zeit|x_value)[ _.]*\(?\d*\)?|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 

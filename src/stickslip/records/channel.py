@@ -12,8 +12,6 @@ from stickslip.errors import InputError
 from stickslip.sealing import sealed
 from stickslip.units import unit_of
 
-__all__ = ["MEASURED", "ROLES", "Channel", "Gap"]
-
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
     "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage", "current", "weight",

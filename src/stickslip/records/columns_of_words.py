@@ -4,26 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from stickslip.records.dialects import SEPARATORS, Dialect, heading_cells
-
-__all__ = ["Wordless", "without_words"]
 
 _SAMPLED = 400
 _MOST = 0.9  # part of the rows in which a column holds what it holds
 
 
-@dataclass(frozen=True)
-class Wordless:
-    """Lines without their columns of words, and what was left out."""
-
-    lines: list[str]
-    remark: str
-
-
-def without_words(lines: list[str], separator: str | None) -> Wordless | None:
-    """The lines of a table without the columns that hold words in nearly all rows; None where there are none, or no others."""
+def without_words(lines: list[str], separator: str | None) -> tuple[list[str], str] | None:
+    """The lines of a table without the columns that hold words in nearly all rows, and which these are; None where there are none."""
     filled = [line for line in lines if line.strip()]
     sampled = filled[:: max(len(filled) // _SAMPLED, 1)]
     for mark in [separator] if separator else [mark for mark in SEPARATORS.values() if mark != " "]:
@@ -37,13 +26,13 @@ def without_words(lines: list[str], separator: str | None) -> Wordless | None:
     return None
 
 
-def _left_out(lines: list[str], mark: str, width: int, words: list[int]) -> Wordless:
+def _left_out(lines: list[str], mark: str, width: int, words: list[int]) -> tuple[list[str], str]:
     parted = [line.split(mark) for line in lines]
     kept = [mark.join(c for k, c in enumerate(row) if k not in words) if len(row) == width else mark.join(row) for row in parted]
     title = next((row for row in parted if len(row) == width), [""] * width)
     cells = heading_cells(mark.join(title), Dialect(mark, ".", width))
     names = [cells[k] if k < len(cells) and cells[k] != "" else f"number {k + 1}" for k in words]
-    return Wordless(kept, f"column {', '.join(names)} left out" if len(names) == 1 else f"columns {', '.join(names)} left out")
+    return kept, f"column{'s' * (len(names) > 1)} {', '.join(names)} left out"
 
 
 def _part(holds: Callable[[str], bool], cells: list[str]) -> float:

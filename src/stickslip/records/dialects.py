@@ -13,8 +13,6 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.units import heading, unit_of
 
-__all__ = ["MOST_BAD", "Dialect", "heading_cells", "sniffed"]
-
 _NUMBER = {
     ".": re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?"),
     ",": re.compile(r"[+-]?(?:\d*,\d+|\d+)(?:[eEdD][+-]?\d+)?"),

@@ -18,8 +18,6 @@ from stickslip.unpacking import Allowance
 
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 
-__all__ = ["damage_reported", "library", "parse_tdms"]
-
 
 def library(name: str, what: str) -> Any:
     """The library that reads a format; an error that says what to type where it is not installed."""

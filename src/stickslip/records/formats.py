@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["FORMATS", "Format", "format_of", "formats_in_words"]
-
 
 @dataclass(frozen=True)
 class Format:

@@ -8,8 +8,6 @@ from stickslip.errors import Problems
 from stickslip.fields import checked_number, describe, is_array
 from stickslip.quantities import between
 
-__all__ = ["given_frequency"]
-
 
 def given_frequency(frequency: Any, name: str = "frequency") -> float:
     """The drive frequency that was given [Hz]; `InputError` says why a value is none.

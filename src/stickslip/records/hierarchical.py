@@ -15,8 +15,6 @@ from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
 
-__all__ = ["parse_hdf5", "parse_netcdf3"]
-
 _DEEPEST = 8  # groups within groups
 
 
@@ -68,6 +66,8 @@ def _datasets(group: Any, notes: list[str], prefix: str = "", above: tuple[int, 
 
 
 def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
+    import h5py
+
     if item.size is None:
         raw.notes.append(f"{name} is left out: it holds nothing")
         return
@@ -80,17 +80,10 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
         vectors({name: value["real"] + 1j * value["imag"]}, {name: unit} if unit else {}, raw)
     elif item.dtype.kind in "biuf":
         vectors({name: _scaled(item, attrs)}, {name: unit} if unit else {}, raw)
-    elif h5_text(item):
+    elif item.shape == () and h5py.check_string_dtype(item.dtype) is not None:
         raw.info[name] = str(_plain(item[()]))[:4000]
     else:
         raw.notes.append(f"{name} is left out: it is not an array of numbers")
-
-
-def h5_text(item: Any) -> bool:
-    """Whether a dataset holds one text."""
-    import h5py
-
-    return item.shape == () and h5py.check_string_dtype(item.dtype) is not None
 
 
 def _scaled(item: Any, attrs: dict[str, Any]) -> Any:

@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.records.raw import Column, Raw
 
-__all__ = ["with_its_header"]
-
 
 def with_its_header(raw: Raw) -> None:
     """Give the columns of a LabVIEW file their units and axes; other files stay as they are."""

@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.unpacking import Allowance
 
-__all__ = ["version4", "version5"]
-
 _KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 16: "u1", 17: "u2", 18: "u4"}
 _MATRIX, _COMPRESSED = 14, 15
 _STRUCT, _CHAR, _NUMERIC = 2, 4, range(6, 16)
@@ -28,13 +26,13 @@ def version5(data: bytes, notes: list[str], allowance: Allowance) -> dict[str, A
     found: dict[str, Any] = {}
     place = 128
     while place + 8 <= len(data):
-        kind, body, place = _element(data, place, order, notes)
+        kind, body, place = _element(data, place, order)
         if kind == _COMPRESSED:
             body = _inflated(body, order, allowance)
-            kind, body, _ = _element(body, 0, order, notes)
+            kind, body, _ = _element(body, 0, order)
         if kind != _MATRIX:
             raise ValueError(f"an element of type {kind} stands where a variable should")
-        name, value = _matrix(body, order, notes, allowance, 0)
+        name, value = _matrix(body, order, allowance, 0)
         if value is None:
             notes.append(f"{name} is left out: it is not an array of numbers")
         else:
@@ -60,8 +58,8 @@ def _inflated(body: bytes, order: str, allowance: Allowance) -> bytes:
     return found
 
 
-def _element(data: bytes, place: int, order: str, notes: list[str]) -> tuple[int, bytes, int]:
-    """Type and bytes of an element, and where the next begins; the last one may be cut short, which is noted."""
+def _element(data: bytes, place: int, order: str) -> tuple[int, bytes, int]:
+    """Type and bytes of an element, and where the next begins."""
     if place + 8 > len(data):
         raise ValueError("it ends within a variable")
     first, size = (int(x) for x in np.frombuffer(data[place : place + 8], f"{order}u4"))
@@ -77,17 +75,17 @@ def _element(data: bytes, place: int, order: str, notes: list[str]) -> tuple[int
     return first, data[start:end], end if first == _COMPRESSED else min(start + -(-size // 8) * 8, max(len(data), end))
 
 
-def _matrix(body: bytes, order: str, notes: list[str], allowance: Allowance, depth: int) -> tuple[str, Any]:
+def _matrix(body: bytes, order: str, allowance: Allowance, depth: int) -> tuple[str, Any]:
     """Name and value of a variable."""
     if depth > 16:
         raise ValueError("structs are nested too deeply")
     if not body:
         return "", np.empty(0)
-    _, flags, place = _element(body, 0, order, notes)
+    _, flags, place = _element(body, 0, order)
     word = int(np.frombuffer(flags[:4], f"{order}u4")[0]) if len(flags) >= 4 else 0
-    _, dims, place = _element(body, place, order, notes)
+    _, dims, place = _element(body, place, order)
     shape = tuple(int(n) for n in np.frombuffer(dims[: len(dims) // 4 * 4], f"{order}i4"))
-    _, label, place = _element(body, place, order, notes)
+    _, label, place = _element(body, place, order)
     name, kind = label.decode("latin-1"), word & 0xFF
     if any(n < 0 for n in shape):
         raise ValueError(f"{name!r} has shape {shape}")
@@ -99,11 +97,11 @@ def _matrix(body: bytes, order: str, notes: list[str], allowance: Allowance, dep
             imaginary, place = _numbers(body, place, order, shape, _STORED[kind], allowance)
             value = value + 1j * imaginary
         return name, value
-    return (name, _struct(body, place, order, notes, allowance, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
+    return (name, _struct(body, place, order, allowance, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
 
 
 def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored: tuple[int, ...], allowance: Allowance) -> tuple[Any, int]:
-    kind, raw, place = _element(body, place, order, [])
+    kind, raw, place = _element(body, place, order)
     if kind not in stored:
         raise ValueError(f"numbers of type {kind} in an array that cannot be stored so")
     kept = np.dtype(f"{order}{_KINDS[kind]}")
@@ -116,17 +114,17 @@ def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored
     return np.frombuffer(raw, kept).astype(float).reshape(shape, order="F"), place
 
 
-def _struct(body: bytes, place: int, order: str, notes: list[str], allowance: Allowance, depth: int) -> dict[str, Any]:
-    _, width, place = _element(body, place, order, notes)
-    _, names, place = _element(body, place, order, notes)
+def _struct(body: bytes, place: int, order: str, allowance: Allowance, depth: int) -> dict[str, Any]:
+    _, width, place = _element(body, place, order)
+    _, names, place = _element(body, place, order)
     size = int(np.frombuffer(width[:4], f"{order}i4")[0]) if len(width) >= 4 else 0
     if not 0 < size <= 256:
         raise ValueError(f"field names of {size} bytes")
     fields = [names[i : i + size].split(b"\0")[0].decode("latin-1") for i in range(0, len(names), size)]
     found = {}
     for field in fields:
-        _, part, place = _element(body, place, order, notes)
-        value = _matrix(part, order, notes, allowance, depth + 1)[1]
+        _, part, place = _element(body, place, order)
+        value = _matrix(part, order, allowance, depth + 1)[1]
         if value is not None:
             found[field] = value
     return found

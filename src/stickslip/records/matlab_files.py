@@ -11,8 +11,6 @@ from stickslip.records.matlab_bytes import version4, version5
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
 
-__all__ = ["parse", "vectors"]
-
 
 def parse(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""

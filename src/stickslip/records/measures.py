@@ -13,19 +13,6 @@ from stickslip.records.overview import noise
 from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 
-__all__ = [
-    "LONGEST",
-    "Cycle",
-    "Value",
-    "cycle",
-    "frequency_of",
-    "loop_friction",
-    "mean_velocity",
-    "period_number",
-    "period_number_of",
-    "velocity_of",
-]
-
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4
 
@@ -101,8 +88,7 @@ def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, per
     index = np.minimum((place * bins).astype(int), bins - 1)
     count = np.bincount(index, minlength=bins)
     safe = np.maximum(count, 1)
-    mean = np.bincount(index, v, bins) / safe
-    mean = np.where(count > 0, mean, np.interp(np.arange(bins), np.flatnonzero(count), mean[count > 0]))
+    mean = np.interp(np.arange(bins), np.flatnonzero(count), (np.bincount(index, v, bins) / safe)[count > 0])
     level = np.fmin(noise(v), _scatter(v - np.interp(place * bins - 0.5, np.arange(bins), mean, period=bins), count))
     return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods), float(level))
 
@@ -140,7 +126,7 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
     return Value(float(each.mean()), float(np.hypot(level, spread)))
 
 
-def period_number(rec: Any, frequency: float | None = None) -> int | None:
+def period(rec: Any, frequency: float | None = None) -> int | None:
     """After how many drive periods the motion repeats, 1 to 4; None if it does not, or not in a record this short."""
     t, v = velocity_of(rec)
     return period_number_of((t - t[0]) * frequency_of(rec, frequency), v)

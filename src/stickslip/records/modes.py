@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.information import Information
 from stickslip.sealing import sealed
 
-__all__ = ["Mode", "modes"]
-
 _BAND = 12  # lines on either side of a peak
 _UNKNOWN = 8  # numbers of a mode: frequency and damping, and a, b and c, which are complex
 
@@ -35,7 +33,6 @@ def modes(rec: Any, channel: str | None = None, count: int = 1) -> tuple[Mode, .
 
     Parameters
     ----------
-    rec : Record
     channel : str, optional
         A complex channel over frequency; by default the first there is.
     count : int

@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.records.measures import cycle, frequency_of, period_number
+from stickslip.records.measures import cycle, frequency_of, period
 from stickslip.records.rests import Rest, rest_at
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of, type_of
-
-__all__ = ["MeasuredMotion", "motion"]
 
 #: A place counts as slow below this many standard errors of the mean cycle, and below this part of its range.
 ERRORS, RANGE = 4.0, 0.01
@@ -101,7 +99,6 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
 
     Parameters
     ----------
-    rec : Record
     frequency : float, optional
         Of the drive [Hz]; found in the record otherwise.
     threshold : float, optional
@@ -121,7 +118,7 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
     'I'
     """
     f = frequency_of(rec, frequency)
-    number = period_number(rec, f)
+    number = period(rec, f)
     periods = number or 1
     rough = cycle(rec, f, period=periods)
     limit = float(max(ERRORS * np.median(rough.error), RANGE * np.ptp(rough.v))) if threshold is None else float(threshold)
@@ -192,11 +189,8 @@ def _with(signs: Any, run: Any, sign: int) -> Any:
 
 def _bins(rec: Any, periods: int) -> int:
     """Bins of the fine cycle: eight samples or more in each."""
-    return int(np.clip(_count(rec) / 8, 48 * periods, 400 * periods))
-
-
-def _count(rec: Any) -> int:
-    return len(rec["velocity"] if "velocity" in rec or "position" not in rec else rec["position"])
+    count = len(rec["velocity"] if "velocity" in rec or "position" not in rec else rec["position"])
+    return int(np.clip(count / 8, 48 * periods, 400 * periods))
 
 
 def _rests(c: Any, signs: Any, periods: int) -> tuple[Rest, ...]:
@@ -211,8 +205,8 @@ def _rests(c: Any, signs: Any, periods: int) -> tuple[Rest, ...]:
     noisy = ERRORS * np.median(c.error) > 2 * RANGE * np.ptp(c.v)
     window = max(_WINDOW[int(noisy)], 4 * float(np.diff(c.phase[:2])[0]))
     found = []
-    begins = [i for i in range(n) if signs[i] != signs[i - 1]]
-    for start, end in zip(begins, [*begins[1:], begins[0] + n], strict=True):
+    for run in _runs(signs):
+        start, end = int(run[0]), int(run[0]) + len(run)
         if signs[start] == 0:
             before, after, a, b = int(signs[start - 1]), int(signs[end % n]), start * width, end * width
         elif signs[start - 1] != 0:
@@ -258,11 +252,7 @@ def _length(rest: Rest, dwell: float) -> float:
 
 def _without_flicker(signs: Any, least: int) -> Any:
     """Runs shorter than `least` bins, which noise makes where v passes zero, are given to the run before them."""
-    turn = next((i for i in range(len(signs)) if signs[i] != signs[i - 1]), 0)
-    signs = np.roll(signs, -turn)
-    begins = np.flatnonzero(np.diff(signs, prepend=signs[0] - 5))
-    lengths = np.diff(np.append(begins, len(signs)))
-    for begin, length in zip(begins, lengths, strict=True):
-        if length < least:
-            signs[begin : begin + length] = signs[begin - 1]
-    return np.roll(signs, turn)
+    for run in _runs(signs):
+        if len(run) < least:
+            signs[run] = signs[run[0] - 1]
+    return signs

@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.records.tones import NotPeriodic
 from stickslip.units import unit_of
 
-__all__ = ["Line", "Overview", "clipped", "dead_zone", "noise", "overview"]
-
 
 @dataclass(frozen=True)
 class Line:
@@ -121,6 +119,11 @@ def noise(y: Any) -> float:
     return float(np.median(abs(bends - np.median(bends))) / 0.6744897501960817 / np.sqrt(20))
 
 
+def runs_of(which: Any) -> Any:
+    """Where runs of samples begin and end: array (runs, 2)."""
+    return np.flatnonzero(np.diff(np.concatenate([[False], which, [False]]).astype(int))).reshape(-1, 2)
+
+
 def clipped(y: Any, least: int = 3) -> int:
     """How many samples sit on the end of the range: runs of equal extreme values that begin or end with a jump.
 
@@ -134,11 +137,9 @@ def clipped(y: Any, least: int = 3) -> int:
         return 0
     count = 0
     for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], y == value, [False]]).astype(int)))
-        starts, ends = edges[::2], edges[1::2]
         bends = abs(np.diff(y, 2))
         usual = np.median(bends[np.isfinite(bends)]) if np.isfinite(bends).any() else 0.0
-        runs = [(a, b) for a, b in zip(starts, ends, strict=True) if b - a >= least and _jump(y, a, b) > 2 * usual]
+        runs = [(a, b) for a, b in runs_of(y == value) if b - a >= least and _jump(y, a, b) > 2 * usual]
         if len(runs) > 1:
             count += sum(int(b - a) for a, b in runs)
     return count
@@ -156,8 +157,7 @@ def dead_zone(y: Any, least: int = 3) -> float:
     y = np.asarray(y, float)
     y = y[np.isfinite(y)]
     still = y == 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
-    runs = int(np.sum(edges[1::2] - edges[::2] >= least))
+    runs = int(np.sum(np.diff(runs_of(still)) >= least))
     moving = abs(np.diff(y))[~(still[1:] | still[:-1])]
     moving = moving[moving > 0]
     if runs < 4 or len(moving) < 8 or not ((y > 0).any() and (y < 0).any()):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Column", "Raw"]
-
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -40,3 +38,11 @@ class Raw:
     info: dict[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     table: bool = False  # columns of one table share an axis, which is one of them
+
+
+def unmarked(data: bytes) -> str:
+    """The text in bytes that do not say its code: UTF-8, or else Latin-1, in which all bytes are letters."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")

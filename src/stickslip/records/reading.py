@@ -26,8 +26,6 @@ from stickslip.records.tables_of_values import is_frame, raw_of_frame
 from stickslip.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
 
-__all__ = ["read", "read_bytes", "remarks"]
-
 
 @explains_arguments
 def read(
@@ -112,7 +110,8 @@ def _record(
     _rename(raw, columns, problems)
     _give_units(raw, units, problems)
     scaled(raw, scale, problems)
-    _take_roles(raw)
+    told = roles_in(raw.info.get("preamble", ""))
+    raw.columns = [dataclasses.replace(c, role=told.get(c.name, c.role)) for c in raw.columns]
     _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
@@ -214,12 +213,6 @@ def _name_all(raw: Raw) -> None:
     if again:
         shown = ", ".join(repr(n) for n in again[:6]) + (", ..." if len(again) > 6 else "")
         raw.notes.append(f"names stand over several columns: the later ones are called {shown}")
-
-
-def _take_roles(raw: Raw) -> None:
-    """The roles that a file of ours tells."""
-    told = roles_in(raw.info.get("preamble", ""))
-    raw.columns = [dataclasses.replace(c, role=told.get(c.name, c.role)) for c in raw.columns]
 
 
 def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:

@@ -6,14 +6,14 @@ import dataclasses
 import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Measured, Numbers, explains_arguments
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.arguments import Numbers, explains_arguments
+from stickslip.errors import InputError, did_you_mean
+from stickslip.records import measures, modes, motion_type, saving, segments_and_masks, settling
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.sealing import sealed
 from stickslip.units import quantity_of
@@ -21,12 +21,7 @@ from stickslip.units import quantity_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from stickslip.records.modes import Mode
-    from stickslip.records.motion_type import MeasuredMotion
     from stickslip.records.overview import Overview
-    from stickslip.records.tones import Frequency
-
-__all__ = ["Record"]
 
 
 #: Sensitivities of sensors, as their data sheets give them, by what they measure.
@@ -145,48 +140,6 @@ class Record:
             raise InputError("record", [f"has no sample between {start:g} and {end:g} s"])
         return self.replace(channels=cut, notes=self._notes_of(cut), source={**self.source, "between": [start, end]})
 
-    @explains_arguments
-    def segments(self, least: int = 100) -> tuple[Record, ...]:
-        """The parts between gaps and between restarts of the time axis, with at least `least` samples each: records to fit jointly."""
-        from stickslip.records.segments_and_masks import segments
-
-        return segments(self, least)
-
-    @explains_arguments
-    def masked(self, start: float, end: float, channel: str | None = None) -> Record:
-        """The record with the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
-        from stickslip.records.segments_and_masks import masked
-
-        return masked(self, start, end, channel)
-
-    @explains_arguments
-    def averaged(self, rate: float) -> Record:
-        """The record with neighbouring samples averaged, at most `rate` values per second [Hz]; a note says so.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> rec = Record.of(np.arange(1_000_000) / 1e6, {"v [m/s]": np.ones(1_000_000)})
-        >>> thin = rec.averaged(rate=1e4)
-        >>> len(thin["v"]), thin.notes[-1]
-        (10000, 'v: means of 100 samples each, 10000 of 1000000')
-        """
-        from stickslip.fields import checked_number
-        from stickslip.quantities import positive
-        from stickslip.records.segments_and_masks import averaged
-
-        problems = Problems("averaged")
-        checked_number("rate", rate, problems, positive, "a positive number [Hz]", "rate=1e4")
-        problems.check()
-        return averaged(self, rate)
-
-    @explains_arguments
-    def joined(self, other: Measured, delay: float = 0.0) -> Record:
-        """The record with the channels of another one added, at their own sampling times, shifted later by `delay` [s]."""
-        from stickslip.records.segments_and_masks import joined
-
-        return joined(self, other, delay)
-
     def _notes_of(self, part: dict[str, Channel]) -> tuple[str, ...]:
         """The notes, those on gaps and missing values as they are in a part of the record."""
         from stickslip.records.roles import remarks
@@ -212,36 +165,18 @@ class Record:
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
         return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
 
-    @explains_arguments
-    def save(self, path: str | Path) -> Path:
-        """Write the channels to a CSV file that `ss.read` reads back without options: units in the headings, all digits.
-
-        A synthetic record is labelled in its first line, and remains labelled when it is read. If the roles of the channels do not follow
-        from names and units, lines before the table state them.
-
-        Parameters
-        ----------
-        path : str or Path
-            Ends in ``.csv``. An existing file is replaced in a single step at the end.
-
-        Raises
-        ------
-        InputError
-            The channels are not sampled at the same times, or the file cannot be written.
-
-        Examples
-        --------
-        >>> import stickslip as ss
-        >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), noise=1e-4, seed=1)
-        >>> again = ss.read(rec.save("rig.csv"))
-        >>> again.synthetic, bool((again["velocity"].values == rec["velocity"].values).all())
-        (True, True)
-        """
-        from stickslip.records.saving import save
-
-        return save(self, path)
+    segments = explains_arguments(segments_and_masks.segments)
+    masked = explains_arguments(segments_and_masks.masked)
+    averaged = explains_arguments(segments_and_masks.averaged)
+    joined = explains_arguments(segments_and_masks.joined)
+    save = explains_arguments(saving.save)
 
     # ---- measures ----
+    drive_frequency = explains_arguments(settling.drive_frequency)
+    motion = explains_arguments(motion_type.motion)
+    period = explains_arguments(measures.period)
+    modes = explains_arguments(modes.modes)
+
     @property
     def summary(self) -> Overview:
         """Rate, gaps, noise, clipping and drive frequency of every channel, as numbers and as text."""
@@ -250,39 +185,18 @@ class Record:
         return overview(self)
 
     @explains_arguments
-    def drive_frequency(self, about: float | None = None) -> Frequency:
-        """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
-
-        Drive periods at the start of a velocity or a position that differ from the later ones are left out.
-        """
-        from stickslip.records.settling import steady_frequency
-
-        return steady_frequency(self, about)
-
-    @explains_arguments
     def settled(self, settle: int | str = "auto", frequency: float | None = None) -> Record:
         """The steady part of the record: without the first `settle` drive periods, "auto" those that differ from the later ones.
 
         A note says how many were left out.
         """
-        from stickslip.records.settling import settled
-
-        kept, _, said = settled(self, settle, frequency)
+        kept, _, said = settling.settled(self, settle, frequency)
         return kept if said is None else kept.replace(notes=(*kept.notes, said.partition(" and are not compared")[0]))
 
     @explains_arguments
     def mean_velocity(self, frequency: float | None = None) -> float:
         """Mean steady velocity over whole drive periods [m/s]."""
-        from stickslip.records.measures import mean_velocity
-
-        return mean_velocity(self, frequency).value
-
-    @explains_arguments
-    def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
-        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motion_type.motion`."""
-        from stickslip.records.motion_type import motion
-
-        return motion(self, frequency, threshold, dwell)
+        return measures.mean_velocity(self, frequency).value
 
     @property
     def motion_type(self) -> str:
@@ -298,25 +212,11 @@ class Record:
         return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
 
     @explains_arguments
-    def period(self, frequency: float | None = None) -> int | None:
-        """Number of drive periods after which the motion repeats; None if it does not within the record."""
-        from stickslip.records.measures import period_number
-
-        return period_number(self, frequency)
-
-    @explains_arguments
     def spectrum(self, channel: str = "velocity") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Amplitude spectrum of a channel: frequencies [Hz] and amplitudes [SI]."""
         from stickslip.records.tones import spectrum
 
         return spectrum(self[channel])
-
-    @explains_arguments
-    def modes(self, channel: str | None = None, count: int = 1) -> tuple[Mode, ...]:
-        """Modes of a measured frequency response: natural frequency [in the unit of its axis] and damping ratio."""
-        from stickslip.records.modes import modes
-
-        return modes(self, channel, count)
 
     def __repr__(self) -> str:
         kind = "synthetic record" if self.synthetic else "Record"

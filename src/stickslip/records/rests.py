@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Rest", "rest_at"]
-
 _RISE = 4.0  # of chi squared at the ends of an interval: 95 % for one number
 
 

@@ -7,11 +7,9 @@ import re
 import numpy as np
 
 from stickslip.records.channel import MEASURED, Channel
-from stickslip.records.overview import clipped, dead_zone
+from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import Column
 from stickslip.units import quantity_of, unit_of
-
-__all__ = ["OURS", "remark_range", "remarks", "roles_of"]
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
 _ROLE_WORDS = (
@@ -108,10 +106,8 @@ def remark_range(c: Channel, notes: list[str]) -> None:
 def _remark_values(c: Channel, notes: list[str]) -> None:
     missing, infinite = np.isnan(c.values), np.isinf(c.values)
     if missing.any():
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(int)))
-        notes.append(
-            f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {int((edges[1::2] - edges[::2]).max())}"
-        )
+        longest = int(np.diff(runs_of(missing)).max())
+        notes.append(f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {longest}")
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
     size = abs(c.values[~missing & ~infinite])

@@ -14,8 +14,6 @@ from stickslip.errors import Problems, as_path
 from stickslip.records.channel import ROLES
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["SYNTHETIC", "roles_in", "save"]
-
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
 #: A line with the role of a channel, where its name and unit do not tell it.
@@ -23,7 +21,29 @@ _ROLE = "# stickslip: the role of "
 
 
 def save(rec: Any, path: str | Path) -> Path:
-    """Write a record: one line for each sample, units in the headings, every digit."""
+    """Write the channels to a CSV file that `ss.read` reads back without options: units in the headings, all digits.
+
+    A synthetic record is labelled in its first line, and remains labelled when it is read. If the roles of the channels do not follow
+    from names and units, lines before the table state them.
+
+    Parameters
+    ----------
+    path : str or Path
+        Ends in ``.csv``. An existing file is replaced in a single step at the end.
+
+    Raises
+    ------
+    InputError
+        The channels are not sampled at the same times, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), noise=1e-4, seed=1)
+    >>> again = ss.read(rec.save("rig.csv"))
+    >>> again.synthetic, bool((again["velocity"].values == rec["velocity"].values).all())
+    (True, True)
+    """
     path, channels, problems = as_path(path, "record", "run.csv"), list(rec.channels.values()), Problems("record")
     if path.suffix.lower() != ".csv":
         problems.add(f"{str(path)!r} ends in {path.suffix or 'nothing'!r}; allowed is .csv; type for example rec.save('run.csv')")

@@ -11,8 +11,6 @@ from stickslip.errors import Problems, did_you_mean
 from stickslip.records.raw import Raw
 from stickslip.units import SI, Unit, unit_of
 
-__all__ = ["scaled"]
-
 _VOLT = unit_of("V")
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 _TYPE = 'type for example scale={{"{name}": "25 mm/s/V"}}, or "100 mV/g0"'

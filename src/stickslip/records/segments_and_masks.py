@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.arguments import Measured
+from stickslip.errors import InputError, Problems
+from stickslip.fields import checked_number
+from stickslip.quantities import positive
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record
 
-__all__ = ["averaged", "joined", "masked", "segments"]
 
-
-def segments(rec: Record, least: int) -> tuple[Record, ...]:
-    """The parts of a record between gaps, and between places where time begins anew."""
+def segments(rec: Record, least: int = 100) -> tuple[Record, ...]:
+    """The parts between gaps and between restarts of the time axis, with at least `least` samples each: records to fit jointly."""
     found, t = [], _longest(rec).t
     for start, end in _stretches(rec, least):
         cut = {}
@@ -47,8 +48,8 @@ def _whole(c: Any) -> list[tuple[int, int]]:
     return list(pairwise([0, *(np.flatnonzero(~((steps > 0) & (steps <= 1.5 * c.interval))) + 1).tolist(), len(c)]))
 
 
-def masked(rec: Record, start: float, end: float, channel: str | None) -> Record:
-    """The same record in which samples from `start` to `end` are missing."""
+def masked(rec: Record, start: float, end: float, channel: str | None = None) -> Record:
+    """The record with the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
     names = [rec[channel].name] if channel is not None else list(rec.channels)
     made, count = dict(rec.channels), 0
     for name in names:
@@ -63,7 +64,19 @@ def masked(rec: Record, start: float, end: float, channel: str | None) -> Record
 
 
 def averaged(rec: Record, rate: float) -> Record:
-    """Means of neighbouring samples, so many that at most `rate` samples a second are left; no mean crosses a gap."""
+    """The record with neighbouring samples averaged, at most `rate` values per second [Hz]; a note says so. No mean crosses a gap.
+
+    Examples
+    --------
+    >>> from stickslip.records import Record
+    >>> rec = Record.of(np.arange(1_000_000) / 1e6, {"v [m/s]": np.ones(1_000_000)})
+    >>> thin = rec.averaged(rate=1e4)
+    >>> len(thin["v"]), thin.notes[-1]
+    (10000, 'v: means of 100 samples each, 10000 of 1000000')
+    """
+    problems = Problems("averaged")
+    checked_number("rate", rate, problems, positive, "a positive number [Hz]", "rate=1e4")
+    problems.check()
     made, told = {}, []
     for name, c in rec.channels.items():
         if not c.over_time:
@@ -84,15 +97,15 @@ def _means(c: Any, count: int) -> Any:
     return dataclasses.replace(c, values=c.values[at].mean(axis=1), t=c.t[at].mean(axis=1))
 
 
-def joined(first: Record, second: Record, delay: float) -> Record:
-    """The channels of two records, each at its own times, those of the second later by `delay` [s]."""
-    twice = [name for name in second.channels if name in first.channels]
+def joined(first: Record, other: Measured, delay: float = 0.0) -> Record:
+    """The record with the channels of another one added, at their own sampling times, shifted later by `delay` [s]."""
+    twice = [name for name in other.channels if name in first.channels]
     if twice:
         raise InputError("joined", [f"both records have {', '.join(map(repr, twice))}; read one of them with columns=[...] of other names"])
     later = {}
-    for name, c in second.channels.items():
+    for name, c in other.channels.items():
         factor = c.time[-1] / c.t[-1] if len(c) and c.t[-1] else 1.0
         later[name] = dataclasses.replace(c, t=c.t + delay / factor) if delay else c
-    source = {**first.source, "joined with": second.source.get("path", "")}
-    notes = tuple(dict.fromkeys((*first.notes, *second.notes)))
-    return first.replace(channels={**first.channels, **later}, notes=notes, source=source, synthetic=first.synthetic or second.synthetic)
+    source = {**first.source, "joined with": other.source.get("path", "")}
+    notes = tuple(dict.fromkeys((*first.notes, *other.notes)))
+    return first.replace(channels={**first.channels, **later}, notes=notes, source=source, synthetic=first.synthetic or other.synthetic)

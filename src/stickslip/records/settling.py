@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, is_one_of, is_whole
+from stickslip.records import tones
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import period_number_of, velocity_of
-from stickslip.records.tones import Frequency, drive_frequency
-
-__all__ = ["settled", "settling_periods", "steady_frequency"]
+from stickslip.records.tones import Frequency
 
 _FEWEST = 6  # drive periods in a record that can be judged
 _TWICE = 2.5  # mean square in a period over the usual one
@@ -45,10 +44,8 @@ def settling_periods(rec: Any, frequency: float) -> int:
     bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
     index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index[half], minlength=bins)
-    if (count == 0).any():
-        mean = np.interp(np.arange(bins), np.flatnonzero(count), np.bincount(index[half], v[half], bins)[count > 0] / count[count > 0])
-    else:
-        mean = np.bincount(index[half], v[half], bins) / count
+    sums = np.bincount(index[half], v[half], bins)
+    mean = np.interp(np.arange(bins), np.flatnonzero(count), sums[count > 0] / count[count > 0])
     rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
     number = np.maximum(held, 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
@@ -58,8 +55,11 @@ def settling_periods(rec: Any, frequency: float) -> int:
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
 
 
-def steady_frequency(rec: Any, about: float | None = None) -> Frequency:
-    """The drive frequency, of a velocity or a position from where it is steady: a transient shifts phases, as another frequency would.
+def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
+    """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
+
+    Drive periods at the start of a velocity or a position that differ from the later ones are left out: a transient shifts phases, as
+    another frequency would.
 
     Examples
     --------
@@ -67,14 +67,14 @@ def steady_frequency(rec: Any, about: float | None = None) -> Frequency:
     >>> from stickslip.records import Record
     >>> t = np.arange(4000) / 200
     >>> rec = Record.of(t, {"v [m/s]": np.sin(2 * np.pi * t + 2 * np.exp(-t))})
-    >>> bool(abs(drive_frequency(rec).value - 1) > 1e-3), bool(abs(steady_frequency(rec).value - 1) < 1e-4)
+    >>> bool(abs(tones.drive_frequency(rec).value - 1) > 1e-3), bool(abs(drive_frequency(rec).value - 1) < 1e-4)
     (True, True)
     """
-    found = drive_frequency(rec, about)
+    found = tones.drive_frequency(rec, about)
     if rec[found.channel].role not in ("velocity", "position"):
         return found
     kept, count, _ = settled(rec, "auto", found.value)
-    return drive_frequency(kept, found.value) if count else found
+    return tones.drive_frequency(kept, found.value) if count else found
 
 
 def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:

@@ -13,10 +13,9 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.extras import damage_reported, library
 from stickslip.records.raw import Column, Raw
+from stickslip.records.tables_of_values import is_plain_number, number_in
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
-
-__all__ = ["parse_xlsx"]
 
 #: Bytes in memory for a byte of XML and for a cell, and most rows, which are Excel's.
 _PER_BYTE, _PER_CELL, _MOST_ROWS = 10, 32, 2**20
@@ -90,7 +89,7 @@ def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Col
     """The columns of a sheet whose cells are numbers, text or None."""
     width = max((len(row) for row in rows), default=0)
     allowance.take(_PER_CELL * width * len(rows), "its first sheet")
-    numeric = [sum(_is_number(cell) for cell in row) for row in rows]
+    numeric = [sum(is_plain_number(cell) for cell in row) for row in rows]
     most = max(numeric, default=0)
     if most == 0:
         raise InputError("read", ["the sheet holds no row of numbers; export the sheet with the data as its first one"])
@@ -107,12 +106,6 @@ def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Col
     return [Column(*(heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
 
 
-def _is_number(cell: Any) -> bool:
-    return isinstance(cell, (int, float)) and not isinstance(cell, bool)
-
-
 def _cell(cell: Any) -> float:
-    try:
-        return float(cell) if _is_number(cell) else np.nan
-    except OverflowError:  # a whole number of hundreds of digits
-        return np.inf if cell > 0 else -np.inf
+    found = number_in(cell) if is_plain_number(cell) else None
+    return np.nan if found is None else found

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from stickslip.errors import InputError
 
-__all__ = ["STAMP_UNIT", "Stamped", "nanoseconds", "stamped"]
-
 #: What one of the whole numbers is [s].
 STAMP_UNIT = 1e-9
 _DAY, _SECOND = 86_400_000_000_000, 1_000_000_000

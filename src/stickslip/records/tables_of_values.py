@@ -14,8 +14,6 @@ from stickslip.records.stamps import STAMP_UNIT, nanoseconds
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
 
-__all__ = ["is_frame", "parse_json", "raw_of_frame"]
-
 _FORMS = (
     'allowed are [{"t [s]": 0.0, "v [mm/s]": 1.0}, ...], {"t [s]": [...], "v [mm/s]": [...]}, '
     '{"columns": [...], "data": [[...], ...]} and one object a line'
@@ -99,7 +97,7 @@ def _labels_a_row(name: str) -> bool:
 
 def _named_columns(found: dict[str, Any]) -> bool:
     lists = [_plain(value) for name, value in found.items() if name != "units" and _columnar(value)]
-    return not _is_split(found) and any(any(map(_is_number, values)) for values in lists)
+    return not _is_split(found) and any(any(map(is_plain_number, values)) for values in lists)
 
 
 def _named_rows(found: dict[str, Any]) -> bool:
@@ -112,7 +110,8 @@ def _is_table(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and isinstance(value[0], (dict, list))
 
 
-def _is_number(value: Any) -> bool:
+def is_plain_number(value: Any) -> bool:
+    """Whether a value is a number as JSON and spreadsheets have them."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -146,13 +145,14 @@ def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) ->
         first = next(s for s in stamps if s is not None)
         notes.append(f"times are counted from the first timestamp, {next(x for x, s in zip(values, stamps, strict=True) if s is not None)}")
         return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
-    strange = sum(x is not None and _number(x) is None for x in values)
+    strange = sum(x is not None and number_in(x) is None for x in values)
     if strange:
         notes.append(f"{name}: {strange} values are not numbers and became NaN")
-    return Column(name, unit, np.array([np.nan if (x := _number(value)) is None else x for value in values], float))
+    return Column(name, unit, np.array([np.nan if (x := number_in(value)) is None else x for value in values], float))
 
 
-def _number(value: Any) -> float | None:
+def number_in(value: Any) -> float | None:
+    """A value as a number, infinite where it has hundreds of digits; None if it is none."""
     try:
         return None if value is None or isinstance(value, bool) else float(value)
     except OverflowError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,13 +12,11 @@ from stickslip.records.columns_of_words import without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
-from stickslip.records.raw import Column, Raw
+from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.tables_of_values import parse_json
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
-
-__all__ = ["decoded", "is_json", "parse"]
 
 Table = tuple[list[str], Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
@@ -38,10 +35,7 @@ def decoded(data: bytes) -> str:
         raise InputError(
             "read", [f"the file is not text ({strange} control characters) and of no format known here; allowed are {formats_in_words()}"]
         )
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
+    return unmarked(data)
 
 
 def parse(data: bytes, separator: str | None = None, decimal: str | None = None) -> Raw:
@@ -60,7 +54,8 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     raw, lines = Raw("text", table=True), re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
     lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
-    values = _body(lines[first:], first, dialect, raw.notes)
+    values = _fast(lines[first:], dialect)
+    values = _slow(lines[first:], first, dialect, raw.notes) if values is None else values
     raw.info["dialect"] = dialect.words
     if not text.endswith(("\n", "\r")) and text.strip():
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
@@ -79,8 +74,8 @@ def _table(lines: list[str], separator: str | None, decimal: str | None, notes: 
         kept = without_words(lines, separator)
         if kept is None:
             raise error from None
-        notes.append(f"{kept.remark}: words are not read")
-        return _numbered(kept.lines, separator, decimal, notes)
+        notes.append(f"{kept[1]}: words are not read")
+        return _numbered(kept[0], separator, decimal, notes)
 
 
 def _numbered(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
@@ -139,11 +134,6 @@ def _of_other_columns(row: list[str], dialect: Dialect) -> bool:
 
 
 # ---- numbers ----
-def _body(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> Any:
-    fast = _fast(lines, dialect)
-    return fast if fast is not None else _slow(lines, first, dialect, notes)
-
-
 _PLAIN = re.compile(r"[0-9eE+\-.,;\t \r\n]*")
 
 
@@ -170,7 +160,7 @@ def _slow(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> A
     rows: list[list[float]] = []
     wrong: list[tuple[int, str]] = []
     strange: list[tuple[int, str]] = []
-    for number, line in _filled(lines, first):
+    for number, line in ((n, line) for n, line in enumerate(lines, first + 1) if line.strip()):
         cells = dialect.cells(line)
         if len(cells) != dialect.width:
             wrong.append((number, f"{len(cells)} of {dialect.width} cells"))
@@ -193,8 +183,3 @@ _MIXED = 'if the decimal mark was taken for another, type ss.read(path, separato
 
 def _shown(found: list[tuple[int, str]]) -> str:
     return f"the first is line {found[0][0]}: {found[0][1][:40]!r}"
-
-
-def _filled(lines: list[str], first: int) -> Iterator[tuple[int, str]]:
-    """The lines that hold something, with their number in the file."""
-    return ((first + i + 1, line) for i, line in enumerate(lines) if line.strip())

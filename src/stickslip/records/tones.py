@@ -11,8 +11,6 @@ from stickslip.errors import InputError
 from stickslip.faces import rounded, sure
 from stickslip.records.given import given_frequency
 
-__all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "measured_samples", "spectrum"]
-
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
 _FEWEST = 1.9  # periods in a record that can show one
@@ -53,7 +51,11 @@ def spectrum(c: Any) -> tuple[Any, Any]:
     tuple of arrays
         Frequencies [Hz], and amplitudes [SI unit of the channel]: a sine of amplitude a on a line of the spectrum shows as a.
     """
-    t, y = measured_samples(c)
+    return amplitudes(*measured_samples(c))
+
+
+def amplitudes(t: Any, y: Any) -> tuple[Any, Any]:
+    """The same of samples at rising times."""
     step = (t[-1] - t[0]) / (len(t) - 1)
     even = np.interp(t[0] + step * np.arange(len(t)), t, y)
     window = np.hanning(len(t) + 1)[:-1]
@@ -131,7 +133,7 @@ def _strongest(name: str, t: Any, y: Any, about: float | None) -> Frequency:
     """The strongest line of these samples, refined."""
     about = None if about is None else given_frequency(about, "about")
     drifting = _without_drift(t, y)
-    lines, amplitude = spectrum(_Cut(name, t, drifting))
+    lines, amplitude = amplitudes(t, drifting)
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1
     if not near.any() or not amplitude[near].max() > 0:
         raise InputError("record", [f"no drive frequency is found in {name!r}; type frequency=... [Hz], or a longer record"])
@@ -153,15 +155,6 @@ def _check_line(name: str, value: float, periods: float, amplitude: Any, line: i
         why = f"its strongest line, at {value:.4g} Hz, does not stand out of those beside it"
     if why:
         raise NotPeriodic("record", [f"{name!r} is not periodic: {why}; if it is, type frequency=... [Hz]"])
-
-
-@dataclass(frozen=True)
-class _Cut:
-    """Times and values as `spectrum` wants them."""
-
-    name: str
-    time: Any
-    si: Any
 
 
 def _refined(t: Any, y: Any, start: float) -> tuple[float, float, float]:

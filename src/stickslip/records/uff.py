@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.raw import Column, Raw
-
-__all__ = ["parse"]
+from stickslip.records.raw import Column, Raw, unmarked
 
 _DELIMITER = re.compile(rb"^ {4}-1[ \t]*\r?$", re.M)
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)", re.I)
@@ -73,9 +71,9 @@ def _function(data: bytes, first: bytes, place: int, raw: Raw, byte_order: str |
     lines = []
     for _ in range(_HEADER):
         line, place = _line(data, place)
-        lines.append(_decoded(line))
+        lines.append(unmarked(line))
     number = len(raw.columns) + 1
-    head = _head(lines, number, raw.notes)
+    head = _head(lines, number)
     if first[:7].strip().lower() == b"58b":
         values, place = _binary(data, first, place, head, number, raw.notes, byte_order)
     else:
@@ -85,14 +83,7 @@ def _function(data: bytes, first: bytes, place: int, raw: Raw, byte_order: str |
     return place
 
 
-def _decoded(line: bytes) -> str:
-    try:
-        return line.decode("utf-8")
-    except UnicodeDecodeError:
-        return line.decode("latin-1")
-
-
-def _head(lines: list[str], number: int, notes: list[str]) -> _Head:
+def _head(lines: list[str], number: int) -> _Head:
     try:
         kind, count, spacing = (int(float(word)) for word in lines[6].split()[:3])
         first, step = (float(word.replace("D", "E")) for word in lines[6].split()[3:5])
@@ -133,7 +124,7 @@ def _ascii(data: bytes, place: int, head: _Head, number: int, notes: list[str]) 
         block = block[: max(block.rstrip().rfind(b" "), block.rstrip().rfind(b"\n"), 0)]
     rest = _NUMBER.sub(b"", block).translate(None, b" \t\r\n")
     if rest:
-        raise _broken(number, f"{_decoded(rest[:20])!r} stands among its numbers")
+        raise _broken(number, f"{unmarked(rest[:20])!r} stands among its numbers")
     values = np.array([float(word.replace(b"D", b"E").replace(b"d", b"e")) for word in _NUMBER.findall(block)])
     if end is None:
         notes.append(f"function {number} has no closing line -1: the file is cut short")
@@ -156,7 +147,7 @@ def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, not
     try:
         order, kind, lines, size = (int(word) for word in first[7:].split()[:4])
     except ValueError:
-        raise _broken(number, f"its first line {_decoded(first[:60])!r} does not describe binary data") from None
+        raise _broken(number, f"its first line {unmarked(first[:60])!r} does not describe binary data") from None
     if order not in (1, 2) or kind != 2 or lines != _HEADER or size < 0:
         raise _broken(number, f"byte order {order}, number format {kind}, {lines} header lines; allowed are 1 or 2, 2 (IEEE) and {_HEADER}")
     wanted = _numbers(head) * head.size if head.even else head.count * (head.parts * head.size + 4)
