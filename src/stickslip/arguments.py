@@ -20,12 +20,6 @@ from stickslip.errors import InputError, OneContactNeeded, Problems, StickslipEr
 from stickslip.fields import check_arguments, checked_number, number
 from stickslip.quantities import allowed_in, example_of
 
-__all__ = [
-    "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model",
-    "Numbers", "Page", "Recorded", "Run", "Ways", "checked_arguments", "described_arguments", "explains_arguments",
-    "parameters_of", "wrong_kinds",
-]  # fmt: skip
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

@@ -9,24 +9,6 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
-__all__ = [
-    "Labels",
-    "cases_of",
-    "check_shape",
-    "flat",
-    "labels_of",
-    "labels_together",
-    "made_model",
-    "numbers_by_name",
-    "point_by_point",
-    "rows_of",
-    "shape_of",
-    "some_of",
-    "spread",
-    "stacked",
-    "with_row",
-]
-
 
 @dataclass(frozen=True)
 class Labels:

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["Reported", "progress_callback", "reporting"]
-
 #: What takes the progress of work: (what, done, in all); False stops the work.
 Reported = Callable[[str, int, int], Any]
 

@@ -21,8 +21,6 @@ from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.closed_arcs import handles
 
-__all__ = ["Check", "Judge", "check"]
-
 #: Steps per period of the fixed-step judges.
 RK4_STEPS = (2000, 10_000, 50_000)
 #: Drive periods that scipy's judge does, and its tolerance: Python code, so a few.

@@ -12,8 +12,6 @@ from stickslip.friction.law_adapter import TINY
 from stickslip.maths import Array
 from stickslip.mechanics import Mechanics
 
-__all__ = ["columns_of_parts", "held_by_controllers"]
-
 _CLOSED = 1e-10  # of the velocity scale: how still the gap of a closed stop is
 
 

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import Any, Protocol, TypeAlias
 
-__all__ = ["Array", "BalancingLaw", "Drive", "DynamicLaw", "Law", "Machine", "SetValuedLaw", "SwitchingLaw", "Track"]
-
 #: A NumPy array, or what stands for one: one number for all, a labelled array, a symbol.
 Array: TypeAlias = Any
 

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
-__all__ = ["NEEDS", "NO_CONTROLLERS", "Controllers"]
-
 Named = Mapping[str, Any]
 #: What a controller of a machine has to say. Positions x and velocities v come by the names of the bodies, z are its own states; all may
 #: be floats, arrays of cases, or symbols while equations are traced. ``states`` are the names of its states, ``scales`` a typical size of

@@ -16,11 +16,6 @@ from stickslip.status import STATUS
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = [
-    "COLUMNS", "attributes", "dims_of", "explained_columns", "flat_columns", "headed", "names_of", "summary_dataset", "trajectory_columns",
-    "trajectory_dataset", "write_csv",
-]  # fmt: skip
-
 COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1] == ("time",))
 
 

@@ -13,8 +13,6 @@ from stickslip.layout import StateLayout
 from stickslip.maths import Array
 from stickslip.sealing import sealed
 
-__all__ = ["HarmonicArcs", "Pieces", "PolynomialPieces", "inner_rates", "kind_of", "pieces_from_arrays"]
-
 _ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 

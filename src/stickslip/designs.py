@@ -15,8 +15,6 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.fields import masked_in
 
-__all__ = ["Design", "latin_hypercube", "sobol", "table", "zipped"]
-
 
 @dataclass(frozen=True, eq=False)
 class Design:

@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["ALLOWED", "Distribution", "distribution_of"]
-
 #: What may be typed for an uncertain number.
 ALLOWED = '("normal", mean, standard deviation), ("uniform", low, high) or (value, "1%")'
 _WIDE = 8.0  # standard deviations within which a number with a normal distribution is looked for

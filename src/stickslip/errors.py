@@ -11,20 +11,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeGuard
 
-__all__ = [
-    "InputError",
-    "OneContactNeeded",
-    "Problems",
-    "SolveError",
-    "StickslipError",
-    "as_path",
-    "did_you_mean",
-    "is_number",
-    "is_one_of",
-    "is_whole",
-    "other_words",
-]  # fmt: skip
-
 
 class StickslipError(Exception):
     """Base class of the errors of this package."""

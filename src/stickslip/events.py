@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.maths import Array
 
-__all__ = ["Event", "aloft_of", "events_of", "flights_of", "hits_of", "nodes_at"]
-
 
 @dataclass(frozen=True)
 class Event:

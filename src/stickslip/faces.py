@@ -13,8 +13,6 @@ from typing import Any, ClassVar
 
 from stickslip.errors import StickslipError
 
-__all__ = ["NOT_DETERMINED", "Drawn", "Face", "Text", "drawn_on", "html_table", "rounded", "sure"]
-
 NOT_DETERMINED = "not determined"
 _INCHES, _SHOWN = (4.4, 2.2), 96  # of figures, and how many points of the screen an inch is
 

@@ -23,29 +23,6 @@ from stickslip.typed_numbers import in_unit
 if TYPE_CHECKING:
     import inspect
 
-__all__ = [
-    "LARGEST",
-    "Frozen",
-    "arguments_of",
-    "check_arguments",
-    "checked_number",
-    "describe",
-    "described_by",
-    "everywhere",
-    "example_in",
-    "floats",
-    "is_array",
-    "is_frozen",
-    "is_number_field",
-    "is_record",
-    "is_tuple_field",
-    "leaves",
-    "masked_in",
-    "number",
-    "replace_leaf",
-    "same",
-]
-
 #: No number of a record is larger: its square is a number too.
 LARGEST = 1e150
 

@@ -20,8 +20,6 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import checked_number, floats, is_array
 from stickslip.maths import cos, pi
 
-__all__ = ["Switch", "SwitchingFlow", "is_flow", "knows_mode", "unknown_mode"]
-
 Mode = Hashable
 
 

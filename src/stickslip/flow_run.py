@@ -17,8 +17,6 @@ from stickslip.maths import Array
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
-__all__ = ["FlowRun", "ModeChange", "extremes", "polynomials"]
-
 _LOOKS = 33  # at a polynomial on one step; its extremes are refined from there
 _FREE = 10  # of a flow without a period: this many times `samples` instants in all
 

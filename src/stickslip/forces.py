@@ -15,11 +15,6 @@ from stickslip.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 
-__all__ = [
-    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "offered_force",
-    "rest_velocity", "slip_ratio_of",
-]  # fmt: skip
-
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
 _ORDINARY = 1e-3  # a velocity [m/s] of ordinary sliding
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated

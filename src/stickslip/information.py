@@ -10,8 +10,6 @@ import numpy as np
 
 from stickslip.one_thread import in_one_thread
 
-__all__ = ["Information", "decomposed"]
-
 #: Singular values of derivatives, each parameter on a scale of its own, that are this small beside the largest count as zero: derivatives
 #: by central differences are good to 1e-8 of themselves, by one-sided ones to 1e-5.
 SINGULAR = 1e-6

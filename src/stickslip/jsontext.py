@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-__all__ = ["plain", "strict"]
-
 
 def plain(
     value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str, number: Callable[[float], Any] = lambda x: x

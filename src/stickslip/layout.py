@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.errors import InputError, is_whole
 
-__all__ = ["BodyStates", "ContactStates", "ControllerStates", "StateLayout", "of_one_contact", "of_principal"]
-
 
 @dataclass(frozen=True)
 class BodyStates:

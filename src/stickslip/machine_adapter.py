@@ -16,8 +16,6 @@ from stickslip.friction.law_adapter import LawAdapter
 from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
 
-__all__ = ["MachineAdapter", "is_machine", "machine_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class MachineAdapter:

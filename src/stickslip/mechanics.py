@@ -13,8 +13,6 @@ from typing import Any, Protocol
 from stickslip.controllers import NO_CONTROLLERS, Controllers
 from stickslip.friction.law_adapter import LawAdapter, law_of
 
-__all__ = ["Mechanics", "Numbers", "OneBody", "declares_parts", "lists_parts", "normal_load", "parts_of", "signed_less"]
-
 Numbers = Sequence[Any]
 
 

@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.track_profiles import mirrored_track
 
-__all__ = ["mirrored"]
-
 # parts of the period, velocities [m/s], positions [m]; on no round number, where a patch may end
 _MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0.02023491))
 

@@ -13,8 +13,6 @@ from stickslip.number_names import numbers_meant
 from stickslip.quantities import axis_in, pretty_unit, quantity
 from stickslip.typed_numbers import in_unit
 
-__all__ = ["axis_of", "described", "example_for", "in_its_unit", "unit_in"]
-
 _START = {
     "start.x": quantity("position at the start", "m", "x"),
     "start.v": quantity("velocity at the start", "m/s", "v"),

@@ -18,8 +18,6 @@ from stickslip.quantities import Rule, at_least, positive, quantity
 from stickslip.robot import Robot
 from stickslip.tracks import Level
 
-__all__ = ["DimensionlessLuGre", "DimensionlessRobot", "UnitDrive", "dimensionless", "ratios"]
-
 _SAME = 1e-9  # relative
 
 

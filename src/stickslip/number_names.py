@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
-__all__ = ["numbers_meant"]
-
 _INDEX = re.compile(r"\[(\d+|\*)\]")
 
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems
 
-__all__ = ["REDUCTIONS", "Derived", "Observable", "checked", "observable", "parted"]
-
 #: What can be made of a function of the state over the last motion period, in words.
 REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest value", "max": "largest value", "last": "value at the end"}
 

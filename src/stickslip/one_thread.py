@@ -6,8 +6,6 @@ from collections.abc import Callable
 from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
 
-__all__ = ["in_one_thread"]
-
 P = ParamSpec("P")
 R = TypeVar("R")
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["library"]
-
 
 def library(doing: str, name: str, sentence: str) -> Any:
     """The module of an optional library.

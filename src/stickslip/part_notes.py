@@ -10,8 +10,6 @@ import numpy as np
 from stickslip.machine_adapter import machine_of
 from stickslip.status import Status
 
-__all__ = ["APART", "notes_of_cases", "shared_at_rest"]
-
 APART = 1e-3  # of the free velocity: bodies whose mean velocities differ by more may drift apart
 _LOOKS = (0.137, 0.618, 0.911)  # instants of a period at which contacts are asked whether they move alike
 _ALIKE = 1e-12  # of the largest of their accelerations

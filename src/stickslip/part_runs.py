@@ -8,8 +8,6 @@ from typing import Any, ClassVar
 from stickslip.errors import InputError, did_you_mean
 from stickslip.variables import VARIABLES
 
-__all__ = ["BodyRun", "ContactRun", "ControllerRun"]
-
 
 def _own(name: str, about: str) -> property:
     """What the run has of all parts, of this one."""

@@ -7,8 +7,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
 from typing import Any, Protocol, TypeVar
 
-__all__ = ["Cancelled", "Stoppable", "shared"]
-
 P = TypeVar("P")
 T = TypeVar("T")
 _NOTHING: Any = object()

@@ -7,8 +7,6 @@ from typing import Any
 from stickslip.fields import leaves, replace_leaf
 from stickslip.mechanics import normal_load
 
-__all__ = ["knows_position"]
-
 
 class _Mark:
     """Stands for a number and remembers what it was made of: what is computed from marks is a mark with the names of all of them."""

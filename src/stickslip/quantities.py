@@ -15,12 +15,6 @@ from typing import Any
 
 from stickslip.errors import Problems
 
-__all__ = [
-    "AMPLITUDE", "BODY_MASS", "DAMPING", "FREQUENCY", "GRAVITY", "INNER_MASS", "LENGTH", "LINES", "LOAD", "MASS", "OMEGA", "PERIOD",
-    "PHASE", "STIFFNESS", "STROKE", "SUBSCRIPTS", "TILT", "TILT_DEG", "VOLTAGE", "Rule", "allowed_in", "at_least", "axis_in", "between",
-    "example_of", "positive", "pretty_unit", "quantity", "shown_factor", "symbol_text", "with_unit",
-]  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Rule:

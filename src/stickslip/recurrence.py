@@ -12,23 +12,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = [
-    "KEPT",
-    "LONGEST",
-    "STEADY",
-    "STILL",
-    "apart",
-    "approach",
-    "closing",
-    "dying",
-    "heading",
-    "limit",
-    "outcome",
-    "period_number",
-    "steady",
-    "stretch",
-]  # fmt: skip
-
 LONGEST = 16  # largest period number that is looked for
 KEPT = 3 * LONGEST  # strobe points that this takes
 STEADY = 1e-6  # of the mean velocity: what may be missing from one that counts as steady

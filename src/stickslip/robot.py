@@ -21,8 +21,6 @@ from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of
 from stickslip.tracks import Level, folded_tilt, grip_of, law_was_replaced, without_its_law
 
-__all__ = ["Robot"]
-
 
 class _PartKinds:
     """Kinds of a robot's parts in a study file; read when asked for, because a drive by force is made of parts that know robots."""

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["RunFiles"]
-
 
 class RunFiles:
     """Files and tables of a `Trajectory`."""

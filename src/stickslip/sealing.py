@@ -8,8 +8,6 @@ from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
-__all__ = ["seal", "sealed"]
-
 Record = TypeVar("Record")
 
 

@@ -16,8 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = ["Intervals", "intervals_of", "type_of"]
-
 Array = Any
 _NONE = 9  # no interval
 _SHORTEST = 1e-13  # a segment below this is rounding

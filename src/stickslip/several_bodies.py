@@ -13,8 +13,6 @@ from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.maths import maximum, minimum, pi, sqrt
 from stickslip.mechanics import Mechanics, Numbers, signed_less
 
-__all__ = ["SeveralBodies", "Stopper", "several"]
-
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
 _LEAST = 1e-3  # of the velocity that a force as large as the load gives: the scale of an autonomous machine

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-__all__ = ["STATUS", "Status"]
-
 
 class Status(IntEnum):
     """How a case ended; it was solved where the number is at most `Status.REPEATS`.

@@ -15,12 +15,6 @@ from stickslip.mechanics import normal_load
 from stickslip.part_notes import APART
 from stickslip.position import knows_position
 
-__all__ = [
-    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "drifting_apart", "is_steady", "judged",
-    "mean_tolerance", "of_run", "outcome_of", "repetition_of", "scales_of", "strobe_tolerance", "unsettled_note", "way_of_machine",
-    "window_count",
-]  # fmt: skip
-
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
 #: What a code of steadiness says.
 STEADINESS: dict[int, str] = {

@@ -35,8 +35,6 @@ from stickslip.unpacking import Allowance
 from stickslip.variables import unit_of
 from stickslip.workbooks import write_workbook
 
-__all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_excel", "to_mat", "unwritable"]
-
 #: Version of the file format; a reader refuses a newer one. 1 had one body on one contact, without axes for them.
 FORMAT = 2
 

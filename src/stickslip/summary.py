@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Columns", "Summary"]
-
 _RESTLESS = (STEADINESS[UNSETTLED], STEADINESS[IRREGULAR])
 
 

@@ -15,8 +15,6 @@ from stickslip.friction import LAWS
 from stickslip.quantities import example_of, pretty_unit, with_unit
 from stickslip.tracks import TRACKS
 
-__all__ = ["document_of", "from_table", "from_toml", "kinds_of", "part_to_table", "record_html", "to_table", "to_toml"]
-
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 #: What a field of any other name may hold, such as the motion of a stage.
 EVERY: dict[str, Any] = {name: cls for kinds in PARTS.values() for name, cls in kinds.items()}

@@ -11,8 +11,6 @@ from stickslip.fields import Frozen, everywhere
 from stickslip.maths import cos, maximum, pi, sin, where
 from stickslip.quantities import positive, quantity
 
-__all__ = ["AroundTrack", "FrictionPatches", "FrictionProfile", "FrictionWave", "mirrored_track", "place_grip_of"]
-
 _MOST = 64  # edges, harmonics or points of a profile: each is a part of the equations
 _LEVEL = "type for example track=ss.Level()"
 _WAVELENGTH = quantity("wavelength of the track", "m", "L", example=0.01, rule=positive)

@@ -12,8 +12,6 @@ from stickslip.maths import cos, is_symbol, pi, sin
 from stickslip.quantities import PHASE, TILT, Rule, example_of, quantity
 from stickslip.track_profiles import AroundTrack, FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
-__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold", "folded_tilt", "law_was_replaced", "without_its_law"]
-
 
 @dataclass(frozen=True, eq=False, init=False)
 class Level(Frozen):

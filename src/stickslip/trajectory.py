@@ -11,7 +11,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contact_forces import held_by_controllers
-from stickslip.dense_output import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
+from stickslip.dense_output import inner_rates
 from stickslip.drives.drive_adapter import MISTAKEN
 from stickslip.errors import InputError, did_you_mean
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
@@ -25,7 +25,6 @@ from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
 from stickslip.status import Status
 from stickslip.steadiness import Steadiness, drifting_apart, of_run
-from stickslip.summary import Summary
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -44,8 +43,6 @@ _INSTEAD = {
     "energy": "ss.energy(run)",
     "spectrum": "ss.spectrum(run)",
 }
-
-__all__ = ["Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
 
 
 def _as_column(z: Any) -> Any:

@@ -9,8 +9,6 @@ from typing import Any, Protocol
 from stickslip.errors import Problems
 from stickslip.units import Unit, unit_of
 
-__all__ = ["has_unit", "in_seconds", "in_unit", "others"]
-
 _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*?|\s+\S.*?)\s*", re.IGNORECASE)
 #: A cycle is 2 pi rad; 1/s may be either, and is neither.
 _CYCLES = {("frequency", "angular velocity"): 2 * math.pi, ("angular velocity", "frequency"): 1 / (2 * math.pi)}

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["WORDS"]
-
 _ONE, _TIME, _LENGTH, _FORCE = (0, 0, 0, 0, 0), (0, 0, 1, 0, 0), (1, 0, 0, 0, 0), (1, 1, -2, 0, 0)
 _MASS, _PRESSURE, _ANGLE, _TURNING, _TORQUE = (0, 1, 0, 0, 0), (-1, 1, -2, 0, 0), (0, 0, 0, 0, 1), (0, 0, -1, 0, 1), (2, 1, -2, 0, 0)
 _VELOCITY, _ACCELERATION = (1, 0, -1, 0, 0), (1, 0, -2, 0, 0)

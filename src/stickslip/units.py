@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from stickslip.unit_words import WORDS
 
-__all__ = ["SI", "Unit", "heading", "quantity_of", "unit_of"]
-
 _PREFIX = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9, "p": 1e-12}
 #: Symbol -> (factor to SI, powers of m, kg, s, A, rad).
 _BASE: dict[str, tuple[float, tuple[int, ...]]] = {

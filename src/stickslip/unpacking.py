@@ -7,8 +7,6 @@ import os
 
 from stickslip.errors import InputError
 
-__all__ = ["VARIABLE", "Allowance", "largest", "largest_file", "shown"]
-
 #: The environment variable that says how many bytes a file may have, and may unpack to.
 VARIABLE = "STICKSLIP_LARGEST"
 #: Without it: bytes of any file, of what a small file unpacks to, and how often its own size a larger one may unpack to.

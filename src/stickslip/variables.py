@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
-
 
 @dataclass(frozen=True)
 class Variable:

@@ -11,8 +11,6 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.optional import library
 
-__all__ = ["write_workbook"]
-
 #: Rows and columns of a sheet, and characters of a cell: Excel's own limits.
 _ROWS, _COLUMNS, _TEXT = 2**20, 2**14, 32767
 _NARROW, _WIDE, _SENTENCE = 12, 36, 80  # widths of columns, in characters

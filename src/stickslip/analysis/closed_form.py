@@ -13,26 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
 from stickslip.maths import Array, bisected
 from stickslip.sealing import sealed
-
-__all__ = [
-    "Periodic",
-    "border_i_iii",
-    "border_ii_i",
-    "border_ii_iii",
-    "border_iii_iv",
-    "coulomb_type",
-    "first_slide",
-    "long_slide",
-    "mean_without_rest",
-    "periodic",
-    "rests",
-    "three_phase",
-    "two_phase",
-]
 
 _PERIODS = 100_000  # at most; only with static friction, or next to frictionless, are more than ten needed
 _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory

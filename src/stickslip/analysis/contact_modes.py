@@ -12,8 +12,6 @@ from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic
 from stickslip.machine_adapter import machine_of
 from stickslip.maths import Array, bisected
 
-__all__ = ["FLIGHT", "PRESSED", "Stretch", "contact_modes", "hits", "landings", "pressed_stops", "stop_rows", "watched_contacts"]
-
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50

@@ -13,8 +13,6 @@ from stickslip.errors import InputError
 from stickslip.maths import Array
 from stickslip.sealing import sealed
 
-__all__ = ["Border", "border_functions", "coulomb_borders"]
-
 _FINE = 601  # points of each axis of the field on which curves are traced
 
 

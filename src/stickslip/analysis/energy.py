@@ -17,8 +17,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.maths import Array
 from stickslip.sealing import sealed
 
-__all__ = ["Energy", "energy"]
-
 #: Gauss-Legendre nodes on a piece. An arc may last a whole drive period: there 24 nodes integrate products of sines to rounding
 #: (error below (2 pi)^48 / 48! = 2e-23); a step of an integrator is far shorter than a period.
 NODES_ARC, NODES_STEP = 24, 10

@@ -23,8 +23,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.segments import intervals_of, type_of
 from stickslip.summary import Summary
 
-__all__ = ["DWELL", "SLIP_RATIO", "Motion", "Motions", "coulomb_twin", "motion", "threshold_table"]
-
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
 SLIP_RATIO = 0.75
 #: ... for at least this fraction of a drive period.

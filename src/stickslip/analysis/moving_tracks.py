@@ -15,8 +15,6 @@ from stickslip.batch import flat, labels_of
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Hops", "hops", "step_per_cycle", "throw_index"]
-
 _LOOKS, _HALVINGS = 720, 60  # instants of a period; steps of the golden section between two of them
 _PARTS, _NODES = 8, 12  # of a period, and of each of its parts: Gauss's rule integrates twenty harmonics to rounding
 _GOLDEN = (5**0.5 - 1) / 2

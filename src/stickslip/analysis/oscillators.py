@@ -7,8 +7,6 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.maths import Array
 
-__all__ = ["belt_period", "den_hartog_amplitude"]
-
 _PHASES = 400  # of a half-cycle, at which the velocity must keep its sign
 
 

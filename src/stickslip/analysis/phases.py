@@ -12,8 +12,6 @@ import numpy as np
 from stickslip.drives import ThreePhase, TwoPhase
 from stickslip.errors import InputError
 
-__all__ = ["three_phase", "two_phase"]
-
 _ROUNDING = 1 + 1e-12  # a body that is held exactly at its break-away is held
 
 

@@ -15,15 +15,6 @@ from stickslip.maths import Array, bisected
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
-__all__ = [
-    "Segments",
-    "Watched",
-    "WatchedOf",
-    "elastic_segments",
-    "raw_segments",
-    "shares",
-]
-
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
 
 

@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from stickslip.records import Record
     from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity",
-    "velocity_range",
-]  # fmt: skip
-
 #: Largest period number that is looked for.
 LONGEST_PERIOD = recurrence.LONGEST
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["RK4", "certain_digits", "naive", "sentence"]
-
 #: Name of the judge with fixed steps.
 RK4 = "RK4"
 

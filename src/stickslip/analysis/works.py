@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.contact_forces import held_by_controllers
 from stickslip.maths import Array
 
-__all__ = ["at_landings", "kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers"]
-
 
 def kinetic(mechanics: Any, v: Array) -> Array:
     """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""

@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["as_text", "record"]
-
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     """Everything that the command says, by name, in SI units."""

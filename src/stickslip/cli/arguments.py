@@ -19,11 +19,6 @@ from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.naming import axis_of, example_for
 from stickslip.typed_numbers import in_unit
 
-__all__ = [
-    "SOLVER", "Parser", "Subject", "asked", "ends", "named_words", "names_of", "parser", "settings", "several", "subject", "units_of",
-    "value",
-]  # fmt: skip
-
 
 class _Allow(argparse.Action):
     """``--allow-code`` holds for the command that it stands behind."""

@@ -12,8 +12,6 @@ from stickslip.cli.resuming import remembered
 from stickslip.cli.sweep import out_file, watcher
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 _ROWS = 40  # of the table of special points that are printed
 
 

@@ -12,8 +12,6 @@ from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError, Problems
 
-__all__ = ["act"]
-
 _NAME = re.compile(r"x|v|z\d*|memory\d*|phase")
 _SOLVER = ("settle", "rtol", "workers")
 _START = re.compile(rf"({_NAME.pattern})=(.+)")

@@ -13,8 +13,6 @@ from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.friction.law_adapter import is_law
 
-__all__ = ["act", "asked_laws"]
-
 #: Arguments of the bench itself; every other name is a number of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
 

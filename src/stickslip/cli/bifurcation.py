@@ -9,8 +9,6 @@ from stickslip.cli.arguments import Subject, several, subject
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.sweep import watcher
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -8,8 +8,6 @@ from stickslip.cli import show
 from stickslip.cli.arguments import subject
 from stickslip.cli.outputs import Outcome
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

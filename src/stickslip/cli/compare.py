@@ -10,8 +10,6 @@ from stickslip.cli.arguments import subject
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -9,8 +9,6 @@ from stickslip.cli.arguments import parser
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["act", "script", "vocabulary"]
-
 SHELLS = ("bash", "zsh", "fish")
 
 

@@ -6,8 +6,6 @@ import inspect
 import re
 from typing import Any
 
-__all__ = ["about", "meanings", "plain"]
-
 _LETTERS = {
     "omega": "ω", "xi": "ξ", "mu": "μ", "sigma": "σ", "theta": "θ", "zeta": "ζ", "sin": "sin", "cos": "cos", "le": "≤",
     "quad": " ",

@@ -15,8 +15,6 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.outputs import Outcome
 
-__all__ = ["act"]
-
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "matplotlib")
 
 

@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.cli.arguments import subject
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> int:
     """Do the command."""

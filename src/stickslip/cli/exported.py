@@ -9,8 +9,6 @@ from stickslip.cli.bench import asked_laws
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

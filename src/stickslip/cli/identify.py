@@ -11,8 +11,6 @@ from stickslip.cli.arguments import ends, settings
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 
-__all__ = ["act"]
-
 _OPTIONS = ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor")
 
 

@@ -14,8 +14,6 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.naming import axis_of, example_for
 from stickslip.quantities import with_unit
 
-__all__ = ["act", "commented"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -14,8 +14,6 @@ from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, did_you_mean
 from stickslip.quantities import symbol_text
 
-__all__ = ["act", "things"]
-
 _LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mechanisms": ("mechanisms", "MECHANISMS")}
 _FEW = 4  # things of which every argument is shown at once
 

@@ -10,8 +10,6 @@ from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -13,8 +13,6 @@ from stickslip.cli.searches import asked_for, table_of
 from stickslip.cli.study_files import found as in_file
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 _TOLD = (
     ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
     ("stroke", "stroke", "m"), ("relative velocity", "relative_velocity", "m/s"),

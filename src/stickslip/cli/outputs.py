@@ -11,8 +11,6 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.errors import InputError
 
-__all__ = ["FILES", "Outcome", "finish", "is_run"]
-
 #: Endings of the files.
 FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 

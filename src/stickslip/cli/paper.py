@@ -11,8 +11,6 @@ from stickslip.cli import show
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, as_path
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

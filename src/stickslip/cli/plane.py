@@ -12,8 +12,6 @@ from stickslip.cli.resuming import remembered
 from stickslip.cli.sweep import axes_of, out_file, run_options, unsettled, watcher
 from stickslip.errors import InputError, as_path, did_you_mean
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -10,8 +10,6 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.naming import axis_of, example_for
 
-__all__ = ["of_solver", "probe", "probe_axes"]
-
 _MOST = 64  # choices of words that are tried
 
 

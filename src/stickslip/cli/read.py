@@ -8,8 +8,6 @@ from stickslip.cli import recorded, show
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
-__all__ = ["act"]
-
 _FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this command measures without one
 
 

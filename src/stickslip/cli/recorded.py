@@ -11,8 +11,6 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["in_words_of_the_shell", "opened", "settle", "typed"]
-
 _TYPED = Path(__file__).parent / "commands" / "_typed.toml"
 
 

@@ -10,8 +10,6 @@ from stickslip.cli.arguments import subject
 from stickslip.cli.outputs import Outcome, is_run
 from stickslip.errors import InputError, as_path
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

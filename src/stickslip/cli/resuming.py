@@ -11,8 +11,6 @@ from typing import Any
 
 from stickslip.errors import InputError, as_path, is_one_of
 
-__all__ = ["act", "remembered"]
-
 _BEGINS = ("sweep", "map", "atlas")
 #: What each run of a study may have its own of, and what its folder must not decide: whether code runs.
 _OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")

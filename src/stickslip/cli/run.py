@@ -11,8 +11,6 @@ from stickslip.cli.arguments import subject
 from stickslip.cli.outputs import Outcome
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["DATA", "act", "written_to"]
-
 DATA = (".nc", ".mat", ".csv", ".xlsx")
 
 

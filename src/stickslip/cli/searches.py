@@ -9,8 +9,6 @@ from stickslip.cli.arguments import named_words, value
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.typed_numbers import has_unit
 
-__all__ = ["NUMBERS", "asked_for", "table_of"]
-
 #: Keys of [optimise] that hold one word or number each.
 NUMBERS = ("maximise", "minimise", "quantile", "starts", "seed")
 _FORMS = ("pieces", "fourier", "spline")

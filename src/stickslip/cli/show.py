@@ -13,11 +13,6 @@ from typing import Any
 from stickslip.errors import InputError, as_path
 from stickslip.jsontext import strict
 
-__all__ = [
-    "counted", "draw_to", "existing", "facts", "is_watched", "no_period", "of_run", "print_json", "progress", "quantity", "stages", "table",
-    "writable",
-]  # fmt: skip
-
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
     """A number with its unit; a dash where there is none.

@@ -10,8 +10,6 @@ from stickslip.cli.outputs import FILES, Outcome, is_run
 from stickslip.cli.run import DATA, written_to
 from stickslip.errors import as_path
 
-__all__ = ["act"]
-
 
 def act(asked: Any) -> Outcome:
     """Do the command."""

@@ -16,8 +16,6 @@ from typing import Any
 from stickslip.cli.probing import of_solver
 from stickslip.errors import InputError, Problems, as_path, did_you_mean, is_one_of
 
-__all__ = ["ALLOW_CODE", "SOLVER", "Study", "code_refused", "found", "lines_of", "located"]
-
 #: Arguments of the solver that a command line may set.
 SOLVER = (
     "periods", "duration", "settle", "rtol", "method", "samples", "steps", "workers", "slip_ratio", "dwell", "start.x", "start.v", "start.z"

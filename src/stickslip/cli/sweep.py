@@ -13,8 +13,6 @@ from stickslip.cli.resuming import remembered
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
 
-__all__ = ["act", "axes_of", "out_file", "run_options", "watcher"]
-
 _SHOWN = 60  # rows of the table that are printed
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-__all__ = ["FOLDER", "commands_in", "transcript"]
-
 FOLDER = Path(__file__).parent / "examples"
 
 

@@ -6,8 +6,6 @@ import sysconfig
 import traceback
 from pathlib import Path
 
-__all__ = ["in_your_code"]
-
 
 def in_your_code(error: BaseException) -> str | None:
     """Where in the user's own code it went wrong and how, as a sentence; None if the mistake is ours.

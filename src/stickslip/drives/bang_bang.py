@@ -9,8 +9,6 @@ from stickslip.drives.drive import PeriodicDrive, completed
 from stickslip.maths import sqrt, where, within
 from stickslip.quantities import PERIOD, positive, quantity
 
-__all__ = ["BangBang"]
-
 _EXAMPLE = "BangBang(a1=20.0, a2=40.0, period=0.03)"
 
 

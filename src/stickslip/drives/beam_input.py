@@ -10,8 +10,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import checked_number, describe, everywhere, is_array, number
 from stickslip.quantities import between
 
-__all__ = ["given", "record", "take_damping", "together"]
-
 
 def take_damping(beam: Any, problems: Problems) -> None:
     """One ratio for all modes (or an array of cases), or a tuple with one for each."""

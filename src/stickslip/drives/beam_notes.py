@@ -7,8 +7,6 @@ from typing import Any
 from stickslip.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.drives.patch_moment import modal_amplitudes
 
-__all__ = ["FREQUENCY", "SLOPE", "VOLTAGE", "largest_slope", "of_beam", "of_use"]
-
 #: Range of the voltage [V] and bound of the frequency [Hz] of the paper's hardware (section 3.1).
 VOLTAGE, FREQUENCY = (10.0, 150.0), 5000.0
 #: Slope [rad] above which linear beam theory is off by more than about 1 per cent (a static tip deflection of a tenth of the length).

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["cantilever_eigenvalues", "modal_mass", "mode_shape"]
-
 
 @explains_arguments
 def cantilever_eigenvalues(tip_mass_ratio: Numbers, n: int) -> NDArray[np.float64]:

@@ -9,8 +9,6 @@ from typing import Any
 from stickslip.fields import everywhere, is_array
 from stickslip.maths import where
 
-__all__ = ["MOST_REPEATS", "own_time", "repeated", "repeats_of", "times"]
-
 MOST_REPEATS = 64  # of each part in the common period
 _SAME = 1e-12  # of the period: by so much the parts may miss one another when it is over
 

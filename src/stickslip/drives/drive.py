@@ -11,11 +11,6 @@ from stickslip.fields import Frozen, checked_number, describe, everywhere, examp
 from stickslip.maths import pi
 from stickslip.quantities import positive
 
-__all__ = [
-    "Drive", "OfFrequency", "OfPeriod", "PeriodicDrive", "Remarked", "agree", "angular_frequency", "completed", "given_numbers", "shown",
-    "taken",
-]  # fmt: skip
-
 
 class Drive(Frozen):
     """Base of our drives. A user's own drive needs nothing from here."""

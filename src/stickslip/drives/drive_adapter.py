@@ -9,8 +9,6 @@ from stickslip.contracts import Drive
 from stickslip.errors import StickslipError
 from stickslip.maths import is_symbol, maximum
 
-__all__ = ["MISTAKEN", "NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of", "unlikely"]
-
 #: What a drive has to say; the rest has its default in `DriveAdapter`.
 NEEDS = ("position", "velocity", "acceleration", "period")
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity

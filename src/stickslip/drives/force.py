@@ -11,8 +11,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
 from stickslip.maths import within
 
-__all__ = ["FORCE_NEEDS", "Force", "ForceSum", "not_forces"]
-
 #: What a force has to say; `breaks`, the instants in (0, period) at which it is not smooth [s], may be left out.
 FORCE_NEEDS = ("period", "at")
 _EXAMPLE = "type for example ss.HarmonicForce(amplitude=1.5, omega=104.7)"

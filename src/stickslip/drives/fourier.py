@@ -10,8 +10,6 @@ from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.maths import cos, maximum, sin, sqrt
 
-__all__ = ["FourierDrive", "OfCoefficients", "extremes", "harmonics", "series"]
-
 _POINTS = 32  # of the grid for each harmonic; more only take longer
 _NEWTON = 5  # steps from half a step of the grid at most, where three reach rounding
 

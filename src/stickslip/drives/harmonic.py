@@ -9,8 +9,6 @@ from stickslip.drives.drive import Drive, OfFrequency, Remarked, angular_frequen
 from stickslip.maths import cos, pi, sin
 from stickslip.quantities import AMPLITUDE, OMEGA, PHASE
 
-__all__ = ["Harmonic"]
-
 _FOUND = "the amplitude was found for"
 
 

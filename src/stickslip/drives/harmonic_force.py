@@ -10,8 +10,6 @@ from stickslip.drives.force import Force
 from stickslip.maths import pi, sin
 from stickslip.quantities import OMEGA, PHASE, quantity
 
-__all__ = ["HarmonicForce"]
-
 
 @dataclass(frozen=True, eq=False, init=False)
 class HarmonicForce(OfFrequency, Force):

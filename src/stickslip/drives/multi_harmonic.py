@@ -11,8 +11,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.maths import cos, pi, sin
 from stickslip.quantities import OMEGA, quantity
 
-__all__ = ["MultiHarmonic"]
-
 _EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, 1.57))"
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["sampled", "sine_from_rest"]
-
 
 def sine_from_rest(t: Any, omega: Any, free: Any, damping: Any) -> Any:
     r"""Answer to a force sin(omega t) that begins at t = 0: the braces of Eq. 3.6, corrected.

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.drives.cantilever import cantilever_eigenvalues, modal_mass, mode_shape
 
-__all__ = ["modal_amplitudes", "tip_by_modes", "tip_in_closed_form", "tip_participation"]
-
 
 def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
     """What each mode adds to the tip's motion for a couple on 0 < s < `end`: Y_i(1) Y_i'(end) over the modal mass [-].

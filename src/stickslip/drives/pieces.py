@@ -13,8 +13,6 @@ from stickslip.fields import describe, everywhere
 from stickslip.maths import maximum, minimum, sqrt, where, within
 from stickslip.quantities import quantity
 
-__all__ = ["Pieces"]
-
 _EXAMPLE = "type for example Pieces(durations=(0.02, 0.01, 0.01), accelerations=(10.0, -30.0, 10.0))"
 _CLOSED = 1e-9  # of all changes of the velocity: what may be left of their sum
 

@@ -16,8 +16,6 @@ from stickslip.fields import Frozen, describe, everywhere, is_array
 from stickslip.maths import pi, sqrt
 from stickslip.quantities import Rule, at_least, positive, quantity
 
-__all__ = ["PiezoBeam", "TipMotion"]
-
 
 class TipMotion(NamedTuple):
     """Steady motion of the tip, amplitude sin(omega t + phase), for a voltage sin(omega t)."""

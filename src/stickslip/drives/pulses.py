@@ -9,8 +9,6 @@ from stickslip.drives.force import Force
 from stickslip.maths import where, within
 from stickslip.quantities import PERIOD, Rule, quantity
 
-__all__ = ["Pulses"]
-
 
 @dataclass(frozen=True, eq=False)
 class Pulses(Force):

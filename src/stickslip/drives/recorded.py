@@ -12,8 +12,6 @@ from stickslip.drives.samples import checked, fitted
 from stickslip.errors import InputError
 from stickslip.quantities import PERIOD, quantity
 
-__all__ = ["Recorded"]
-
 
 @dataclass(frozen=True, eq=False)
 class Recorded(OfPeriod, Remarked, OfCoefficients, FourierDrive):

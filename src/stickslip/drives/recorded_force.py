@@ -12,8 +12,6 @@ from stickslip.drives.samples import checked, fitted
 from stickslip.maths import pi
 from stickslip.quantities import PERIOD, quantity
 
-__all__ = ["RecordedForce"]
-
 
 @dataclass(frozen=True, eq=False)
 class RecordedForce(Remarked, OfCoefficients, Force):

@@ -12,8 +12,6 @@ from stickslip.fields import describe
 from stickslip.maths import Array
 from stickslip.sealing import sealed
 
-__all__ = ["MOST", "Samples", "checked", "fitted"]
-
 MOST = 64  # harmonics at most, unless more are asked for
 _GAP = 2.5  # a step this many times as long as the usual one is a gap
 _REPEAT = 0.1  # part of the r.m.s. by which a record may differ from itself a period later

@@ -8,8 +8,6 @@ from operator import attrgetter
 from stickslip.drives.two_phase import Wedge
 from stickslip.quantities import STROKE, positive, quantity
 
-__all__ = ["Sawtooth"]
-
 
 @dataclass(frozen=True, eq=False)
 class Sawtooth(Wedge):

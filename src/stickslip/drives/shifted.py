@@ -11,8 +11,6 @@ from stickslip.drives.wrapper import Around
 from stickslip.maths import where, wrapped
 from stickslip.quantities import between, quantity
 
-__all__ = ["Shifted", "begun_at", "within_one"]
-
 
 @dataclass(frozen=True, eq=False)
 class Shifted(Around):

@@ -11,8 +11,6 @@ from stickslip.fields import describe, everywhere
 from stickslip.maths import maximum, sqrt, where, within
 from stickslip.quantities import positive, quantity
 
-__all__ = ["ThreePhase"]
-
 _EXAMPLE = "ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0)"
 
 

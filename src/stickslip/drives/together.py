@@ -12,8 +12,6 @@ from stickslip.drives.drive_adapter import drive_of
 from stickslip.errors import Problems
 from stickslip.maths import within
 
-__all__ = ["Together", "common_cycles"]
-
 
 class Together:
     r"""The common centre of mass of several inner masses, as the drive of one mass: :math:`\xi = \sum m_j\xi_j / \sum m_j`.

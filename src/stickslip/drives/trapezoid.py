@@ -11,8 +11,6 @@ from stickslip.fields import everywhere
 from stickslip.maths import bisected, maximum, where, within
 from stickslip.quantities import PERIOD, positive, quantity
 
-__all__ = ["Trapezoid"]
-
 _EXAMPLE = "Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)"
 
 

@@ -9,8 +9,6 @@ from stickslip.drives.drive_adapter import drive_of
 from stickslip.drives.two_phase import TwoPhase
 from stickslip.drives.wrapper import Around
 
-__all__ = ["Reversed"]
-
 
 @dataclass(frozen=True, eq=False)
 class Reversed(Around):

@@ -10,8 +10,6 @@ from stickslip.errors import Problems
 from stickslip.maths import maximum, where, within
 from stickslip.quantities import STROKE, positive, quantity
 
-__all__ = ["TwoPhase", "Wedge"]
-
 _EXAMPLE = "TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
 _TYPED = f"type for example {_EXAMPLE}"
 

@@ -12,8 +12,6 @@ from stickslip.errors import Problems
 from stickslip.maths import pi, sin
 from stickslip.quantities import PHASE, at_least, quantity
 
-__all__ = ["VerticalVibration"]
-
 
 @dataclass(frozen=True, eq=False)
 class VerticalVibration(Around):

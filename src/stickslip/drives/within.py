@@ -9,8 +9,6 @@ from typing import Any
 from stickslip.drives.drive_adapter import lacking
 from stickslip.fields import is_record
 
-__all__ = ["drives_within"]
-
 
 def drives_within(record: Any) -> Iterator[Any]:
     """The drives of a machine, whatever part has them.

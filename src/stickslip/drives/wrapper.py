@@ -9,8 +9,6 @@ from stickslip.drives.drive import PeriodicDrive
 from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.errors import Problems
 
-__all__ = ["Around"]
-
 
 def _adapted(name: str, about: str) -> Any:
     """A property that the drive inside has, or the default of one that does not say."""

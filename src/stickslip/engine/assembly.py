@@ -8,8 +8,6 @@ from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Contact
 
-__all__ = ["Assembly"]
-
 
 class Assembly:
     """Collects what contact by contact makes of the equations."""

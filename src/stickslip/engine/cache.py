@@ -21,8 +21,6 @@ from pathlib import Path
 
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
 
-__all__ = ["folder", "load"]
-
 _loaded: dict[str, types.ModuleType] = {}
 _lock = threading.RLock()
 _told: set[str] = set()

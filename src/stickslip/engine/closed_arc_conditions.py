@@ -18,8 +18,6 @@ from stickslip.engine.trace import System, kind_of, trace
 from stickslip.engine.values import values_of
 from stickslip.maths import pi
 
-__all__ = ["Closed", "Rows", "closed_of", "steady_force"]
-
 Array = Any
 _ROUNDING = 1e-14  # relative: how near an angular frequency must come to 2 pi over the period
 _SUMS = 1e-12  # relative: how near two products of the same numbers are

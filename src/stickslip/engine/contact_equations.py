@@ -14,8 +14,6 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 from stickslip.status import Status
 
-__all__ = ["add_contacts", "add_stop"]
-
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
 

@@ -14,8 +14,6 @@ from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
-__all__ = ["SLIP", "Feet", "add_box", "add_feet", "limits_of", "sliding_both_ways"]
-
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
 SLIP = 1.5e-14  # of a velocity, 64 roundings: what a slip may be that is zero
 

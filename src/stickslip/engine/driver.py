@@ -16,8 +16,6 @@ from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
 
-__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "column", "gauss", "load", "table"]
-
 #: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
     "prelude": "void(float64[::1], float64[::1])",  # row, constants

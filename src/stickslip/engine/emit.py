@@ -372,7 +372,12 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
 def _looped(vector: _Vector, node: ast.For) -> tuple[str, Any, Any, ast.expr | None]:
     """The name that counts, its first value, the one after its last, and what must hold for some lane that a round is made."""
     called = node.iter
-    if isinstance(called, ast.Call) and ast.unparse(called.func) == "while_any" and len(called.args) == 2 and isinstance(node.target, ast.Name):
+    if (
+        isinstance(called, ast.Call)
+        and ast.unparse(called.func) == "while_any"
+        and len(called.args) == 2
+        and isinstance(node.target, ast.Name)
+    ):
         return node.target.id, ir.Constant(COUNT, 0), vector.visit(called.args[1]), called.args[0]
     name, (first, end) = _counted(vector, node, "range")
     return name, first, end, None

@@ -19,8 +19,6 @@ from stickslip.engine.trace import System, label, trace
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError
 
-__all__ = ["Kernel", "Slopes", "kernel", "slopes"]
-
 #: What the compiled function is: row, state (x, v, z...), periods, steps per period, steps per node (0: no nodes), then what it fills:
 #: strobe states, nodes (x, v, z..., dv, dz...), largest and smallest v. It returns the periods done, fewer where the state is no number.
 _SIGNATURE = "int64(float64[::1], float64[::1], int64, int64, int64, float64[:,::1], float64[:,::1], float64[::1])"

@@ -12,8 +12,6 @@ from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Flight
 
-__all__ = ["add_flight", "add_take_off_and_landing", "side_in_flight", "touching"]
-
 _MOMENT = 1e-8  # of a period: rebounds that are over within it are over at once
 
 

@@ -21,8 +21,6 @@ from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
 from stickslip.status import Status
 
-__all__ = ["BEGIN", "MOST", "SIZE", "FlowSystem", "flow_system"]
-
 #: Columns of a row beside a flow's own numbers: the time at the start, the most switches, and what each state is measured against.
 BEGIN, MOST, SIZE = "#begin", "#most", "#size"
 _MANY, _AT_ONCE = 100.0, 1e-7  # so many switches within this part of a run accumulate: at that rate it would have 1e9

@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 from stickslip.engine.symbols import CONSTANT, Graph, Sym, TraceError, is_zero, slope_of
 
-__all__ = ["Along", "Copied", "Substituted"]
-
 
 class _Walk(ABC):
     """Expressions made of expressions, arguments first; each is made once."""

@@ -30,8 +30,6 @@ from stickslip.engine.unforeseen import slopes
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "known_kind", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
-
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
 ROOM = 11

@@ -15,8 +15,6 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine
 
-__all__ = ["aligned", "latex", "written"]
-
 
 @explains_arguments
 def latex(model: LawOrModel) -> str:

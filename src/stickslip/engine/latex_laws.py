@@ -8,8 +8,6 @@ from stickslip.engine.letters import Formula, symbol
 from stickslip.engine.tex import subscripted, text_of
 from stickslip.friction.law_adapter import LawAdapter, adapted
 
-__all__ = ["lines_of_law"]
-
 
 def lines_of_law(law: Any, load: Any, slip: str, index: str = "") -> list[str]:
     """The lines of a law whose numbers are symbols, under a load, with the letter of its velocity and the index of its contact."""

@@ -13,8 +13,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Numbers, OneBody
 from stickslip.several_bodies import SeveralBodies
 
-__all__ = ["lines_of_motion"]
-
 _MANY = 4  # contacts of one block that are listed; of more, the first and the last
 
 

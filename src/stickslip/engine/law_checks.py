@@ -16,8 +16,6 @@ from stickslip.errors import InputError, Problems
 from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["check_numbers", "check_signatures", "explained", "finite"]
-
 
 def explained(work: Any, model: Any) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""

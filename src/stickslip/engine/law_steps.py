@@ -21,8 +21,6 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves
 from stickslip.friction.law_adapter import LawAdapter
 
-__all__ = ["LawSteps", "law_steps"]
-
 _known = Remembered["LawSteps | None"](most=100)
 
 

@@ -13,8 +13,6 @@ from stickslip.engine.system import System
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 
-__all__ = ["force", "looks", "prelude"]
-
 
 def prelude(eq: System, nodes: list[Any]) -> str:
     """Once per case: everything that depends on its numbers alone."""

@@ -16,8 +16,6 @@ from typing import Any
 from stickslip import maths
 from stickslip.engine.symbols import FUNCTIONS
 
-__all__ = ["Both", "Call", "Cases", "Comparison", "Extreme", "Formula", "Letter", "expanded", "formula", "order_of", "spread", "symbol"]
-
 Factors = tuple[tuple["Atom", Fraction], ...]
 _EVEN, _POSITIVE = ("cos", "cosh"), ("exp", "cosh", "abs")
 _LONGEST = 10**12  # denominators of decimals that are taken as they are written

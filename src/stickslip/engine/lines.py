@@ -6,8 +6,6 @@ from abc import ABC, abstractmethod
 
 from stickslip.engine.symbols import FUNCTIONS, Sym
 
-__all__ = ["Lines", "literal"]
-
 
 def literal(value: float) -> str:
     """A float as text that reads back exactly, in Python and in every language that writes numbers as C does."""

@@ -20,8 +20,6 @@ from stickslip.engine.system import Signal, System
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 
-__all__ = ["Observed", "has_arms", "lists_of", "looked_at", "signals_text", "with_signals"]
-
 #: What a signal is reduced to: sums of these; one that is taken where a guard falls to zero has the last and the place of that guard.
 MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64
 KINDS = {"mean": MEAN, "integral": MEAN, "max": MOST, "min": LEAST, "last": LAST}

@@ -13,8 +13,6 @@ from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import System
 from stickslip.errors import InputError
 
-__all__ = ["WAY", "observed_node"]
-
 #: Name of the way of the reference body, which no step of a machine has whose positions count as differences only.
 WAY = "way"
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from stickslip.engine.lines import Lines
 from stickslip.engine.symbols import Sym
 
-__all__ = ["Language", "Portable", "body"]
-
 
 @dataclass(frozen=True)
 class Language:

@@ -25,8 +25,6 @@ from stickslip.engine.symbols import Sym
 
 Event = tuple[Sym, dict[int, Sym], dict[int, Sym], int]  # guard, new modes, new states, status
 
-__all__ = ["Pressed", "add_pressed", "closes", "pressed_stops"]
-
 _MOMENT = 1e-8  # of a period: rebounds that are over within it are over at once
 _OPEN = 1e-14  # of the distance of a period: the gap that a closed stop keeps, so that rounding cannot close it once more
 _NOTHING = 1e-11  # of the force that gives the mass of a hit the velocity scale in a period: a pull that opens no stop

@@ -8,8 +8,6 @@ import numpy as np
 
 from stickslip.machine_adapter import MachineAdapter, machine_of
 
-__all__ = ["groups_of", "refusal_of", "refused"]
-
 #: Contacts of one group, of which all combinations of rest and slip are tried.
 MOST = 4
 

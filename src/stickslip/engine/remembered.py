@@ -8,8 +8,6 @@ from typing import Any, Generic, TypeVar
 
 from stickslip.fields import is_frozen
 
-__all__ = ["OfFrozen", "Remembered"]
-
 T = TypeVar("T")
 
 

@@ -19,8 +19,6 @@ from stickslip.status import Status
 
 _FOLLOWED = 0.05  # of the least creep of a slip that is a difference: its error, where it is hardly more than zero
 
-__all__ = ["Step", "sides", "write_step"]
-
 
 @dataclass(frozen=True)
 class Step:

@@ -1,8 +1,8 @@
 """Taylor coefficients of a solution by a loop over the orders: each expression of the graph has one line in it, whatever the order.
 
 The coefficients follow from one another order by order: those of the states from the slopes, those of a product by Cauchy's rule, those
-of a function from its differential equation (Moore 1966; Jorba and Zou 2005). Beyond the first, the coefficients of a sum, of a multiple and
-of what differs from an expression by a number are linear in those of others: every expression is written as a `Form`, a sum of *terms*
+of a function from its differential equation (Moore 1966; Jorba and Zou 2005). Beyond the first, the coefficients of a sum, of a multiple
+and of what differs from an expression by a number are linear in those of others: every expression is written as a `Form`, a sum of *terms*
 with factors that do not vary, and only terms have lines. A term whose earlier coefficients are asked for has a row of them in memory, all
 else is a name that lives for an order. Whatever multiplies earlier coefficients alone, which of all products is everything but the two
 outermost terms, is summed for all expressions in one loop at the beginning of an order.
@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 from stickslip.engine.symbols import Sym, TraceError, is_zero, slope_of
 from stickslip.engine.write import Writer
-
-__all__ = ["write_rows"]
 
 ZERO = "0.0"
 

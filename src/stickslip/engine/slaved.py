@@ -31,8 +31,6 @@ from stickslip.engine.unforeseen import active
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 from stickslip.status import Status
 
-__all__ = ["SERIES", "Series", "write_step"]
-
 
 @dataclass(frozen=True)
 class Series:
@@ -106,7 +104,7 @@ class _StepWriter:
     # ---- what both sorts of steps need ----
     def _begin(self) -> None:
         """Rates and tolerances at the start; which lanes make which sort of step."""
-        w, eq, k = self.w, self.eq, self.k
+        w, eq = self.w, self.eq
         self.f = [self._value(f) for f in eq.f]
         w.line("_idle", "_tend > 1e29")
         w.line("_slow", "_sort > 0.5 and not _idle")
@@ -121,7 +119,7 @@ class _StepWriter:
         w.line("_most", "1.0 * _y0")
 
     def _tolerances(self) -> None:
-        """_tv: the error of v that a step may make; _size and _bent: of v and z what it is a part of; _low: how far an exponential may rise."""
+        """_tv: the error of v that a step may make; _size, _bent: sizes of v and z; _low: how far an exponential may rise."""
         w, eq, k = self.w, self.eq, self.k
         scale = self._value(self.law.deflection if eq.scales[1] is None else eq.scales[1])
         w.line("_size", f"fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, abs(_y0))")
@@ -220,7 +218,7 @@ class _StepWriter:
     # ---- z slaved ----
     def _slaved(self) -> None:
         """The step of lanes in which z is slaved, where it succeeds: then they are _done."""
-        w, law, n = self.w, self.law, self.n
+        w, law = self.w, self.law
         w.begin("if more(_slow, _mine)")
         w.line("_mine", "False")
         row = self._sweeps()

@@ -9,8 +9,6 @@ from stickslip.engine.symbols import STATE, Graph, Sym, is_sign
 from stickslip.engine.system import System
 from stickslip.engine.values import needed_by
 
-__all__ = ["Slaving", "slaving"]
-
 
 @dataclass(frozen=True)
 class Slaving:

@@ -14,8 +14,6 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.write import Writer, horner
 
-__all__ = ["EventWriter"]
-
 _ORDER = 1e-8  # of the size of a guard: how far beyond its zero it may be where another one's event is, if both come in one step
 _FALLS = 1.2  # steps in which a guard that falls as it begins would be at zero, if it may be there and back within one
 

@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.system import System
 
-__all__ = ["Layout", "bound", "held", "step_text", "straight", "used"]
-
 _STEP = """
 @intrinsic
 def instructions(typingctx, S, rtol, budget):

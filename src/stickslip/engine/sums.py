@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from stickslip.engine.symbols import STATE, Graph, Sym
 
-__all__ = ["Terms", "difference", "rate_of", "terms_of"]
-
 #: Coefficients by what they stand in front of: the numbers of the nodes whose product it is; () is 1.
 Terms = dict[tuple[int, ...], Sym]
 _MOST = 256  # products of the terms of two sums; what has more is left as it is

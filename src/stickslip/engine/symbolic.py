@@ -8,8 +8,6 @@ from stickslip.engine.symbols import STATE, Graph, Sym
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["SPAN", "Symbolic", "numbers_of"]
-
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"
 

@@ -8,8 +8,6 @@ from functools import cached_property
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["Branches", "Contact", "Flight", "Signal", "Switch", "System"]
-
 
 @dataclass(frozen=True)
 class Signal:

@@ -13,8 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["RODAS4", "RODAS5P", "TABLEAUX", "Control", "Tableau"]
-
 Rows = tuple[tuple[float, ...], ...]
 
 

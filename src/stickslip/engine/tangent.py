@@ -29,8 +29,6 @@ from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["PART", "has_corners", "means_of", "part_in", "tangent", "tangent_of_means", "tangent_until", "with_observables", "with_volume"]
-
 #: The number of a case that is the part of the period at which a run ends.
 PART = "part of the period"
 _NONE: Mapping[str, Sym] = MappingProxyType({})

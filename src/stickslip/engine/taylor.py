@@ -18,8 +18,6 @@ from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
-__all__ = ["ORDER", "switches", "watched", "write_step"]
-
 ORDER = 16
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out

@@ -26,8 +26,6 @@ from stickslip.engine.letters import (
 )
 from stickslip.fields import field_description
 
-__all__ = ["Letters", "indices", "letters_of", "subscripted", "text_of"]
-
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
 _GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")
 #: The letters of the numbers of robots, mechanisms, drives, tracks and links whose names are words.

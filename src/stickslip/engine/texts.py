@@ -10,8 +10,6 @@ from typing import Any
 from stickslip.engine import cache
 from stickslip.status import Status
 
-__all__ = ["coulomb_text", "emit_text", "recurrence", "recurrence_text"]
-
 _POINTS = "float64[:, ::1], int64"
 _RECURRENCE = {
     "apart": f"float64({_POINTS}, int64, int64, float64[::1])",

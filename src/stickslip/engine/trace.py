@@ -24,8 +24,6 @@ from stickslip.mechanics import lists_parts
 from stickslip.position import knows_position
 from stickslip.status import Status
 
-__all__ = ["SPAN", "Switch", "System", "instants_of", "kind_of", "label", "numbers_of", "trace"]
-
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 #: Status of a case whose load fell to zero.
 

@@ -12,8 +12,6 @@ from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves, replace_leaf
 from stickslip.friction.law_adapter import adapted
 
-__all__ = ["TracedLaw"]
-
 
 class TracedLaw:
     """The equations of a law in the variables v, load, applied, z0, z1, … and the modes mode0, mode1, ….

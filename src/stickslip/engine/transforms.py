@@ -11,8 +11,6 @@ from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import Branches, Switch, System
 from stickslip.engine.trace import instants_of
 
-__all__ = ["mirrored", "shifted"]
-
 
 def mirrored(system: System) -> System:
     """The machine seen in a mirror: velocities, positions, inner states and forces change their signs, and forwards is backwards.

@@ -10,8 +10,6 @@ import stat
 import tempfile
 from pathlib import Path
 
-__all__ = ["SHARED", "is_foreign", "make_folder", "private_folder", "unsafe"]
-
 #: Set to 1, this environment variable says that a cache folder of other users is meant.
 SHARED = "STICKSLIP_CACHE_SHARED"
 _ROOT = 0

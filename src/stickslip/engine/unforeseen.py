@@ -15,8 +15,6 @@ from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import System
 from stickslip.engine.write import Writer
 
-__all__ = ["FLOOR", "NEAR_POLE", "POINTS", "active", "hides", "slopes"]
-
 FLOOR = -45.0  # e to this is 3e-20: an exponential below it is nothing beside the friction of which it is a part
 NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, which is half the way to a pole
 DEGREE = 4  # polynomials up to this degree show in the last of 16 coefficients, also where a state begins at zero

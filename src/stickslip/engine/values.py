@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["Arithmetic", "needed_by", "values_of"]
-
 
 def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None = None) -> dict[int, Any]:
     """The values of the nodes that some roots need (of all nodes if none are named), by their numbers; flags are set by their guards.

@@ -15,8 +15,6 @@ from stickslip.engine.lines import Lines, literal
 from stickslip.engine.symbols import CASE, STATE, Sym
 from stickslip.maths import LARGEST
 
-__all__ = ["LOG_OF_BITS", "Writer", "combine", "horner", "literal"]
-
 LOG_OF_BITS = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 
 

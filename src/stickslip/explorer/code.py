@@ -7,8 +7,6 @@ from typing import Any
 
 from stickslip.explorer.requests import State
 
-__all__ = ["python", "spelled"]
-
 
 def spelled(record: Any, depth: int = 0) -> str:
     """A record as the expression that makes it again, to the last digit.

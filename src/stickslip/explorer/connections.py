@@ -14,8 +14,6 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from stickslip.explorer.client_limits import Limits
 
-__all__ = ["Connections", "Watched"]
-
 Client = tuple[str, int]
 
 

@@ -13,8 +13,6 @@ from stickslip.explorer.frames import written
 from stickslip.explorer.requests import MOST_HARMONICS
 from stickslip.explorer.sliders import PARAMETERS
 
-__all__ = ["MOST_BYTES", "drive_of", "velocity_of"]
-
 #: Largest file, and most samples that a page gets: the last ones, as it draws the end of a record.
 MOST_BYTES, MOST_SAMPLES = 20_000_000, 400_000
 #: Most samples of a drive, and the part of its spread by which its mean may differ from nothing without a remark.

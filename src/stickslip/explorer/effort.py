@@ -12,8 +12,6 @@ from stickslip.friction.law_adapter import LawAdapter
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Mechanics
 
-__all__ = ["RTOL", "affordable", "effort", "too_much"]
-
 #: Swings of the bristles in one drive period, at most; and at most in a whole run, which may hold fewer periods for it.
 MOST, MOST_IN_ALL = 1000.0, 40_000.0
 #: Explicit steps of a law without inner states follow its damping: this many times its decay fits into a drive period.

@@ -17,8 +17,6 @@ from stickslip.explorer.requests import State
 from stickslip.explorer.responses import run_of
 from stickslip.explorer.sliders import PARAMETERS
 
-__all__ = ["EXPORTS", "Export"]
-
 Export = tuple[str, Callable[[State], bytes]]
 _drawing = threading.Lock()  # matplotlib's settings belong to the whole process
 #: Drive periods of a table of columns.

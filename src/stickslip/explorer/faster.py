@@ -25,8 +25,6 @@ from stickslip.optimising.unknowns import Unknowns, Varied
 from stickslip.pool import Cancelled
 from stickslip.variables import VARIABLES
 
-__all__ = ["faster_of"]
-
 #: As for maps: loose enough for the quick method, tight enough for four digits.
 _RTOL = 1e-4
 _POPULATION, _GENERATIONS = 32, 40

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.jsontext import strict
 
-__all__ = ["read", "written"]
-
 
 def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
     """The bytes of an answer.

@@ -24,8 +24,6 @@ from stickslip.fields import leaves
 from stickslip.friction import LAWS
 from stickslip.tracks import Incline, Level, VaryingFriction
 
-__all__ = ["hash_of", "state_of"]
-
 Values = dict[str, Any]
 _STEEPEST = 8.0  # degrees: equal differences of coefficients up to those of such a tilt are read as an incline that is folded in
 _SAME = 1e-9  # relative difference of two numbers that are one

@@ -16,8 +16,6 @@ from starlette.responses import PlainTextResponse
 from stickslip.explorer.client_limits import LIMITS, Limits
 from stickslip.explorer.connections import Connections
 
-__all__ = ["COOKIE", "Guard", "is_loopback"]
-
 COOKIE = "stickslip_token"
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "

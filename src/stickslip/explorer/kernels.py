@@ -19,8 +19,6 @@ from stickslip.explorer.requests import DEFAULT, State, state
 from stickslip.fields import leaves
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["Kernels", "compiling", "killed", "main", "warm"]
-
 #: Seconds in which nobody asked for anything: there is time to spare.
 QUIET = 8.0
 Key = tuple[Any, ...]

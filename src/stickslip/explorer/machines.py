@@ -15,8 +15,6 @@ from stickslip.fields import field_description, leaves
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import symbol_text
 
-__all__ = ["OF_A_ROBOT", "Shown", "in_words", "numbers_of", "picture", "report", "study"]
-
 COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
 #: What is said of a machine's numbers by a server that shows a robot.
 OF_A_ROBOT = "this server shows a robot; begin it with stickslip explore FILE for a machine"

@@ -22,10 +22,6 @@ from stickslip.quantities import AMPLITUDE, OMEGA, PHASE, TILT_DEG, quantity
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, VaryingFriction
 
-__all__ = [
-    "CONTACTS", "DESCRIBED", "DRIVES", "FIELDS", "FRICTION", "PLAIN_DRIVES", "SAW", "TRACKS", "Part", "Shape", "active", "robot",
-]  # fmt: skip
-
 Values = Mapping[str, Any]
 Told = Mapping[str, Any]
 #: Cosines and sines of a recorded drive, in parts of its amplitude.

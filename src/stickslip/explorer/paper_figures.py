@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.paper.cases import CASES, EXPERIMENTS, OMEGA
 
-__all__ = ["GROUPS", "PRESETS"]
-
 
 def _entry(label: str, values: dict[str, float], also: Sequence[str] = ("coulomb",), **choices: str) -> dict[str, Any]:
     first = {"drive": "harmonic", "track": "folded", "law": "lugre", "also": list(also)}

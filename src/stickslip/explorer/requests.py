@@ -12,11 +12,6 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.sliders import PARAMETERS
 
-__all__ = [
-    "CHANNELS", "DEFAULT", "KEPT", "MOST_HARMONICS", "MOST_SLIDERS", "Message", "Plane", "State", "Wish", "machine_numbers", "message",
-    "state",
-]  # fmt: skip
-
 #: What can be asked for. Each has room for one request of a page: a newer one takes the place of an older one.
 CHANNELS = ("curves", "map", "strip", "faster")
 #: How many laws may be compared with the first, and how many cells a map may have each way.

@@ -18,10 +18,8 @@ from stickslip.explorer.kernels import Kernels, compiling
 from stickslip.explorer.machines import OF_A_ROBOT, Shown, picture
 from stickslip.explorer.models import FRICTION
 from stickslip.explorer.requests import Message, State
-from stickslip.explorer.surroundings import TYPES, Stop, Stopped, map_of, strip_of
+from stickslip.explorer.surroundings import Stop, Stopped, map_of, strip_of
 from stickslip.solvers import solve
-
-__all__ = ["TYPES", "Stopped", "answer", "run_of", "sentence"]
 
 #: Drive periods of a run while a slider moves, and when it rests.
 COARSE, FINE = 40, 200

@@ -36,8 +36,6 @@ from stickslip.explorer.uploads import Uploads
 from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.optimising.results import quantities
 
-__all__ = ["application", "page", "server_of"]
-
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
     ".css": "text/css; charset=utf-8",

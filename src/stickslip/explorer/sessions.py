@@ -21,8 +21,6 @@ from stickslip.explorer.machines import Shown
 from stickslip.explorer.requests import CHANNELS, Message, message
 from stickslip.explorer.responses import Stopped, answer
 
-__all__ = ["MESSAGE_BYTES", "Session", "Workshop"]
-
 #: Most bytes of a message, most messages in a second and at once, most pages.
 MESSAGE_BYTES, RATE, BURST, MOST_PAGES = 32_768, 150.0, 300.0, 256
 TOO_MUCH, FULL, IDLE = 1008, 1013, 4000  # codes of a closed connection; of an idle one the page knows that it may ask again

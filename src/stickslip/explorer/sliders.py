@@ -10,8 +10,6 @@ from stickslip.explorer.models import DESCRIBED
 from stickslip.quantities import shown_factor, symbol_text
 from stickslip.typed_numbers import others
 
-__all__ = ["PARAMETERS", "Parameter"]
-
 _BEYOND = 1e3  # times the ends of its slider is what may be typed
 
 

@@ -16,8 +16,6 @@ from stickslip.explorer.requests import Message, State
 from stickslip.explorer.sliders import PARAMETERS
 from stickslip.solvers import solve
 
-__all__ = ["PATIENCE", "TYPES", "Stop", "Stopped", "map_of", "strip_of", "watch"]
-
 Stop = Callable[[], bool]
 
 #: Motion types in the order of their codes on a map.

@@ -22,8 +22,6 @@ from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import killed
 from stickslip.explorer.responses import sentence
 
-__all__ = ["Readers", "main"]
-
 #: Address space of a process that reads [bytes]: its libraries take half a GB of it.
 _MEMORY = 4 << 30
 #: Time in which it starts [s], imports included, on a machine that is busy.

@@ -12,8 +12,6 @@ from stickslip.explorer.client_limits import Limits
 from stickslip.explorer.dropped_records import MOST_BYTES
 from stickslip.explorer.upload_reading import Readers
 
-__all__ = ["Uploads"]
-
 
 class Uploads:
     """The files that are on their way.

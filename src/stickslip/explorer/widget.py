@@ -15,8 +15,6 @@ from stickslip.fields import leaves
 from stickslip.number_names import numbers_meant
 from stickslip.optional import library
 
-__all__ = ["widget"]
-
 
 @explains_arguments
 def widget(

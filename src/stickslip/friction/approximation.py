@@ -8,8 +8,6 @@ from typing import Any, ClassVar
 from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, WIDTH
 from stickslip.friction.law import Law
 
-__all__ = ["Approximation", "SmoothedCoulomb"]
-
 
 class Approximation(Law):
     """Base of the laws that serve to show their own error; each has its force and a sentence on the error."""

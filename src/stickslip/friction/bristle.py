@@ -12,8 +12,6 @@ from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.friction.law import Law
 from stickslip.friction.sides import alone_or_all, by_side, each
 
-__all__ = ["Bristle"]
-
 _MASK = (1 << 64) - 1
 
 

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from stickslip.quantities import at_least, positive, quantity
 
-__all__ = [
-    "F0", "F_MINUS", "F_PLUS", "MU", "MU0", "MU_MINUS", "MU_PLUS", "POSITIVE", "QUADRATIC", "SIGMA0", "SIGMA1", "SIGMA2", "VISCOUS",
-    "V_S", "WIDTH",
-]  # fmt: skip
-
 _SLIDING, _RESTING = (0.02, 0.6), (0.02, 1.0)
 _ZERO = at_least(0.0)
 #: For laws that divide by a coefficient: ``MU_PLUS | POSITIVE``.

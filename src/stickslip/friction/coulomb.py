@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.friction.sides import by_side
 from stickslip.friction.two_sided import Dry
 
-__all__ = ["Coulomb"]
-
 
 @dataclass(frozen=True, eq=False)
 class Coulomb(Dry):

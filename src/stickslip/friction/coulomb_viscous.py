@@ -9,8 +9,6 @@ from stickslip.friction.coefficients import QUADRATIC, VISCOUS
 from stickslip.friction.sides import by_side
 from stickslip.friction.two_sided import Dry
 
-__all__ = ["CoulombViscous"]
-
 
 @dataclass(frozen=True, eq=False)
 class CoulombViscous(Dry):

@@ -10,8 +10,6 @@ from stickslip.friction.sides import by_side, signed_power
 from stickslip.friction.two_sided import Elastic
 from stickslip.quantities import positive, quantity
 
-__all__ = ["Dahl"]
-
 
 @dataclass(frozen=True, eq=False)
 class Dahl(Elastic):

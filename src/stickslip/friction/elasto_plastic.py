@@ -11,9 +11,6 @@ from stickslip.friction.two_sided import Bristles, Fading
 from stickslip.maths import minimum, pi, sin, where
 from stickslip.quantities import at_least, quantity
 
-__all__ = ["ElastoPlastic"]
-
-
 _ELASTIC = quantity(
     "deflection below which nothing slips", "m", "z_{ba}", example=2e-7, rule=at_least(0.0), range=(2e-8, 2e-6), shown="µm",
     allowed="zero or more, below mu N / sigma0 [m]",

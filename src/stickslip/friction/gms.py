@@ -14,8 +14,6 @@ from stickslip.friction.two_sided import Bristles, Fading
 from stickslip.maths import where
 from stickslip.quantities import positive, quantity
 
-__all__ = ["GMS"]
-
 
 def _shares(of: str, symbol: str, default: tuple[float, ...]) -> Any:
     """The field of what part each element has in something."""

@@ -11,8 +11,6 @@ from stickslip.friction.sides import by_side
 from stickslip.friction.two_sided import TwoSided
 from stickslip.maths import where
 
-__all__ = ["Karnopp"]
-
 
 @dataclass(frozen=True, eq=False)
 class Karnopp(Approximation, TwoSided):

@@ -6,8 +6,6 @@ from typing import Any
 
 from stickslip.fields import Frozen, example_in, is_array
 
-__all__ = ["Law", "several"]
-
 
 class Law(Frozen):
     """Base of the built-in laws. A law of your own needs nothing from here."""

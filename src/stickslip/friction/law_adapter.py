@@ -16,8 +16,6 @@ from stickslip.contracts import Law
 from stickslip.errors import InputError, OneContactNeeded
 from stickslip.maths import sqrt, where
 
-__all__ = ["TINY", "LawAdapter", "Switches", "adapted", "is_law", "law_of", "mirrored"]
-
 TINY = 1e-300  # a velocity that has a sign and nothing else
 _NO_LESS = 1e-150  # a velocity whose square is a number
 #: Of the velocity scale, the creep that is lost in the rounding of slips and of the instants at which steps end; and that of a slip that is

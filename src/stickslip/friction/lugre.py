@@ -9,8 +9,6 @@ from stickslip.friction.coefficients import SIGMA1, SIGMA2, V_S
 from stickslip.friction.sides import fading, static
 from stickslip.friction.two_sided import Bristles, Fading
 
-__all__ = ["LuGre"]
-
 
 @dataclass(frozen=True, eq=False)
 class LuGre(Fading, Bristles):

@@ -12,8 +12,6 @@ from stickslip.friction.law import Law
 from stickslip.maths import asinh, exp, log
 from stickslip.quantities import at_least, positive, quantity
 
-__all__ = ["RateState"]
-
 _LAWS = ("aging", "slip")
 _MOST = 300.0  # mu0/a; of b phi/a no motion reaches as much, and the exponential of both together is a number
 _STILL = 1e-40  # (|v|/v0)^2 below which the slip law does not ask for the logarithm of the speed

@@ -10,8 +10,6 @@ from stickslip.friction.sides import by_side, static
 from stickslip.friction.two_sided import Bristles
 from stickslip.maths import where
 
-__all__ = ["ResetIntegrator"]
-
 
 @dataclass(frozen=True, eq=False)
 class ResetIntegrator(Bristles):

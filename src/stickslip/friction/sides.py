@@ -6,8 +6,6 @@ from typing import Any
 
 from stickslip.maths import exp, log, where
 
-__all__ = ["alone_or_all", "by_side", "each", "fading", "power", "signed_power", "static", "stribeck"]
-
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this, so that it has a slope there
 
 

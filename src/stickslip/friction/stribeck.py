@@ -10,8 +10,6 @@ from stickslip.friction.sides import by_side, fading
 from stickslip.friction.two_sided import Fading, TwoSided
 from stickslip.quantities import positive, quantity
 
-__all__ = ["Stribeck"]
-
 
 @dataclass(frozen=True, eq=False)
 class Stribeck(Fading, TwoSided):

@@ -11,8 +11,6 @@ from stickslip.friction.law import Law
 from stickslip.friction.law_adapter import LawAdapter, adapted, is_law
 from stickslip.maths import minimum
 
-__all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]
-
 
 @dataclass(frozen=True, eq=False)
 class Sum(Law):

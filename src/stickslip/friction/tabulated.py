@@ -14,8 +14,6 @@ from stickslip.friction.sides import by_side, static
 from stickslip.maths import where
 from stickslip.quantities import at_least, quantity
 
-__all__ = ["Tabulated"]
-
 
 @dataclass(frozen=True, eq=False)
 class Tabulated(Law):

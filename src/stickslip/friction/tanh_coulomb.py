@@ -9,8 +9,6 @@ from stickslip.friction.approximation import SmoothedCoulomb
 from stickslip.friction.sides import by_side
 from stickslip.maths import tanh
 
-__all__ = ["TanhCoulomb"]
-
 
 @dataclass(frozen=True, eq=False)
 class TanhCoulomb(SmoothedCoulomb):

@@ -11,8 +11,6 @@ from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, 
 from stickslip.friction.law import Law
 from stickslip.friction.sides import static
 
-__all__ = ["Bristles", "Dry", "Elastic", "Fading", "TwoSided"]
-
 
 @dataclass(frozen=True, eq=False)
 class TwoSided(Law):

@@ -9,8 +9,6 @@ from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side
 from stickslip.quantities import at_least, quantity
 
-__all__ = ["Viscous"]
-
 
 @dataclass(frozen=True, eq=False)
 class Viscous(Law):

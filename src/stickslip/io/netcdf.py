@@ -9,8 +9,6 @@ from stickslip.arguments import explains_arguments
 from stickslip.storage import read
 from stickslip.trajectory import Trajectory
 
-__all__ = ["load"]
-
 
 @explains_arguments
 def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> Trajectory:

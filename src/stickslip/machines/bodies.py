@@ -11,8 +11,6 @@ from stickslip.forces import check_law
 from stickslip.friction.law_adapter import mirrored as mirrored_law
 from stickslip.quantities import MASS
 
-__all__ = ["Bodies"]
-
 
 @dataclass(frozen=True, eq=False)
 class Bodies(Frozen):

@@ -23,8 +23,6 @@ from stickslip.mechanics import normal_load
 from stickslip.quantities import quantity
 from stickslip.robot import Robot
 
-__all__ = ["Chain"]
-
 
 @dataclass(frozen=True, eq=False)
 class Chain(Machine):

@@ -14,8 +14,6 @@ from stickslip.friction.law_adapter import adapted
 from stickslip.machines.parts import Body, Contact, Stop
 from stickslip.quantities import positive
 
-__all__ = ["check_parts", "periods_differ"]
-
 _SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
 _EXAMPLES = {

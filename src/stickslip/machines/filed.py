@@ -9,8 +9,6 @@ from stickslip.fields import Frozen
 from stickslip.mechanics import lists_parts
 from stickslip.tables import from_toml, record_html, to_toml
 
-__all__ = ["Filed"]
-
 
 class Filed(Frozen):
     """Base of the machines of one body and of several."""

@@ -15,8 +15,6 @@ from stickslip.fields import Frozen, everywhere
 from stickslip.machines.parts import Body, Contact, Spring, Stop
 from stickslip.quantities import DAMPING, STIFFNESS
 
-__all__ = ["BodyAndMass", "Forced"]
-
 _STOP = "type stops=(ss.Stop(gap=0.01, restitution=0.5),)"
 
 

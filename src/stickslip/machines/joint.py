@@ -25,8 +25,6 @@ from stickslip.machines.pid import PID, Loop
 from stickslip.maths import maximum, pi, sin, sqrt, where
 from stickslip.quantities import at_least, holding, positive, quantity
 
-__all__ = ["Joint"]
-
 STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear [N m/rad]
 _APPLIED = holding({"force on the inner mass": "torque", "the force": "the torque"}, {"N": "N m"})
 _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"

@@ -11,8 +11,6 @@ from stickslip.machines.checks import check_parts
 from stickslip.machines.filed import Filed
 from stickslip.several_bodies import SeveralBodies
 
-__all__ = ["Machine"]
-
 #: What a machine of one body on one contact says of itself.
 _OF_ONE = ("friction", "load", "acceleration", "contact_velocity", "total_mass", "velocity_scale", "drive", "track")
 

@@ -15,8 +15,6 @@ from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact
 from stickslip.several_bodies import several
 
-__all__ = ["Turned"]
-
 Ends = tuple[str, str | None]
 
 

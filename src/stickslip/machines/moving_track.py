@@ -19,8 +19,6 @@ from stickslip.machines.parts import Body, Contact
 from stickslip.maths import cos, maximum, sin
 from stickslip.quantities import GRAVITY, MASS, TILT, Rule, holding, positive, quantity
 
-__all__ = ["MovingTrack"]
-
 _LOOKS = 64  # instants of a period at which the load is looked at
 
 

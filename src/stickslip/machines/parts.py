@@ -13,8 +13,6 @@ from stickslip.fields import Frozen
 from stickslip.maths import maximum, minimum, pi, where
 from stickslip.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, holding, positive, quantity
 
-__all__ = ["LINKS", "Body", "Contact", "Gait", "Rigid", "Spring", "Stop"]
-
 
 @dataclass(frozen=True, eq=False)
 class Body(Frozen):

@@ -12,8 +12,6 @@ from stickslip.errors import Problems
 from stickslip.fields import Frozen, is_record
 from stickslip.machines.periodic_record import PeriodicRecord
 
-__all__ = ["TakesInput", "breaks_of", "common_count", "in_period", "most_times"]
-
 MOST = 64  # periods of an input that one period of the machine may be
 _SAME = 1e-12  # of a period: how exactly a time must divide it
 

@@ -10,8 +10,6 @@ from stickslip.drives.fourier import FourierDrive, OfCoefficients
 from stickslip.drives.samples import checked, fitted
 from stickslip.quantities import PERIOD, quantity
 
-__all__ = ["PeriodicRecord"]
-
 
 @dataclass(frozen=True, eq=False)
 class PeriodicRecord(OfPeriod, OfCoefficients, FourierDrive):

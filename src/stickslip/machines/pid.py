@@ -15,8 +15,6 @@ from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.maths import where
 from stickslip.quantities import at_least, holding, positive, quantity
 
-__all__ = ["PID", "Loop"]
-
 _ANGLE = holding({"the inner mass": "the target"}, {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2"})
 _TARGET = "an angle [rad], a motion such as ss.Harmonic(amplitude=0.3, frequency=0.5), or a record (times, angles) of one period"
 

@@ -7,8 +7,6 @@ from typing import Any, ClassVar
 
 from stickslip.mechanisms.mechanism import SpringMass
 
-__all__ = ["BlockOnBelt"]
-
 
 @dataclass(frozen=True, eq=False)
 class BlockOnBelt(SpringMass):

@@ -9,8 +9,6 @@ from stickslip.maths import pi, sin
 from stickslip.mechanisms.mechanism import Sprung
 from stickslip.quantities import DAMPING, LOAD, MASS, OMEGA, STIFFNESS, quantity
 
-__all__ = ["ForcedOscillator"]
-
 
 @dataclass(frozen=True, eq=False)
 class ForcedOscillator(Sprung):

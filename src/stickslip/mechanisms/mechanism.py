@@ -14,8 +14,6 @@ from stickslip.machines.filed import Filed
 from stickslip.maths import pi, sqrt
 from stickslip.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
 
-__all__ = ["Mechanism", "SpringMass", "Sprung"]
-
 
 class Mechanism(Filed):
     """Base of the mechanisms: a mass with one contact. A subclass adds its fields, `acceleration` and where its energy goes."""

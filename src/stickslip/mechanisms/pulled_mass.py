@@ -8,8 +8,6 @@ from typing import Any, ClassVar
 
 from stickslip.mechanisms.mechanism import SpringMass
 
-__all__ = ["PulledMass"]
-
 
 @dataclass(frozen=True, eq=False)
 class PulledMass(SpringMass):

@@ -13,8 +13,6 @@ from stickslip.plot.spacing import cells, logarithmic, places
 from stickslip.plot.special_kinds import marker_of, name_of
 from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above
 
-__all__ = ["atlas"]
-
 #: Fills of regions that are not of one plain type: told apart from those and from one another.
 _FILLS = (
     "#CDB4DB",

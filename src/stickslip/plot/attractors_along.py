@@ -8,8 +8,6 @@ from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, axes, drawing, legend_above, side_of
 
-__all__ = ["attractors"]
-
 _BESIDE = ("period", "share", "share_low", "share_high", "mode")
 
 

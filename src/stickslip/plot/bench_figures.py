@@ -11,8 +11,6 @@ from stickslip.benching import Bench, Benches
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, DASHES, INK, drawing, prefix
 
-__all__ = ["bench"]
-
 #: Numbers that stand in the last panel, where they are known.
 _TOLD = (
     "slow_forward", "slow_backward", "fall", "lag", "stiffness", "gap", "loss_share", "loss_exponent", "breakaway_slow", "breakaway_fast",

@@ -12,8 +12,6 @@ from stickslip.plot.spacing import logarithmic
 from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, drawing, labelled, legend_above, scaled
 
-__all__ = ["special_curve"]
-
 _STAYS = 1e-6  # of a parameter: a change that is not shown
 
 

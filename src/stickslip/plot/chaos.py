@@ -13,8 +13,6 @@ from stickslip.plot.spacing import cells, edges, logarithmic
 from stickslip.plot.special_kinds import name_of
 from stickslip.plot.style import COLOURS, INK, axes, drawing, side_of
 
-__all__ = ["MOTIONS", "chaos_map"]
-
 #: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided; told apart with any colour vision.
 MOTIONS = {
     "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 to 32": "#12456B", "chaotic": "#D55E00",

@@ -9,8 +9,6 @@ from stickslip.arguments import Ax, Kind, Run
 from stickslip.plot.runs import only_run, span, time_axis
 from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows, prefix
 
-__all__ = ["MODES", "contacts", "pattern"]
-
 Moving = Annotated[Any, Kind(lambda v: hasattr(v, "direction"), "what ss.motion returns; type ss.motion(run)")]
 
 AIR = "#d6e6f5"  # pale: nothing rubs there

@@ -15,8 +15,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
 
-__all__ = ["OBSERVABLES", "continuation"]
-
 _STABLE, _UNSTABLE = {"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
 _CLOUD = "#B4BCC6"
 

@@ -15,8 +15,6 @@ from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, prefix
 from stickslip.sweeps.result_columns import is_of_cases
 
-__all__ = ["line_cut"]
-
 
 @drawing
 def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Ax = None) -> Any:

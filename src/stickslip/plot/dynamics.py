@@ -12,8 +12,6 @@ from stickslip.plot.continued_motions import OBSERVABLES
 from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
 
-__all__ = ["basins", "bifurcation", "convergence", "spectrum"]
-
 
 @drawing
 def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> Any:

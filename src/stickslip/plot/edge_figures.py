@@ -12,8 +12,6 @@ from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, named, scaled
 
-__all__ = ["edge_state"]
-
 
 @drawing
 def edge_state(edge: Any, ax: Ax = None) -> Any:

@@ -9,8 +9,6 @@ import numpy as np
 from stickslip.arguments import Ax, Kind
 from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
 
-__all__ = ["energy"]
-
 Balance = Annotated[Any, Kind(lambda v: hasattr(v, "friction_of"), "what ss.energy returns; type ss.energy(ss.solve(robot))")]
 
 _COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "damping": COLOURS[5]}

@@ -10,8 +10,6 @@ from stickslip.arguments import Ax
 from stickslip.errors import InputError, did_you_mean
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, legend_above
 
-__all__ = ["flow_phase", "states"]
-
 _POINTS = 1200
 
 

@@ -10,8 +10,6 @@ from stickslip.arguments import Ax, Kind
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, name_rows
 
-__all__ = ["indices", "sensitivity"]
-
 Slopes = Annotated[Any, Kind(lambda v: hasattr(v, "relative"), "what ss.sensitivity returns; type ss.sensitivity(robot)")]
 Parts = Annotated[
     Any, Kind(lambda v: hasattr(v, "total_interval"), "Sobol indices; type ss.propagate(robot, uncertain=..., indices=True).indices")

@@ -12,8 +12,6 @@ from stickslip.arguments import Ax, Kind
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows
 
-__all__ = ["check", "design", "ranking"]
-
 Checked = Annotated[Any, Kind(lambda v: hasattr(v, "judges"), "what ss.check returns; type ss.check(robot)")]
 Ranks = Annotated[Any, Kind(lambda v: hasattr(v, "supported"), "what ss.rank returns; type ss.rank([fit, another_fit])")]
 Plan = Annotated[Any, Kind(lambda v: hasattr(v, "experiments") and hasattr(v, "told"), "what ss.design returns; type ss.design(...)")]

@@ -16,8 +16,6 @@ from stickslip.plot.style import INK, axes, drawing, legend_above, prefix, symbo
 from stickslip.steadiness import STEADINESS, UNSETTLED
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-__all__ = ["DARK", "TYPE_COLOURS", "motion_map", "name_region", "outlined", "plain_label", "scaled", "velocity_map"]
-
 #: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
     "rest": "#F1F1F1", "presliding": "#C6CBD1", "II": "#BCDFF4", "I": "#2F7FB8", "III": "#F0B03C", "IV": "#D2691E", "other": "#B279A2",

@@ -16,8 +16,6 @@ from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, drawing, leg
 from stickslip.quantities import pretty_unit
 from stickslip.variables import unit_of
 
-__all__ = ["front", "optimum"]
-
 Best = Annotated[Any, Kind(lambda v: hasattr(v, "cuts"), "what ss.optimise returns; type ss.optimise(robot, over=..., maximise=...)")]
 _MOST = 7  # numbers that are told apart by colour: those that do most
 _STAR: Any = {"marker": "*", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.7, "clip_on": False}

@@ -11,8 +11,6 @@ from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
 from stickslip.units import SI, quantity_of
 
-__all__ = ["autocorrelation", "comparison", "fitted", "record_spectrum", "residuals"]
-
 _DOTS = 3000  # samples that are drawn
 _BINS = 40  # of the drive's phase, over which residuals are averaged
 

@@ -22,8 +22,6 @@ from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, drawing, leg
 from stickslip.summary import Summary
 from stickslip.variables import unit_of
 
-__all__ = ["forces", "limits", "only_run", "phase", "rests", "sampled", "span", "time_axis", "velocity"]
-
 _POINTS = 1200  # per curve
 _WIDE = 30  # letters of a legend's row
 _MANY = 6000  # of an autonomous run, which is shown whole

@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.maths import exp
 
-__all__ = ["cells", "edges", "geometric", "logarithmic", "places"]
-
 
 def geometric(values: Any) -> bool:
     """Whether numbers grow by a constant factor and not by a constant step."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["marker_of", "name_of", "name_once"]
-
 _KINDS = {
     "flip": ("s", "flip"), "fold": ("D", "fold"), "neimark-sacker": ("o", "Neimark-Sacker"), "torus": ("o", "torus"),
     "grazing": ("v", "grazing"), "hopf": ("^", "birth of a limit cycle"), "type-border": ("|", "border of types"),

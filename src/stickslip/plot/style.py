@@ -13,11 +13,6 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.quantities import LINES, SUBSCRIPTS
 
-__all__ = [
-    "COLOURS", "WIDTH", "axes", "dot_size", "drawing", "labelled", "legend_above", "name_rows", "named", "prefix", "publication", "scaled",
-    "side_of", "symbols",
-]  # fmt: skip
-
 P = ParamSpec("P")
 T = TypeVar("T")
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.

@@ -8,8 +8,6 @@ from stickslip.arguments import Ax, Kind
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
 
-__all__ = ["tornado"]
-
 Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate returns; type ss.propagate(robot, uncertain=...)")]
 
 

@@ -14,8 +14,6 @@ from stickslip.machines import Forced, Stop
 from stickslip.quantities import BODY_MASS, DAMPING, GRAVITY, INNER_MASS, PERIOD, STIFFNESS, at_least, positive, quantity
 from stickslip.robot import Robot
 
-__all__ = ["capsubot", "capsule"]
-
 
 @explains_arguments
 def capsubot(

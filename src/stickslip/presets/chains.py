@@ -13,8 +13,6 @@ from stickslip.machines import Bodies, Chain, Gait, Spring
 from stickslip.quantities import AMPLITUDE, BODY_MASS, DAMPING, FREQUENCY, INNER_MASS, LENGTH, MASS, OMEGA, PHASE, STIFFNESS, quantity
 from stickslip.robot import Robot
 
-__all__ = ["two_modules", "worm"]
-
 
 @explains_arguments
 def two_modules(

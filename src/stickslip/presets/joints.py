@@ -11,8 +11,6 @@ from stickslip.friction import Coulomb
 from stickslip.machines import PID, Joint
 from stickslip.quantities import at_least, quantity
 
-__all__ = ["servo"]
-
 
 @explains_arguments
 def servo(

@@ -17,8 +17,6 @@ from stickslip.quantities import AMPLITUDE, BODY_MASS, FREQUENCY, GRAVITY, INNER
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
-__all__ = ["coulomb_robot", "piezo_beam_rig", "piezo_rig"]
-
 #: The laws of a rig, and the arguments that each has no use for.
 LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s"), "coulomb-static": ("sigma0", "sigma1", "sigma2", "v_s")}
 

@@ -14,8 +14,6 @@ from stickslip.machines import MovingTrack
 from stickslip.maths import cos, sin
 from stickslip.quantities import FREQUENCY, GRAVITY, LOAD, MASS, STROKE, TILT_DEG, Rule, positive, quantity
 
-__all__ = ["conveyor", "stick_slip_stage"]
-
 #: Angles [degrees].
 _BELOW_90 = Rule(lambda angle: (angle > 0) & (angle < 90), "above 0 and below 90 degrees")
 _WITHIN_90 = Rule(lambda angle: abs(angle) < 90, "between -90 and 90 degrees")

@@ -7,8 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-__all__ = ["Figure", "Table", "chart", "chart_library", "curve", "tables_of"]
-
 _DIGITS = 6
 _DASHES = ((), (7, 3), (2, 3), (8, 3, 2, 3), (5, 5), (1, 4))
 

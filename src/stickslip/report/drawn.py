@@ -6,8 +6,6 @@ import io
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["svg"]
-
 
 def svg(draw: Callable[[Any], Any], width: float = 4.2, height: float = 2.6, salt: str = "report", layout: Any = None) -> str:
     """One picture as SVG text; letters become paths, so that it looks the same everywhere.

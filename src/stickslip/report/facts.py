@@ -10,8 +10,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.report.charts import Table, tables_of
 from stickslip.variables import unit_of
 
-__all__ = ["facts", "mean_of", "tables"]
-
 Row = tuple[str, ...]
 
 

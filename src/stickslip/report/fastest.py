@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["order", "run_again"]
-
 
 def order(grid: Any, most: int) -> list[dict[str, int]]:
     """Places of the fastest cases, the fastest first; those without a velocity are left out.

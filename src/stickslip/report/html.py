@@ -11,8 +11,6 @@ from stickslip.errors import InputError, as_path
 from stickslip.report.mathml import mathml
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["environment", "grouped", "outside_addresses", "page", "svg_address", "write"]
-
 
 def svg_address(svg: str) -> str:
     """An SVG picture as an address that an ``img`` can show.

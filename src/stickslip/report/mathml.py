@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["mathml"]
-
 _OPERATOR = r"\\(?:arcsin|arctan|sinh|cosh|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
 #: An index below a letter with dots, which TeX puts beside it.
 _DOTTED = re.compile(r"<munderover>\s*(<mi>[^<]*</mi>)\s*((?:(?!munderover).)*?)\s*(<mo[^>]*>[¨˙]</mo>)\s*</munderover>", re.S)

@@ -8,8 +8,6 @@ from typing import Any
 from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
-__all__ = ["moments", "shown_span", "stage"]
-
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
 _DIGITS = 6

@@ -9,8 +9,6 @@ from stickslip.report.charts import Figure, Table, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-__all__ = ["atlas_page"]
-
 _ROWS = 400  # of a table
 _CAPTION = "Regions by the motions that attract there; lines are borders that were followed in both numbers."
 

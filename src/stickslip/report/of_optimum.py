@@ -13,8 +13,6 @@ from stickslip.report.charts import Figure, Table, chart, curve, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.of_run import run_page
 
-__all__ = ["optimum_page"]
-
 _PERIODS = 500  # of the run that is shown, until it has settled
 _SHOWN = ("mean_velocity", "drive_power", "cost_of_transport", "stroke", "relative_velocity", "relative_acceleration")
 _SLOPES = 16  # rows of the table of derivatives

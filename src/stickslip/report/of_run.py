@@ -15,8 +15,6 @@ from stickslip.report.facts import facts, tables
 from stickslip.report.html import page
 from stickslip.report.moving import moments
 
-__all__ = ["UNITLESS", "numbers", "numbers_of", "run_page", "sources"]
-
 #: The remark on a page about robots whose units are all 1.
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 

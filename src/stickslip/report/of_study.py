@@ -13,8 +13,6 @@ from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-__all__ = ["headed", "study_page"]
-
 _BEST = 12  # rows of the table of the fastest cases
 
 

@@ -9,8 +9,6 @@ from stickslip.plot.runs import limits, rests, sampled, span
 from stickslip.report.charts import chart, curve
 from stickslip.variables import unit_of
 
-__all__ = ["forces", "velocity"]
-
 
 def velocity(run: Any) -> dict[str, Any]:
     """Velocity over three drive periods [mm/s over ms], shaded where the only contact sticks; over the whole run [s] without a drive.

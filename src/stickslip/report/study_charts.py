@@ -8,8 +8,6 @@ from stickslip.plot.style import prefix
 from stickslip.report.charts import chart, curve
 from stickslip.sweeps.result_columns import is_of_cases
 
-__all__ = ["along", "chosen", "cuts", "speeds", "together", "types_of"]
-
 _LINES = 5
 _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
 

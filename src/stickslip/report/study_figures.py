@@ -8,8 +8,6 @@ from stickslip.report.charts import Figure
 from stickslip.report.drawn import svg
 from stickslip.sweeps.result_columns import is_of_cases
 
-__all__ = ["figures", "plain"]
-
 
 def plain(value: Any) -> str:
     """A coordinate as text."""

@@ -21,8 +21,6 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
 
-__all__ = ["Arcs", "handles", "reduced"]
-
 Array = Any
 _ROUNDING = 1e-14  # of the friction: by how much less the limits of rest may be than what slides
 

@@ -19,8 +19,6 @@ from stickslip.solvers.gather import NEEDED
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 
-__all__ = ["applies", "orbit_rows", "solve", "solve_waiting", "ways_from"]
-
 Array = Any
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
 _CHUNK = 16384

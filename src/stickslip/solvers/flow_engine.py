@@ -17,8 +17,6 @@ from stickslip.flow_run import ModeChange
 from stickslip.sealing import sealed
 from stickslip.status import STATUS, Status
 
-__all__ = ["MOST_SWITCHES", "Followed", "Unfollowed", "ends", "followed", "unknown"]
-
 Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 _BUDGET = 200_000  # steps

@@ -21,8 +21,6 @@ from stickslip.solvers.request import check_keep
 from stickslip.status import Status
 from stickslip.summary import Summary
 
-__all__ = ["Asked", "asked_of", "cases_of_flow", "columns_of", "solve", "starts_of", "untraced"]
-
 Array = Any
 _LONGEST = 32  # periods after which a motion may repeat
 _SAME = 1e-8  # of its size: strobe points this close are one

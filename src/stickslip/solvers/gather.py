@@ -20,8 +20,6 @@ from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.summary import Columns, Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["NEEDED", "Raw", "gather", "trajectory"]
-
 
 @dataclass(frozen=True, eq=False)
 class Raw:

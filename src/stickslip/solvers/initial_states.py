@@ -12,8 +12,6 @@ from stickslip.fields import number
 from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
-__all__ = ["start_of_parts"]
-
 Array = Any
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
 _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}

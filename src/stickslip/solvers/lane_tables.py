@@ -13,8 +13,6 @@ from stickslip.engine.tangent import part_in
 from stickslip.fields import is_array, replace_leaf
 from stickslip.machine_adapter import MachineAdapter, machine_of
 
-__all__ = ["CaseTable", "of_cases"]
-
 Array = Any
 
 

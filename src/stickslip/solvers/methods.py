@@ -22,20 +22,6 @@ if TYPE_CHECKING:
     from stickslip.summary import Summary
     from stickslip.trajectory import Trajectory
 
-__all__ = [
-    "ALL",
-    "METHODS",
-    "ClosedArcs",
-    "Judge",
-    "Method",
-    "Rosenbrock",
-    "RungeKutta",
-    "TaylorSeries",
-    "TaylorSteps",
-    "method_for",
-    "steps_of",
-]
-
 
 class Method(Protocol):
     """What a method offers."""

@@ -14,8 +14,6 @@ from stickslip.machine_adapter import MachineAdapter
 from stickslip.segments import type_of
 from stickslip.variables import VARIABLES
 
-__all__ = ["OF_SEVERAL", "OF_TYPE", "RawParts", "columns_of_parts", "left_out", "nothing", "of_own_parts", "typed"]
-
 Array = Any
 #: Columns that only machines have that list their parts.
 _OF_EACH_BODY = ("body_velocity", "body_displacement")

@@ -24,8 +24,6 @@ from stickslip.solvers.initial_states import start_of_parts
 from stickslip.typed_numbers import in_seconds
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = ["LARGEST_START", "Request", "check_keep", "provenance", "request"]
-
 
 @dataclass(frozen=True, eq=False)
 class Request:

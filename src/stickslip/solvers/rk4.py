@@ -27,8 +27,6 @@ from stickslip.steadiness import is_steady
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["ALLOWED", "STEPS", "allows", "solve"]
-
 #: Steps per drive period, if none are asked for.
 STEPS = 2000
 #: What may be asked for.

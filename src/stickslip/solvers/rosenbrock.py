@@ -8,8 +8,6 @@ from stickslip.engine import tableaux
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers.request import Request
 
-__all__ = ["method", "tableau"]
-
 #: From these tolerances on the fourth-order method is cheaper: for one contact (benchmarks/work_precision.py), and for several, which
 #: spend more of their steps near reversals, where the order counts (docs/decisions/2026-11-23-cost-of-a-chain.md).
 LOOSE, LOOSE_OF_SEVERAL = 1e-4, 2e-4

@@ -11,8 +11,6 @@ from stickslip.engine.slaved import SERIES, Series
 from stickslip.engine.slaving import slaving
 from stickslip.engine.trace import trace
 
-__all__ = ["SAFETY", "lacks", "method"]
-
 #: The steps are held to a part of the tolerance asked for: with it the map of one period is within 10 times the tolerance for each of
 #: ten thousand random robots, also where errors grow a hundredfold in a period (verification/series_of_robots.py).
 SAFETY = 0.05

@@ -23,8 +23,6 @@ from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["batch", "solve", "solve_batch", "solve_one", "solve_rows", "summary"]
-
 Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
 

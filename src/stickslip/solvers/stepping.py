@@ -24,8 +24,6 @@ from stickslip.status import STATUS, Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["BUDGET", "budget_of", "run", "run_to_end"]
-
 #: Steps that a case may take: for each period it should run, and in all where there is no period.
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
 #: The same of machines with stops that throw bodies back: rebounds that do not end would use up any budget.

@@ -12,9 +12,6 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
 
-__all__ = ["NOTHING", "codes_of", "margin_force", "over_window", "raw", "reduced", "segments_of"]
-
-
 #: Results of a case that could not be solved.
 NOTHING: dict[str, Any] = {
     "displacement": np.nan, "window": 1.0, "period": 0, "limit": np.nan, "periods_run": 0, "status": 4, "v_min": np.nan, "v_max": np.nan,

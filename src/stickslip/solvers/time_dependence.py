@@ -12,8 +12,6 @@ from stickslip.errors import InputError
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.mechanics import Mechanics
 
-__all__ = ["check_period"]
-
 _INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
 _SAME = 1e-9  # of the largest value
 _WHOLE = 1e-9  # of a number of samples

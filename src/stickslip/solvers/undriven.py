@@ -9,8 +9,6 @@ import numpy as np
 
 from stickslip.solvers.closed_arcs import Arcs
 
-__all__ = ["arcs_of", "fill"]
-
 Array = Any
 
 

@@ -19,8 +19,6 @@ from stickslip.testing.reports import Claim, LawReport, judged
 from stickslip.testing.symbol_values import traced
 from stickslip.testing.unit_change import FACTORS, in_other_units
 
-__all__ = ["check_law"]
-
 #: Rounding of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
 _SAME, _SAME_WORK = 1e-11, 1e-5
 #: Strokes in typical deflections and largest velocities in typical velocities; velocities of a burst.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from stickslip.benching.contact import Contact, Motion, steady, swing
 from stickslip.benching.probe import Probe
 
-__all__ = ["burst", "moved", "shaken"]
-
 #: A stretch of a motion: how long it takes [s], and its velocity.
 Piece = tuple[float, Motion]
 

@@ -10,8 +10,6 @@ from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["Claim", "LawReport", "judged"]
-
 
 @dataclass(frozen=True)
 class Claim:

@@ -7,8 +7,6 @@ from typing import Any
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.values import values_of
 
-__all__ = ["traced"]
-
 
 def traced(law: Any, load: float, v: float, z: tuple[float, ...], mode: tuple[int, ...], applied: float) -> tuple[Any, ...]:
     """Force and rates of a law called with symbols, as numbers."""

@@ -9,8 +9,6 @@ from typing import Any
 
 from stickslip.fields import replace_leaf
 
-__all__ = ["FACTORS", "factor", "in_other_units", "units"]
-
 #: A newton, a metre and a second of the old units in new ones.
 FACTORS = {"N": 3.0, "m": 7.0, "s": 0.5}
 _BASE = {**{name: {name: 1} for name in FACTORS}, "kg": {"N": 1, "s": 2, "m": -1}, "Hz": {"s": -1}, "J": {"N": 1, "m": 1}}

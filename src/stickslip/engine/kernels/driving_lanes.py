@@ -211,7 +211,7 @@ def seen_before(lane, k, RING, D):
 def skip(lane, p, periods, settle, k, S, N, RING, XS, D):
     """Go on behind all whole multiples of p periods before the last period: they are what the last p were."""
     end = k + (periods - 1 - k) // p * p
-    if D[PLACES] > 1 and p > 1 or end <= k:
+    if (D[PLACES] > 1 and p > 1) or end <= k:
         return
     begun = RING[lane, k % KEPT, 0]
     moved = begun - RING[lane, (k - p) % KEPT, 0]
@@ -254,7 +254,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
             k = N[lane, DONE]
     if k == periods - 1 and not auto and N[lane, TARGET] == 0:
         begin_record(lane, N, K, FOUND, S, D)
-    if N[lane, TARGET] > 0 and k < N[lane, TARGET] or N[lane, TARGET] == 0 and not auto and k < periods:
+    if (N[lane, TARGET] > 0 and k < N[lane, TARGET]) or (N[lane, TARGET] == 0 and not auto and k < periods):
         return 0
     return judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
 

@@ -18,8 +18,6 @@ from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, i
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 
-__all__ = ["begun", "chosen"]
-
 _ORDERS = 4  # derivatives at which ties are looked; after them a tie is rest
 _NODES = 9
 _REACH = 0.01  # of a period: how far ahead

@@ -17,8 +17,6 @@ import numpy as np
 
 from stickslip.errors import SolveError
 
-__all__ = ["MOST", "ROUNDING", "Answer", "Limits", "blocks", "decide", "is_common", "shared"]
-
 ROUNDING = 64 * float(np.finfo(float).eps)
 MOST = 6  # unknowns of a block that is enumerated
 _SAME = 1e-12  # of the size of G: rows that are one another's multiples

@@ -12,8 +12,6 @@ from stickslip.dense_output import PolynomialPieces
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 
-__all__ = ["Part", "joined", "part_of"]
-
 
 @dataclass
 class Part:

@@ -7,8 +7,6 @@ from typing import Any
 
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 
-__all__ = ["begun_aloft", "landed", "taken_off", "turned_aloft"]
-
 _SHORT = 1e-8  # of a period: rebounds that end within it are one event
 
 

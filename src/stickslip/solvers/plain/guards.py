@@ -7,8 +7,6 @@ from typing import Any, NamedTuple
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.plain_equations import Equations, Mode, held
 
-__all__ = ["NOTHING", "Guard", "guards"]
-
 NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
 
 

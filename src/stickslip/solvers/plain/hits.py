@@ -10,8 +10,6 @@ from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 
-__all__ = ["closing", "rebound", "touching"]
-
 _MOST = 100  # hits, one handing on the next, at one instant
 _SHORT = 1e-8  # of a period: rebounds that end within it are one event
 

@@ -11,8 +11,6 @@ from typing import Any
 
 from stickslip.maths import function_value
 
-__all__ = ["Watching"]
-
 Sides = tuple[bool, ...]
 
 

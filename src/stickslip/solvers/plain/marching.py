@@ -22,8 +22,6 @@ from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
 from stickslip.status import Status
 
-__all__ = ["Hit", "Run", "march", "marched"]
-
 _EVENTS = 20_000  # events in one period that are taken for chatter
 _MET = 1e-6  # of the time between samples: instants that fall together
 _BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump

@@ -23,8 +23,6 @@ from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
 from stickslip.solvers.plain.resting import Group, group_of
 
-__all__ = ["Equations", "Memory", "Mode", "Motion"]
-
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 

@@ -13,8 +13,6 @@ from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
 from stickslip.trajectory import Trajectory
 
-__all__ = ["reduced"]
-
 _LOOKS = 5000  # per period
 
 

@@ -13,8 +13,6 @@ from stickslip.solvers.request import Request
 from stickslip.steadiness import repetition_of, window_count
 from stickslip.trajectory import Trajectory
 
-__all__ = ["reduced_parts"]
-
 Array = Any
 _LOOKS = 5000  # per period
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from stickslip.solvers.plain.deciding import is_common, most_slack, shared
 
-__all__ = ["Group", "group_of"]
-
 _SINGULAR = 1e12
 
 Bounds = list[tuple[float, float]]

@@ -16,8 +16,6 @@ from stickslip.solvers.plain.plain_equations import Equations, Mode
 from stickslip.solvers.request import Request
 from stickslip.status import Status
 
-__all__ = ["NAMES", "Stretch", "integrate"]
-
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
 _ONE_STEP = ("DOP853", "Radau")  # these begin a step anew without loss, so that an event is landed on by a step of its own
 _LOOKS, _MOST_LOOKS = 8, 40  # parts of a step at whose ends guards are looked at
