@@ -90,19 +90,40 @@ def heading(points: Any, last: int, p: int, m: int, scale: Any) -> float:
     return both / product if product > 0.0 else 0.0
 
 
+def exact(points: Any, last: int, count: int, longest: int, scale: Any, tolerance: float) -> int:
+    """After how many drive periods the last point comes again for ever, 0 if it is new: from the same numbers the same motion.
+
+    What goes round among numbers that are far nearer to each other than the tolerance has the period with which these come nearly again.
+    """
+    whole = 1
+    while whole <= longest and (2 * whole - 1 > count or apart(points, last, whole, 1, scale) > 0.0):
+        whole += 1
+    if whole > longest:
+        return 0
+    for p in range(1, whole):
+        if whole % p == 0:
+            worst = 0.0
+            for j in range(whole):
+                worst = max(worst, apart(points, last - j, 1, p, scale))
+            if worst <= max(_ROUNDING, _JITTER * tolerance):
+                return p
+    return whole
+
+
 def period_number(points: Any, last: int, count: int, longest: int, scale: Any, tolerance: float, left: float) -> tuple[int, int]:
     """Smallest p such that the motion repeats after p drive periods, and m: it closed in for 2m times p; (0, 0) if it does not.
 
     The points must agree within `tolerance`, and what is left of a geometric approach must be at most `left`. `count` points before
     the last one are known.
     """
+    p = exact(points, last, count, longest, scale, tolerance)
+    if p > 0:
+        return p, 1 if 3 * p - 1 <= count else 0
     for p in range(1, longest + 1):
         if 2 * p - 1 > count:
             break
         if apart(points, last, 1, p, scale) > tolerance:
             continue
-        if apart(points, last, p, 1, scale) == 0.0:  # from the same numbers the same motion
-            return p, 1 if 3 * p - 1 <= count else 0
         if 3 * p - 1 > count:  # seen once only: exactly, or not at all
             if apart(points, last, p, 1, scale) <= _HIDDEN_TWINS * tolerance:
                 return p, 0

@@ -17,6 +17,7 @@ _RECURRENCE = {
     "closing": f"UniTuple(float64, 2)({_POINTS}, int64, int64, float64[::1])",
     "dying": f"boolean({_POINTS}, int64, int64, float64[::1])",
     "heading": f"float64({_POINTS}, int64, int64, float64[::1])",
+    "exact": f"int64({_POINTS}, int64, int64, float64[::1], float64)",
     "period_number": f"UniTuple(int64, 2)({_POINTS}, int64, int64, float64[::1], float64, float64)",
     "approach": f"int64({_POINTS}, int64, int64, float64[::1])",
     "limit": f"float64({_POINTS}, int64, int64, float64[::1], boolean)",

@@ -199,10 +199,10 @@ def seen_before(lane, k, RING, D):
         return 0
     new = RING[lane, k % KEPT]
     for p in range(1, min(k, LONGEST + 1)):
-        old, same = RING[lane, (k - p) % KEPT], True
-        for i in range(1, RING.shape[2]):
-            same = same and new[i] == old[i]
-        if same:
+        old, i = RING[lane, (k - p) % KEPT], 1
+        while i < RING.shape[2] and new[i] == old[i]:
+            i += 1
+        if i == RING.shape[2]:
             return p
     return 0
 

@@ -45,7 +45,7 @@ def turned(lane, slip_ratio, S, D):
     below, kept = slip(lane, 0.0, slip_ratio, S, D), 0
     if (below >= 0.0) != slips:
         return 0.0
-    near = 1e-15 * (abs(below) + abs(above))
+    near = 1e-9 * (abs(below) + abs(above))
     for _ in range(60):  # false position; an end that stays for two rounds counts half (Illinois rule)
         part = low + (high - low) * (below / (below - above))
         if not (part > low and part < high):
