@@ -18,7 +18,7 @@ from dataclasses import replace
 import chart
 import table
 from measure import Curve, again, curve
-from ours import OURS, OURS_LONG
+from ours import OURS, OURS_LONG, OURS_WHOLE
 from problem import Problem, alone, sweep
 from rivals import ALL, Rival
 
@@ -46,7 +46,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
 
 def chosen(only: list[str] | None) -> tuple[Rival, ...]:
     """Ours first, then everybody asked for."""
-    return (OURS, *(r for r in ALL if not only or any(text.lower() in r.name.lower() for text in only)))
+    return (OURS, OURS_WHOLE, *(r for r in ALL if not only or any(text.lower() in r.name.lower() for text in only)))
 
 
 def measured(rivals: tuple[Rival, ...], problems: list[Problem], rounds: int, budget: float) -> list[list[Curve]]:

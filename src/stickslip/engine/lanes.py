@@ -73,6 +73,7 @@ class Job:
     rtol: float
     slip_ratio: float
     budget: float
+    whole: bool = False  # make each period, also of a motion that has come back to the same bits
 
 
 @dataclass(frozen=True)
@@ -393,7 +394,7 @@ def run(
     xs = np.zeros((at_work, LONGEST + 1, places))
     lane_parts = np.zeros((at_work, signals + bodies, 3))
     held, room = np.zeros((at_work, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
-    cursor = np.array([0, cases, 0, int(keep_pieces)], dtype=np.int64)
+    cursor = np.array([0, cases, 0, int(keep_pieces or job.whole)], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
