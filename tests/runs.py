@@ -9,7 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
-from stickslip.trajectory import HarmonicArcs, PolynomialPieces, Trajectory
+from stickslip.dense_output import HarmonicArcs, PolynomialPieces
+from stickslip.trajectory import Trajectory
 
 
 def unit_robot(alpha_plus, alpha_minus, static=(None, None)):

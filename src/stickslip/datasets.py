@@ -123,7 +123,8 @@ def trajectory_dataset(run: Any) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.trajectory import HarmonicArcs, Trajectory
+    >>> from stickslip.dense_output import HarmonicArcs
+    >>> from stickslip.trajectory import Trajectory
     >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
     >>> data = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand").to_xarray()

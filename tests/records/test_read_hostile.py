@@ -15,8 +15,8 @@ import pytest
 
 import stickslip as ss
 from stickslip import hdf5
+from stickslip.dense_output import HarmonicArcs
 from stickslip.sweeps.seals import Damaged, read_sealed
-from stickslip.trajectory import HarmonicArcs
 
 V = np.arange(10.0)
 SECRET = "not for a record " * 20

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.analysis.phases import three_phase as three_phase, two_phase as two_phase
 from stickslip.errors import InputError
 from stickslip.maths import Array, bisected
 from stickslip.sealing import sealed

@@ -61,7 +61,8 @@ class Motion(Drawn):
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.trajectory import HarmonicArcs, Trajectory
+    >>> from stickslip.dense_output import HarmonicArcs
+    >>> from stickslip.trajectory import Trajectory
     >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     >>> at_rest = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
     >>> m = ss.motion(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand"))

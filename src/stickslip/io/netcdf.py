@@ -30,7 +30,7 @@ def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     Examples
     --------
     >>> import tempfile, numpy as np, stickslip as ss
-    >>> from stickslip.trajectory import HarmonicArcs
+    >>> from stickslip.dense_output import HarmonicArcs
     >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
     >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
