@@ -146,6 +146,7 @@ class Trajectory(Drawn, RunFiles):
     Examples
     --------
     >>> import stickslip as ss
+    >>> from stickslip.dense_output import HarmonicArcs
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-3, law="coulomb")
     >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 1.0, robot.drive.omega, 2.0, 2.0)
     >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
