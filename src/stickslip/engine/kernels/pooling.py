@@ -11,6 +11,7 @@
 ENOUGH = 13
 VECTOR = 8  # lanes of a vector of the step
 IN_LANE, WAITING, SORT, VARIED = 0, 1, 3, 4
+NOBODY, MISFIT, FIT = 0, 1, 2  # what a lane has: no case, one that wants the other sort of step, one that wants this
 
 
 @njit(void(int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
@@ -47,6 +48,17 @@ def bring(lane, sort, S, STORE, POOL, D):
     S[first + D[F_SOON]] = sort
     POOL[IN_LANE, lane] = place
     return place
+
+
+@njit(int64(int64, int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
+def exchange(lane, place, wish, sort, S, STORE, POOL, D):
+    """Give a lane a case that wants steps of a sort, if one waits, and it has none (place -1) or another; what it has now."""
+    if place >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
+        put_away(place, lane, wish, S, STORE, POOL, D)
+        place = -1
+    if place < 0:
+        return FIT if bring(lane, sort, S, STORE, POOL, D) >= 0 else NOBODY
+    return FIT if wish == sort else MISFIT
 
 
 @njit(int64(f1, int64, i1), **OPTIONS)
@@ -119,8 +131,7 @@ def advance_pooled(
         for lane in range(L):
             POOL[IN_LANE, lane] = -1
             S[begin + lane + D[F_TEND]] = 1e30
-        if CURSOR[0] == 0:
-            find_varied(PARAM, CURSOR, POOL, D)
+        find_varied(PARAM, CURSOR, POOL, D)
         for place in range(places - 1, -1, -1):
             lane = place if place < L else 0
             V = S[begin + lane - place :]
@@ -166,28 +177,16 @@ def advance_pooled(
                         wish = 2
                 wish -= 2
                 S[soon + lane] = wish
-            if place >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
-                put_away(place, lane, wish, S, STORE, POOL, D)
-                place = -1
-            if place < 0:
-                place = bring(lane, sort, S, STORE, POOL, D)
-                empty = empty & ~(1 << lane) if place >= 0 else empty | 1 << lane
-            elif wish != sort:
-                misfits |= 1 << lane
+            found = exchange(lane, place, wish, sort, S, STORE, POOL, D)
+            empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
+            misfits |= (found == MISFIT) << lane
         ready = L - count_of(misfits | empty)
         if ready < ENOUGH and active - ready > ready:
             sort = 1 - sort
             POOL[SORT, 0] = sort
             misfits = 0
             for lane in range(L):
-                place = POOL[IN_LANE, lane]
-                fits = place >= 0 and np.int64(S[soon + lane]) == sort
-                if place >= 0 and not fits and POOL[WAITING + sort, 0] > 0:
-                    put_away(place, lane, 1 - sort, S, STORE, POOL, D)
-                    place = -1
-                if place < 0:
-                    place = bring(lane, sort, S, STORE, POOL, D)
-                    empty = empty & ~(1 << lane) if place >= 0 else empty | 1 << lane
-                elif not fits:
-                    misfits |= 1 << lane
+                found = exchange(lane, POOL[IN_LANE, lane], np.int64(S[soon + lane]), sort, S, STORE, POOL, D)
+                empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
+                misfits |= (found == MISFIT) << lane
     return active
