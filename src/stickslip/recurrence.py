@@ -95,10 +95,10 @@ def exact(points: Any, last: int, count: int, longest: int, scale: Any, toleranc
 
     What goes round among numbers that are far nearer to each other than the tolerance has the period with which these come nearly again.
     """
-    whole = 1
-    while whole <= longest and (2 * whole - 1 > count or apart(points, last, whole, 1, scale) > 0.0):
+    whole, most = 1, min(longest, (count + 1) // 2)
+    while whole <= most and (apart(points, last, 1, whole, scale) > 0.0 or apart(points, last, whole, 1, scale) > 0.0):
         whole += 1
-    if whole > longest:
+    if whole > most:
         return 0
     for p in range(1, whole):
         if whole % p == 0:

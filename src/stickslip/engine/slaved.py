@@ -451,7 +451,7 @@ class _StepWriter:
         w.end()
 
     def _extremum(self, mine: str, v: str) -> None:
-        """_top: the largest or smallest velocity within the step, where it turns; else that at its end."""
+        """_most: the largest or smallest velocity within the step, where it turns; else that at its end."""
         w = self.w
         w.line("_peak", f"{mine} and {self.f[0]} * _de < 0.0{'' if self.record else ' and _looked > 0.1'}")
         w.begin("if _peak")
