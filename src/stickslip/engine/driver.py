@@ -13,7 +13,7 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.taylor import ORDER
-from stickslip.engine.texts import recurrence_text, status_text
+from stickslip.engine.texts import functions_text, recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
 
 #: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
@@ -27,14 +27,14 @@ FUNCTIONS = {
     "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
     "signals": "void(float64[::1], float64, float64[::1], float64[::1], float64[::1])",  # row, t, y, what the step held, out
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
-    # reducing.py, for machines of several parts
-    "begin_parts": "void(int64, f1, f2, f3, i1)",
-    "begin_signals": "void(int64, f3, i1)",
-    "hold": "void(int64, f1, f2, i1)",
-    "reduce_step": "void(int64, float64, f1, f1, i2, f2, f3, f2, f2, b2, i1)",
-    "widen": "void(int64, f1, f1, f2, f2, i1)",
-    "widen_all": "void(int64, f1, i2, i1)",
-    "note_parts": "void(int64, int64, f1, f3, f3, i1)",
+    # reducing.py, for machines of several parts: lane, S, row, W, table
+    "begin_parts": "void(int64, f1, int64, i1)",
+    "begin_signals": "void(int64, int64, i1)",
+    "hold": "void(int64, f1, int64, i1)",
+    "reduce_step": "void(int64, f1, f1, int64, i1)",
+    "widen": "void(int64, f1, f1, int64, i1)",
+    "widen_all": "void(f1, int64, i1)",
+    "note_parts": "void(int64, int64, f1, int64, i1)",
     # changes.py, for tangents
     "rates_now": "void(int64, float64, f1, f1, f1, i1)",
     "settle_changes": "void(int64, f1, f1, i1)",
@@ -49,6 +49,29 @@ _APART = {
         "what machines of several parts share",
     ),
     "changes": (("rates_now", "settle_changes", "note_late", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
+}
+#: Arrays that Python and the functions of the driver share, and their types: their addresses and shapes stand in this order in the numbers
+#: at W (`where_they_are`).
+SHARED = {
+    "JOB": "i1",  # see kernels/columns.py
+    "LIMITS": "f1",
+    "N": "i2",  # of each lane: whole numbers
+    "K": "f2",  # numbers
+    "RING": "f3",  # the last strobe points
+    "XS": "f3",  # where everything is at the first of the window, and at the start of the last motion period
+    "HELD": "f2",  # what its step holds
+    "FOUND": "f3",  # what is found of signals
+    "ROOM": "f2",  # where a step is looked at
+    "PARAM": "f2",  # of each case: its numbers
+    "START": "f2",
+    "OUT": "f2",  # its results
+    "COUNT": "i2",
+    "NOTED": "f3",
+    "SEGT": "f2",
+    "SEGC": "b2",
+    "PIECES": "f2",  # of a single case its dense output
+    "STORE": "f2",  # of a pool: what its lanes hold from step to step
+    "POOL": "i2",
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
@@ -107,6 +130,8 @@ def fma(typingctx, a, b, c):
 '''
 
 _CALLS = '''
+from numba.np.arrayobj import populate_array
+
 f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
 
 
@@ -116,6 +141,65 @@ def call(context, builder, sig, args):
     place = builder.inttoptr(args[0], kind.as_pointer())
     return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
 
+
+def shared(which):
+    """An array of those that are shared, from where its address and shape stand."""
+    def emit(context, builder, sig, args):
+        whole, kind, size = ir.IntType(64), sig.return_type, context.get_abi_sizeof(context.get_data_type(sig.return_type.dtype))
+        numbers = builder.inttoptr(args[0], whole.as_pointer())
+        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(whole, 4 * which + k)])) for k in range(1 + kind.ndim))
+        strides = [ir.Constant(whole, size)]
+        for length in shape[:0:-1]:
+            strides.insert(0, builder.mul(strides[0], length))
+        array = context.make_array(kind)(context, builder)
+        populate_array(array, builder.inttoptr(first, array.data.type), shape, strides, size, None)
+        return array._getvalue()
+    return emit
+
+'''
+
+#: The driver itself: Numba sees one call, and `functions.py` writes what stands behind it.
+_DRIVER = '''
+KINDS = {{"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}}
+KINDS |= {{"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}}
+
+
+def outside(context):
+    """What the text of the driver does not hold: functions at addresses, and the shared arrays."""
+    def at_address(kind, builder, args):
+        given = zip(kind.args, args[1:], strict=True)
+        whole = [as_array(context, builder, takes, arg) if isinstance(arg, View) else arg for takes, arg in given]
+        return call(context, builder, kind.return_type(int64, *kind.args), [args[0], *whole])
+
+    def array(which, kind, builder, args):
+        found = context.make_array(kind)(context, builder, shared(which)(context, builder, kind(int64), args))
+        return View(found.data, tuple(builder.extract_value(found.shape, k) for k in range(kind.ndim)))
+
+    found = {{f"call_{{name}}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}}
+    return found | {{f"{{name}}_of": partial(array, which, KINDS[kind]) for which, (name, kind) in enumerate(SHARED.items())}}
+
+
+def as_array(context, builder, kind, view):
+    """An array as Numba's functions take it, from one of the driver's."""
+    size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
+    array = context.make_array(kind)(context, builder)
+    strides = [ir.Constant(ir.IntType(64), size)]
+    for length in view.shape[:0:-1]:
+        strides.insert(0, builder.mul(strides[0], length))
+    populate_array(array, view.data, view.shape, strides, size, None)
+    return array._getvalue()
+
+
+@intrinsic
+def written(typingctx, S, calls, W, D):
+    def emit(context, builder, sig, args):
+        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, outside(context))
+    return int64(S, calls, W, D), emit
+
+
+@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+def {name}(S, calls, W, D):
+    return written(S, calls, W, D)
 '''
 
 
@@ -132,6 +216,17 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists:
     first = len(head) + len(_LISTS) + len(scale_at)
     begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
     return np.array([*head, *begins, *scale_at, *(number for numbers in lists for number in numbers)], dtype=np.int64)
+
+
+def where_they_are(arrays: dict[str, Any]) -> Any:
+    """The address and the shape of each shared array, four numbers for each; one that is not given has no elements."""
+    import numpy as np
+
+    numbers = np.zeros((len(SHARED), 4), dtype=np.int64)
+    for row, name in zip(numbers, SHARED, strict=True):
+        if name in arrays:
+            row[0], row[1 : 1 + arrays[name].ndim] = arrays[name].ctypes.data, arrays[name].shape
+    return numbers
 
 
 def gauss(count: int) -> tuple[list[float], list[float]]:
@@ -155,15 +250,22 @@ def _address(function: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
 
 
-@lru_cache(1)
-def load() -> Any:
-    """The compiled driver."""
-    constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
-    return cache.load(
-        _source("the driver of all kernels", constants, ("columns", "flags", "noting_segments", "watching", "driving_lanes", "pooling")),
-        "driver",
-        "what all kernels share",
-    )
+@lru_cache
+def load(name: str = "advance") -> Any:
+    """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`."""
+    texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *(("pooling",) if name == "advance_pooled" else ()))
+    lines = [*_places(), *_LOOKS, status_text(), recurrence_text(), *map(_kernel_text, texts)]
+    parts = [
+        HEADER.format(label="the driver of all kernels"),
+        cache.SHORT_LOOPS,
+        functions_text(),
+        _CALLS,
+        f"FUNCTIONS = {FUNCTIONS!r}",
+        f"SHARED = {SHARED!r}",
+        "TEXT = '''" + "\n".join(lines).replace("\\", "\\\\") + "'''",
+        _DRIVER.format(name=name),
+    ]
+    return getattr(cache.load("\n\n".join(parts), f"driver_{name}", "what all kernels share"), name)
 
 
 @lru_cache
@@ -183,18 +285,27 @@ def _landing(lanes: int) -> Any:
 
 
 def _source(label: str, constants: list[str], texts: tuple[str, ...]) -> str:
-    names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), *_LISTS, "SCALE_AT"]
-    folder = resources.files("stickslip.engine") / "kernels"
     return "\n".join(
         [
             HEADER.format(label=label),
-            *(f"{name} = {i}" for i, name in enumerate(names)),
+            *_places(),
             *constants,
             _CALLS,
             *(_call(name, kind) for name, kind in FUNCTIONS.items()),
-            *("\n" + (folder / f"{name}.py").read_text("utf-8") for name in texts),
+            *(_shared(name, kind, which) for which, (name, kind) in enumerate(SHARED.items())),
+            *("\n" + _kernel_text(name) for name in texts),
         ]
     )
+
+
+def _places() -> list[str]:
+    """Where the entries of a table stand, by name."""
+    names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), *_LISTS, "SCALE_AT"]
+    return [f"{name} = {i}" for i, name in enumerate(names)]
+
+
+def _kernel_text(name: str) -> str:
+    return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
 
 
 def _call(name: str, kind: str) -> str:
@@ -205,4 +316,13 @@ def _call(name: str, kind: str) -> str:
 @intrinsic
 def call_{name}(typingctx, address, {arguments}):
     return {result}(int64, {takes}, call
+"""
+
+
+def _shared(name: str, kind: str, which: int) -> str:
+    """A function of the driver that finds a shared array."""
+    return f"""
+@intrinsic
+def {name}_of(typingctx, W):
+    return {kind}(int64), shared({which})
 """

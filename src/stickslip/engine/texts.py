@@ -58,6 +58,13 @@ def emit_text() -> str:
 
 
 @lru_cache(1)
+def functions_text() -> str:
+    """What turns functions into instructions, `stickslip.engine.functions`, for a kernel's file."""
+    text = (resources.files("stickslip.engine") / "functions.py").read_text(encoding="utf-8")
+    return text[text.index("\nimport ast") + 1 :]
+
+
+@lru_cache(1)
 def recurrence() -> Any:
     """The functions of `stickslip.recurrence`, compiled."""
     head = 'from numba import njit\n\nOPTIONS = {"cache": CACHE, "error_model": "numpy", "nogil": True}\n'

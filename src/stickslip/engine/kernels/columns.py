@@ -1,13 +1,17 @@
 """Columns of the arrays that lanes share; text before all others of the driver."""
 # mypy: ignore-errors
 
-# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, whether each
-# period must be made, and of each contact how many segments there are
-CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, WHOLE, SEGMENTS = range(10)
+# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, and of each
+# contact how many segments there are
+CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
 # columns of K (lane): the last two observed points, window, work of friction while recording and how long,
 # displacement approached, extremes at the ends of the steps in the window; part of the last step after which slip begins or ends;
 # acceleration before a break of the drive at the last point (NaN: it has no break)
 TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN, PART, BEFORE = range(19)
+# JOB: the next case, the end of cases, pieces written; then what to do with every case, and whether each period must be made
+NEXT, END, WRITTEN, PERIODS, SETTLE, AUTO, WHOLE = range(7)
+# LIMITS: tolerance, slip ratio from which on a contact slips, steps of a case
+RTOL, SLIP_RATIO, BUDGET_OF_STEPS = range(3)
 SEGS = 32
 # of a strobe point, behind x, the states and the memories of the law: what else a lane takes to the next period
 BESIDE = 8

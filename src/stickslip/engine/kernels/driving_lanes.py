@@ -4,16 +4,17 @@
 #
 # A lane holds one case: its step's state in S (a field of a lane at S[D[F_...] + lane]; these offsets are multiples of the number
 # of lanes L), whole numbers in N[lane], floats in K[lane], the last strobe states in RING[lane]. When its case is finished, the
-# lane takes the next one. CURSOR = (next case, end of cases). Everything a lane knows is in these arrays, so the kernel
-# can return after any number of calls and go on later with the same bits. CURSOR[2] counts pieces, CURSOR[3] says if all are wanted.
+# lane takes the next one. Everything a lane knows is in the arrays that `SHARED` in engine/driver.py lists, so the kernel can return after
+# any number of calls and go on later with the same bits. Functions are told where these arrays are by one number, W.
 
 # A lane steps to the next known instant (an impulse or a break of the drive, at the latest the end of the period), where
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 
-@njit(void(int64, int64, f1, i2, f2, f2, f2, i1), **ALLOCATING)
-def take(lane, case, S, N, K, PARAM, START, D):
+@njit(void(int64, int64, f1, int64, i1), **ALLOCATING)
+def take(lane, case, S, W, D):
     """Put a case into a lane."""
+    N, K, PARAM, START = N_of(W), K_of(W), PARAM_of(W), START_of(W)
     L = D[LANES]
     c = np.empty(D[CONSTANTS])
     call_prelude(D[AT_PRELUDE], PARAM[case], c)
@@ -48,15 +49,16 @@ def take(lane, case, S, N, K, PARAM, START, D):
     N[lane, CASE] = case
 
 
-@njit(void(int64, float64, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
-def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def pass_instant(lane, S, W, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
+    N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
     if not is_thrown(lane, S, D):
         if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1 and D[SIGNALS] == 0:
             K[lane, BEFORE] = rate_before(lane, S, D)
         return
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
-        observe(lane, 0.0, K[lane, RQ], slip_ratio, S[D[F_C] + D[PERIOD] * D[LANES] + lane], N, K, SEGT, SEGC, D)
+        observe(lane, 0.0, K[lane, RQ], S[D[F_C] + D[PERIOD] * D[LANES] + lane], W, D)
     apply_jump(lane, S, PARAM[N[lane, CASE]], D)
     if N[lane, RECORDING] == 1:
         v = S[D[F_Y] + lane]
@@ -65,20 +67,22 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit(void(int64, float64, boolean, boolean, f1, i2, f2, f2, f2, b2, i1), **ALLOCATING)
-def carry_through(lane, slip_ratio, within, first, S, N, K, PARAM, SEGT, SEGC, D):
+@njit(void(int64, boolean, boolean, f1, int64, i1), **ALLOCATING)
+def carry_through(lane, within, first, S, W, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
+    N, PARAM = N_of(W), PARAM_of(W)
     before, kicks, row = np.empty(D[CARRIED]), np.zeros(D[COORDINATES]), PARAM[N[lane, CASE]]
     call_rates_now(D[AT_RATES_NOW], lane, S[D[F_T] + lane], before, S, row, D)
     moves = call_note_late(D[AT_NOTE_LATE], lane, kicks, S, D)
-    pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
+    pass_instant(lane, S, W, D)
     if moves:  # no direction moves the end of a period
         call_shift_changes(D[AT_SHIFT_CHANGES], lane, within, first, before, kicks, S, row, D)
 
 
-@njit(void(int64, f1, i2, f2, f3, f3, f2, i2, f3, i1), **OPTIONS)
-def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def finish(lane, S, W, D):
     """Write a case's results."""
+    N, K, RING, OUT, COUNT = N_of(W), K_of(W), RING_of(W), OUT_of(W), COUNT_of(W)
     L = D[LANES]
     case = N[lane, CASE]
     OUT[case, 0] = K[lane, DISPLACEMENT]
@@ -105,7 +109,7 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     for i in range(SEGMENTS, N.shape[1]):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
     if D[SIGNALS] > 0:
-        call_note_parts(D[AT_NOTE_PARTS], lane, case, S, FOUND, NOTED, D)
+        call_note_parts(D[AT_NOTE_PARTS], lane, case, S, W, D)
     N[lane, CASE], N[lane, RECORDING] = -1, 0
 
 
@@ -129,9 +133,12 @@ def scale_of(lane, i, S, D):
     return max(size, 1e-300)
 
 
-@njit(int64(int64, int64, float64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **ALLOCATING)
-def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
+@njit(int64(int64, int64, float64, f1, int64, i1), **ALLOCATING)
+def judge_period(lane, k, x, S, W, D):
     """Whether the motion repeats, at the end of a period after which that is asked."""
+    N, K, RING, XS, JOB = N_of(W), K_of(W), RING_of(W), XS_of(W), JOB_of(W)
+    periods, settle, auto = JOB[PERIODS], JOB[SETTLE], JOB[AUTO]
+    rtol = LIMITS_of(W)[RTOL]
     L = D[LANES]
     scale = np.empty(D[STATES] - D[PASSIVE])
     for i in range(len(scale)):
@@ -140,7 +147,7 @@ def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOU
     if N[lane, TARGET] > 0:
         if auto and N[lane, NUMBER] > 0:
             K[lane, DISPLACEMENT] = x - XS[lane, LONGEST, 0]
-            keep_moved(lane, LONGEST, S, N, XS, OUT, D)
+            keep_moved(lane, LONGEST, S, W, D)
             K[lane, WINDOW] = N[lane, NUMBER]
             K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 10.0 * rtol, 3.0 * rtol)[1]
         return 1
@@ -153,8 +160,8 @@ def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOU
                 N[lane, NUMBER] = p
                 N[lane, STATUS] = REPEATS
                 N[lane, TARGET] = k + p
-                keep_places(lane, LONGEST, S, XS, D)
-                begin_record(lane, N, K, FOUND, S, D)
+                keep_places(lane, LONGEST, S, W, D)
+                begin_record(lane, S, W, D)
         return 0
     p, K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 30.0 * rtol, 30.0 * rtol)
     N[lane, NUMBER] = p
@@ -163,13 +170,13 @@ def judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOU
     if auto or first >= LONGEST or first >= periods - settle:
         first = 0
     K[lane, DISPLACEMENT] = x - XS[lane, first, 0]
-    keep_moved(lane, first, S, N, XS, OUT, D)
+    keep_moved(lane, first, S, W, D)
     K[lane, WINDOW] = periods - settle - first
     if p <= 1 and not auto:
         return 1
     N[lane, TARGET] = k + whole
-    keep_places(lane, LONGEST, S, XS, D)
-    begin_record(lane, N, K, FOUND, S, D)
+    keep_places(lane, LONGEST, S, W, D)
+    begin_record(lane, S, W, D)
     return 0
 
 
@@ -192,9 +199,10 @@ def keep_beside(lane, row, S, D):
         row[at + 7] = 3.0 * row[at + 7] + S[D[F_MODE] + k * L + lane]
 
 
-@njit(int64(int64, int64, f3, i1), **OPTIONS)
-def seen_before(lane, k, RING, D):
+@njit(int64(int64, int64, int64, i1), **OPTIONS)
+def seen_before(lane, k, W, D):
     """After how many periods the last strobe point is the same to the last bit, so that all that follows is known; 0: it is new."""
+    RING = RING_of(W)
     if D[SAMPLE_AT] >= 0:
         return 0
     new = RING[lane, k % KEPT]
@@ -207,9 +215,11 @@ def seen_before(lane, k, RING, D):
     return 0
 
 
-@njit(void(int64, int64, int64, int64, int64, f1, i2, f3, f3, i1), **OPTIONS)
-def skip(lane, p, periods, settle, k, S, N, RING, XS, D):
+@njit(void(int64, int64, int64, f1, int64, i1), **OPTIONS)
+def skip(lane, p, k, S, W, D):
     """Go on behind all whole multiples of p periods before the last period: they are what the last p were."""
+    N, RING, XS, JOB = N_of(W), RING_of(W), XS_of(W), JOB_of(W)
+    periods, settle = JOB[PERIODS], JOB[SETTLE]
     end = k + (periods - 1 - k) // p * p
     if (D[PLACES] > 1 and p > 1) or end <= k:
         return
@@ -229,9 +239,11 @@ def skip(lane, p, periods, settle, k, S, N, RING, XS, D):
     N[lane, DONE] = end
 
 
-@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **OPTIONS)
-def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
+@njit(int64(int64, f1, int64, i1), **OPTIONS)
+def end_period(lane, S, W, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is missing."""
+    N, RING, JOB = N_of(W), RING_of(W), JOB_of(W)
+    periods, settle, auto = JOB[PERIODS], JOB[SETTLE], JOB[AUTO]
     L = D[LANES]
     N[lane, DONE] += 1
     k = N[lane, DONE]
@@ -246,34 +258,35 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
     if k == settle:
         want_extremes(lane, S, D)
     if k >= settle and k < settle + LONGEST:
-        keep_places(lane, k - settle, S, XS, D)
-    if k < periods - 1 and not auto and N[lane, TARGET] == 0 and N[lane, WHOLE] == 0:
-        p = seen_before(lane, k, RING, D)
+        keep_places(lane, k - settle, S, W, D)
+    if k < periods - 1 and not auto and N[lane, TARGET] == 0 and JOB[WHOLE] == 0:
+        p = seen_before(lane, k, W, D)
         if p > 0:
-            skip(lane, p, periods, settle, k, S, N, RING, XS, D)
+            skip(lane, p, k, S, W, D)
             k = N[lane, DONE]
     if k == periods - 1 and not auto and N[lane, TARGET] == 0:
-        begin_record(lane, N, K, FOUND, S, D)
+        begin_record(lane, S, W, D)
     if (N[lane, TARGET] > 0 and k < N[lane, TARGET]) or (N[lane, TARGET] == 0 and not auto and k < periods):
         return 0
-    return judge_period(lane, k, x, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
+    return judge_period(lane, k, x, S, W, D)
 
 
-@njit(boolean(int64, int64, int64, int64, f1, i2, f2, f3, f2, f3, i1, f2, f2, i1), **OPTIONS)
-def next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+@njit(boolean(int64, f1, int64, i1), **OPTIONS)
+def next_case(lane, S, W, D):
     """Put the next case into an idle lane, if there is one."""
-    if CURSOR[0] >= CURSOR[1]:
+    N, JOB = N_of(W), JOB_of(W)
+    periods, settle, auto = JOB[PERIODS], JOB[SETTLE], JOB[AUTO]
+    if JOB[NEXT] >= JOB[END]:
         return False
-    take(lane, CURSOR[0], S, N, K, PARAM, START, D)
-    CURSOR[0] += 1
-    N[lane, WHOLE] = CURSOR[3]
-    keep_places(lane, 0, S, XS, D)
+    take(lane, JOB[NEXT], S, W, D)
+    JOB[NEXT] += 1
+    keep_places(lane, 0, S, W, D)
     if settle == 0:
         want_extremes(lane, S, D)
     if D[SIGNALS] > 0:
-        call_begin_parts(D[AT_BEGIN_PARTS], lane, S, HELD, FOUND, D)
+        call_begin_parts(D[AT_BEGIN_PARTS], lane, S, W, D)
     if periods == 1 and not auto:
-        begin_record(lane, N, K, FOUND, S, D)
+        begin_record(lane, S, W, D)
     return True
 
 
@@ -287,10 +300,11 @@ def is_piece(S, D):
     return piece
 
 
-@njit(void(f1, i2, i1, f2, i1), **OPTIONS)
-def keep_piece(S, N, CURSOR, PIECES, D):
+@njit(void(f1, int64, i1), **OPTIONS)
+def keep_piece(S, W, D):
     """Write the last step's dense output, in powers of its own part of the step."""
-    n = CURSOR[2]
+    N, JOB, PIECES = N_of(W), JOB_of(W), PIECES_of(W)
+    n = JOB[WRITTEN]
     begin, end = S[D[F_T0]], S[D[F_T]]
     PIECES[n, 0], PIECES[n, 1], PIECES[n, 2], PIECES[n, 3] = N[0, DONE], begin, end, S[D[F_X0]]
     for i in range(D[CONTACTS]):
@@ -305,18 +319,20 @@ def keep_piece(S, N, CURSOR, PIECES, D):
         for i in range(D[STATES]):
             PIECES[n, first + i * (D[DEGREE] + 1) + m] = S[D[F_K] + i * (D[DEGREE] + 1) + m] * power
         power *= part
-    CURSOR[2] += 1
+    JOB[WRITTEN] += 1
 
 
-@njit(void(int64, float64, f1, i2, f2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
-def watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def watch(lane, S, W, D):
     """Note what the last step of a recording lane did; status 7 when the last observation is made."""
+    N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
+    slip_ratio = LIMITS_of(W)[SLIP_RATIO]
     if D[SIGNALS] > 0:
         if N[lane, CLOSING] == 1:
             S[D[F_STAT] + lane] = 7.0
         elif S[D[F_T] + lane] != S[D[F_T0] + lane]:
-            call_reduce_step(D[AT_REDUCE_STEP], lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
-        call_hold(D[AT_HOLD], lane, S, HELD, D)
+            call_reduce_step(D[AT_REDUCE_STEP], lane, S, PARAM[N[lane, CASE]], W, D)
+        call_hold(D[AT_HOLD], lane, S, W, D)
         return
     if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
         K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
@@ -325,7 +341,7 @@ def watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
     if N[lane, FRESH] > 0:
         period = S[D[F_C] + D[PERIOD] * D[LANES] + lane]
-        observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], slip_ratio, period, N, K, SEGT, SEGC, D)
+        observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], period, W, D)
         if N[lane, CLOSING] == 1:
             S[D[F_STAT] + lane] = 7.0
             return
@@ -339,20 +355,21 @@ def watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
         N[lane, FRESH] = 1
 
 
-@njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
-def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def arrive(lane, S, W, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
+    N, K, PARAM = N_of(W), K_of(W), PARAM_of(W)
     jumped, within, done = False, False, 0
     known = D[BREAKS] > 0 or D[SAMPLE_AT] >= 0
     if known:
         jumped = is_thrown(lane, S, D)
         within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
         if D[CARRIED] > 0:
-            carry_through(lane, slip_ratio, within, D[SET_VALUED] == 1 and jumped, S, N, K, PARAM, SEGT, SEGC, D)
+            carry_through(lane, within, D[SET_VALUED] == 1 and jumped, S, W, D)
         else:
-            pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
+            pass_instant(lane, S, W, D)
     if not within:
-        done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
+        done = end_period(lane, S, W, D)
         S[D[F_T] + lane] = 0.0
     if known:
         set_flags(lane, S, PARAM[N[lane, CASE]], D[SET_VALUED] == 1 and jumped, D)
@@ -364,81 +381,77 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
         if done == 1:
             N[lane, CLOSING] = 1
     if D[SIGNALS] > 0:
-        call_hold(D[AT_HOLD], lane, S, HELD, D)
+        call_hold(D[AT_HOLD], lane, S, W, D)
 
 
-@njit(void(int64, int64, f1, i2, f2, f2, f2, f2, i1), **OPTIONS)
-def widen(lane, settle, S, N, K, HELD, ROOM, PARAM, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def widen(lane, S, W, D):
     """Widen the extremes over the window by the last step, if it did not do so itself."""
+    N, K, PARAM, JOB = N_of(W), K_of(W), PARAM_of(W), JOB_of(W)
+    settle = JOB[SETTLE]
     if N[lane, DONE] < settle or D[F_HIGH] >= 0:
         return
     v = S[D[F_Y] + lane]
     K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
     if D[SIGNALS] > 0 and D[ARMS] == 1:
-        call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
-        call_hold(D[AT_HOLD], lane, S, HELD, D)
+        call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], W, D)
+        call_hold(D[AT_HOLD], lane, S, W, D)
     elif D[F_TOP] >= 0:  # the extremum within the step
         v = S[D[F_TOP] + lane]
         K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
 
 
-@njit(boolean(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, i1), **OPTIONS)
-def go_on(
-    lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT,
-    SEGC, D,
-):  # fmt: skip
+@njit(boolean(int64, f1, int64, i1), **OPTIONS)
+def go_on(lane, S, W, D):
     """After a step at whose end something is known of a lane: on to the next period or case. Returns whether there is one."""
+    N = N_of(W)
     stat = S[D[F_STAT] + lane]
     S[D[F_STAT] + lane] = 0.0
     if stat == 1.0:
-        arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D)
+        arrive(lane, S, W, D)
         return True
     if stat != 7.0:
         N[lane, STATUS] = np.int64(stat)
         for i in range(SEGMENTS, N.shape[1]):
             N[lane, i] = 0
-    finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D)
-    if next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+    finish(lane, S, W, D)
+    if next_case(lane, S, W, D):
         return True
     S[D[F_TEND] + lane] = 1e30
     return False
 
 
-@njit(
-    int64(f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1),
-    **CALLED, **BORROWING,
-)  # fmt: skip
-def advance(
-    S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT, SEGC, PIECES, periods, settle, auto, rtol,
-    slip_ratio, budget, calls, D,
-):  # fmt: skip
-    """Up to `calls` vector steps. Returns the number of lanes at work; CURSOR[2] counts the pieces written."""
+@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+def advance(S, calls, W, D):
+    """Up to `calls` vector steps. Returns the number of lanes at work; JOB[WRITTEN] counts the pieces written."""
+    N, JOB, PIECES = N_of(W), JOB_of(W), PIECES_of(W)
+    rtol, budget = LIMITS_of(W)[RTOL], LIMITS_of(W)[BUDGET_OF_STEPS]
     L = D[LANES]
     active = 0
     recording = 0
     pieces_wanted = PIECES.shape[0] > 0
     for lane in range(L):
-        if N[lane, CASE] >= 0 or next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+        if N[lane, CASE] >= 0 or next_case(lane, S, W, D):
             active += 1
             recording += N[lane, RECORDING]
     for _ in range(calls):
         if active == 0:
             return 0
-        if pieces_wanted and CURSOR[2] >= PIECES.shape[0]:
+        if pieces_wanted and JOB[WRITTEN] >= PIECES.shape[0]:
             return active
         call_step(D[AT_STEP], S, rtol, budget)
         if D[SET_VALUED] == 1:
             call_land(D[AT_LAND], S, budget, D)
         if pieces_wanted and is_piece(S, D):
-            keep_piece(S, N, CURSOR, PIECES, D)
+            keep_piece(S, W, D)
         if recording > 0:
             for lane in range(L):
                 if N[lane, RECORDING] == 1:
-                    watch(lane, slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
+                    watch(lane, S, W, D)
         if D[SIGNALS] > 0 and D[ARMS] == 0:
-            call_widen_all(D[AT_WIDEN_ALL], settle, S, N, D)
+            call_widen_all(D[AT_WIDEN_ALL], S, W, D)
         for lane in range(L):
-            widen(lane, settle, S, N, K, HELD, ROOM, PARAM, D)
+            widen(lane, S, W, D)
             if S[D[F_STAT] + lane] < 0.5:
                 continue
             if N[lane, CASE] < 0:
@@ -448,10 +461,7 @@ def advance(
                 S[D[F_TEND] + lane] = 1e30
                 continue
             was = N[lane, RECORDING]
-            if not go_on(
-                lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT,
-                NOTED, SEGT, SEGC, D,
-            ):  # fmt: skip
+            if not go_on(lane, S, W, D):
                 active -= 1
             recording += N[lane, RECORDING] - was
     return active

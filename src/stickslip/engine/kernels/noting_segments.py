@@ -3,9 +3,10 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, int64, int64, float64, i2, f2, b2), **OPTIONS)
-def add_segment(lane, i, code, length, N, SEGT, SEGC):
+@njit(void(int64, int64, int64, float64, int64), **OPTIONS)
+def add_segment(lane, i, code, length, W):
     """Append a stretch of one code to those of contact i, or lengthen the last one."""
+    N, SEGT, SEGC = N_of(W), SEGT_of(W), SEGC_of(W)
     case, first = N[lane, CASE], i * SEGS
     n = N[lane, SEGMENTS + i]
     if length <= 0.0 or n < 0:

@@ -14,9 +14,10 @@ IN_LANE, WAITING, SORT, VARIED = 0, 1, 3, 4
 NOBODY, MISFIT, FIT = 0, 1, 2  # what a lane has: no case, one that wants the other sort of step, one that wants this
 
 
-@njit(void(int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
-def put_away(place, lane, sort, S, STORE, POOL, D):
+@njit(void(int64, int64, int64, f1, int64, i1), **OPTIONS)
+def put_away(place, lane, sort, S, W, D):
     """Let the case of a lane wait for steps of a sort."""
+    STORE, POOL = STORE_of(W), POOL_of(W)
     at, apart = np.uint64(POOL.shape[1] + lane), np.uint64(D[LANES])
     row = STORE[place]
     for f in range(np.uint64(D[LASTING])):
@@ -28,9 +29,10 @@ def put_away(place, lane, sort, S, STORE, POOL, D):
     POOL[IN_LANE, lane] = -1
 
 
-@njit(int64(int64, int64, f1, f2, i2, i1), **OPTIONS)
-def bring(lane, sort, S, STORE, POOL, D):
+@njit(int64(int64, int64, f1, int64, i1), **OPTIONS)
+def bring(lane, sort, S, W, D):
     """Put a case that waits for steps of a sort into an empty lane; returns its place, or -1 if there is none."""
+    STORE, POOL = STORE_of(W), POOL_of(W)
     count = POOL[WAITING + sort, 0]
     if count == 0:
         return -1
@@ -50,14 +52,15 @@ def bring(lane, sort, S, STORE, POOL, D):
     return place
 
 
-@njit(int64(int64, int64, int64, int64, f1, f2, i2, i1), **OPTIONS)
-def exchange(lane, place, wish, sort, S, STORE, POOL, D):
+@njit(int64(int64, int64, int64, int64, f1, int64, i1), **OPTIONS)
+def exchange(lane, place, wish, sort, S, W, D):
     """Give a lane a case that wants steps of a sort, if one waits, and it has none (place -1) or another; what it has now."""
+    POOL = POOL_of(W)
     if place >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
-        put_away(place, lane, wish, S, STORE, POOL, D)
+        put_away(place, lane, wish, S, W, D)
         place = -1
     if place < 0:
-        return FIT if bring(lane, sort, S, STORE, POOL, D) >= 0 else NOBODY
+        return FIT if bring(lane, sort, S, W, D) >= 0 else NOBODY
     return FIT if wish == sort else MISFIT
 
 
@@ -86,20 +89,22 @@ def count_of(bits):
     return count
 
 
-@njit(void(int64, int64, f1, f2, i2, i1), **OPTIONS)
-def keep_constants(place, lane, S, STORE, POOL, D):
+@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+def keep_constants(place, lane, S, W, D):
     """What lasts as long as the case of a lane."""
+    STORE, POOL = STORE_of(W), POOL_of(W)
     for j in range(D[CONSTANTS]):
         STORE[place, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
 
 
-@njit(void(f2, i1, i2, i1), **ALLOCATING)
-def find_varied(PARAM, CURSOR, POOL, D):
+@njit(void(int64, i1), **ALLOCATING)
+def find_varied(W, D):
     """Which numbers of a case are not those of all other cases: lanes that change their case need no others."""
+    JOB, PARAM, POOL = JOB_of(W), PARAM_of(W), POOL_of(W)
     first, other = np.empty(D[CONSTANTS]), np.empty(D[CONSTANTS])
     varies = np.zeros(D[CONSTANTS], dtype=np.int64)
-    call_prelude(D[AT_PRELUDE], PARAM[CURSOR[0]], first)
-    for case in range(CURSOR[0] + 1, CURSOR[1]):
+    call_prelude(D[AT_PRELUDE], PARAM[JOB[NEXT]], first)
+    for case in range(JOB[NEXT] + 1, JOB[END]):
         call_prelude(D[AT_PRELUDE], PARAM[case], other)
         for j in range(D[CONSTANTS]):
             varies[j] |= other[j] != first[j] or other[j] != other[j]
@@ -109,18 +114,11 @@ def find_varied(PARAM, CURSOR, POOL, D):
             POOL[VARIED, POOL[VARIED, 0]] = j
 
 
-@njit(
-    int64(
-        f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1,
-        f2, i2,
-    ),
-    **CALLED, **BORROWING,
-)  # fmt: skip
-def advance_pooled(
-    S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT, SEGC, PIECES, periods, settle, auto, rtol,
-    slip_ratio, budget, calls, D, STORE, POOL,
-):  # fmt: skip
+@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
+def advance_pooled(S, calls, W, D):
     """As `advance`, with a row of N, K, RING and XS for each place, and as many numbers before the lanes in S as there are places."""
+    N, POOL = N_of(W), POOL_of(W)
+    rtol, budget = LIMITS_of(W)[RTOL], LIMITS_of(W)[BUDGET_OF_STEPS]
     L, places = D[LANES], N.shape[0]
     begin = POOL.shape[1]
     active = 0
@@ -131,17 +129,17 @@ def advance_pooled(
         for lane in range(L):
             POOL[IN_LANE, lane] = -1
             S[begin + lane + D[F_TEND]] = 1e30
-        find_varied(PARAM, CURSOR, POOL, D)
+        find_varied(W, D)
         for place in range(places - 1, -1, -1):
             lane = place if place < L else 0
             V = S[begin + lane - place :]
-            if next_case(place, periods, settle, auto, V, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+            if next_case(place, V, W, D):
                 active += 1
-                keep_constants(place, lane, S, STORE, POOL, D)
+                keep_constants(place, lane, S, W, D)
                 POOL[IN_LANE, lane] = place
                 S[begin + lane + D[F_SOON]] = 0.0
                 if place >= L:
-                    put_away(place, lane, 0, S, STORE, POOL, D)
+                    put_away(place, lane, 0, S, W, D)
     steps, soon = S[begin:], begin + D[F_SOON]
     misfits, empty = 0, 0  # bits of lanes whose case wants the other sort of step, and of lanes without a case
     for lane in range(L):
@@ -163,21 +161,18 @@ def advance_pooled(
             if place >= 0 and wish > 1:
                 V = S[begin + lane - place :]
                 if N[place, RECORDING] == 1:
-                    watch(place, slip_ratio, V, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
+                    watch(place, V, W, D)
                 if steps[D[F_STAT] + lane] >= 0.5:
                     case = N[place, CASE]
-                    if not go_on(
-                        place, periods, settle, auto, rtol, slip_ratio, V, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT,
-                        COUNT, NOTED, SEGT, SEGC, D,
-                    ):  # fmt: skip
+                    if not go_on(place, V, W, D):
                         active -= 1
                         POOL[IN_LANE, lane] = place = -1
                     elif N[place, CASE] != case:
-                        keep_constants(place, lane, S, STORE, POOL, D)
+                        keep_constants(place, lane, S, W, D)
                         wish = 2
                 wish -= 2
                 S[soon + lane] = wish
-            found = exchange(lane, place, wish, sort, S, STORE, POOL, D)
+            found = exchange(lane, place, wish, sort, S, W, D)
             empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
             misfits |= (found == MISFIT) << lane
         ready = L - count_of(misfits | empty)
@@ -186,7 +181,7 @@ def advance_pooled(
             POOL[SORT, 0] = sort
             misfits = 0
             for lane in range(L):
-                found = exchange(lane, POOL[IN_LANE, lane], np.int64(S[soon + lane]), sort, S, STORE, POOL, D)
+                found = exchange(lane, POOL[IN_LANE, lane], np.int64(S[soon + lane]), sort, S, W, D)
                 empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
                 misfits |= (found == MISFIT) << lane
     return active

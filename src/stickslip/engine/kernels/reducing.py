@@ -26,9 +26,10 @@ def state_at(lane, i, theta, S, D):
     return value
 
 
-@njit(void(int64, f1, int64, f1, f1, f2, f2, i1), **OPTIONS)
-def look_at_all(lane, at, count, S, row, HELD, ROOM, D):
+@njit(void(int64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+def look_at_all(lane, at, count, S, row, W, D):
     """All signals at several parts of the last step, each into its row of ROOM."""
+    HELD, ROOM = HELD_of(W), ROOM_of(W)
     L, degree = D[LANES], D[DEGREE]
     for k in range(D[LOOKED]):
         i = D[D[LOOKED_AT] + k]
@@ -47,9 +48,10 @@ def look_at_all(lane, at, count, S, row, HELD, ROOM, D):
         call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[j])
 
 
-@njit(void(int64, float64, int64, f1, f1, f2, f2, i1), **OPTIONS)
-def look_at(lane, theta, to, S, row, HELD, ROOM, D):
+@njit(void(int64, float64, int64, f1, f1, int64, i1), **OPTIONS)
+def look_at(lane, theta, to, S, row, W, D):
     """All signals at a part of the last step, into a row of ROOM."""
+    HELD, ROOM = HELD_of(W), ROOM_of(W)
     for k in range(D[LOOKED]):
         i = D[D[LOOKED_AT] + k]
         ROOM[STATES_THERE, i] = state_at(lane, i, theta, S, D)
@@ -57,18 +59,19 @@ def look_at(lane, theta, to, S, row, HELD, ROOM, D):
     call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[to])
 
 
-@njit(float64(int64, int64, float64, f1, f1, f2, f2, i1), **OPTIONS)
-def signal_at(lane, k, theta, S, row, HELD, ROOM, D):
+@njit(float64(int64, int64, float64, f1, f1, int64, i1), **OPTIONS)
+def signal_at(lane, k, theta, S, row, W, D):
     """One signal at a part of the last step; by its polynomial if it is a state."""
+    ROOM = ROOM_of(W)
     i = D[D[STATE_OF] + k - D[RATIOS]] if k >= D[RATIOS] else -1
     if i >= 0:
         return state_at(lane, i, theta, S, D)
-    look_at(lane, theta, ELSEWHERE, S, row, HELD, ROOM, D)
+    look_at(lane, theta, ELSEWHERE, S, row, W, D)
     return ROOM[ELSEWHERE, k]
 
 
-@njit(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, f2, f2, i1), **OPTIONS)
-def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D):
+@njit(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, int64, i1), **OPTIONS)
+def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, W, D):
     """The largest value of a signal times `sign` between a and c, from one in the middle that is not below them: parabolas."""
     width = 1e-8 * (c - a)
     for _ in range(16):
@@ -76,7 +79,7 @@ def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D):
         x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p != q else 0.5 * (b + c)
         if abs(x - b) <= width or not (x > a and x < c):
             break
-        v = sign * signal_at(lane, k, x, S, row, HELD, ROOM, D)
+        v = sign * signal_at(lane, k, x, S, row, W, D)
         if v >= vb:
             a, va, c, vc = (b, vb, c, vc) if x > b else (a, va, b, vb)
             b, vb = x, v
@@ -87,15 +90,15 @@ def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D):
     return vb
 
 
-@njit(float64(int64, int64, float64, float64, float64, float64, float64, f1, f1, f2, f2, i1), **OPTIONS)
-def crossing(lane, k, level, a, b, va, vb, S, row, HELD, ROOM, D):
+@njit(float64(int64, int64, float64, float64, float64, float64, float64, f1, f1, int64, i1), **OPTIONS)
+def crossing(lane, k, level, a, b, va, vb, S, row, W, D):
     """Where a signal passes a level between a and b: regula falsi, with the end that stays weighed down."""
     fa, fb, x = va - level, vb - level, b
     for _ in range(60):
         x = b - fb * (b - a) / (fb - fa)
         if not (x > a and x < b):
             x = 0.5 * (a + b)
-        f = signal_at(lane, k, x, S, row, HELD, ROOM, D) - level
+        f = signal_at(lane, k, x, S, row, W, D) - level
         if f == 0.0 or b - a <= 1e-12:
             break
         if (f > 0.0) == (fb > 0.0):
@@ -105,26 +108,29 @@ def crossing(lane, k, level, a, b, va, vb, S, row, HELD, ROOM, D):
     return x
 
 
-@njit(void(int64, float64, float64, f1, int64, f1, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
-def add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D):
+@njit(void(int64, float64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+def add_stretches(lane, h, at, count, S, row, W, D):
     """Lengthen the stretches of every contact by the last step, cut where a slip ratio passes its threshold."""
+    HELD, ROOM = HELD_of(W), ROOM_of(W)
+    slip_ratio = LIMITS_of(W)[SLIP_RATIO]
     for i in range(D[CONTACTS]):
         side = np.int64(HELD[lane, D[D[SIDES] + i]])
         if D[RATIOS] == 0:
-            add_segment(lane, i, 2 * side, at[count - 1] * h, N, SEGT, SEGC)
+            add_segment(lane, i, 2 * side, at[count - 1] * h, W)
             continue
         begin, slips = 0.0, ROOM[0, i] >= slip_ratio
         for j in range(1, count):
             if (ROOM[j, i] >= slip_ratio) != slips:
-                x = crossing(lane, i, slip_ratio, at[j - 1], at[j], ROOM[j - 1, i], ROOM[j, i], S, row, HELD, ROOM, D)
-                add_segment(lane, i, 2 * side if slips else side, (x - begin) * h, N, SEGT, SEGC)
+                x = crossing(lane, i, slip_ratio, at[j - 1], at[j], ROOM[j - 1, i], ROOM[j, i], S, row, W, D)
+                add_segment(lane, i, 2 * side if slips else side, (x - begin) * h, W)
                 begin, slips = x, not slips
-        add_segment(lane, i, 2 * side if slips else side, (at[count - 1] - begin) * h, N, SEGT, SEGC)
+        add_segment(lane, i, 2 * side if slips else side, (at[count - 1] - begin) * h, W)
 
 
-@njit(float64(int64, int64, float64, float64, f1, int64, f1, f1, f2, f2, i1), **OPTIONS)
-def largest(lane, k, sign, known, at, count, S, row, HELD, ROOM, D):
+@njit(float64(int64, int64, float64, float64, f1, int64, f1, f1, int64, i1), **OPTIONS)
+def largest(lane, k, sign, known, at, count, S, row, W, D):
     """The largest value of a signal times `sign` in the last step, or what is known if that is more."""
+    ROOM = ROOM_of(W)
     for j in range(count):
         known = max(known, sign * ROOM[j, k])
     for j in range(1, count - 1):
@@ -141,16 +147,17 @@ def largest(lane, k, sign, known, at, count, S, row, HELD, ROOM, D):
                 a, b, va = b, x, vb
             else:
                 continue
-            vb = sign * signal_at(lane, k, b, S, row, HELD, ROOM, D)
+            vb = sign * signal_at(lane, k, b, S, row, W, D)
             if not (vb >= va and vb >= vc):
                 continue
-        known = max(known, highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D))
+        known = max(known, highest(lane, k, sign, a, b, c, va, vb, vc, S, row, W, D))
     return known
 
 
-@njit(void(int64, float64, f1, f1, i2, f2, f3, f2, f2, b2, i1), **OPTIONS)
-def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
+@njit(void(int64, f1, f1, int64, i1), **OPTIONS)
+def reduce_step(lane, S, row, W, D):
     """Add what the last step of a lane did to all that is noted."""
+    FOUND, ROOM = FOUND_of(W), ROOM_of(W)
     h = S[D[F_HH] + lane]
     part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / h
     if S[D[F_STAT] + lane] == 1.0:
@@ -162,8 +169,8 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
     at[0], at[count - 1] = 0.0, part
     for j in range(inside):
         at[j + 1] = part * (FEW_NODES[j] if few else MANY_NODES[j])
-    look_at_all(lane, at, count, S, row, HELD, ROOM, D)
-    add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D)
+    look_at_all(lane, at, count, S, row, W, D)
+    add_stretches(lane, h, at, count, S, row, W, D)
     for s in range(D[SIGNALS]):
         k, kind = D[RATIOS] + s, D[D[KINDS] + s]
         if kind >= AT_GUARD:
@@ -186,14 +193,15 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
         if kind & LAST:
             FOUND[lane, s, SMALLEST] = ROOM[count - 1, k]
         if kind & MOST:
-            FOUND[lane, s, LARGEST] = largest(lane, k, 1.0, FOUND[lane, s, LARGEST], at, count, S, row, HELD, ROOM, D)
+            FOUND[lane, s, LARGEST] = largest(lane, k, 1.0, FOUND[lane, s, LARGEST], at, count, S, row, W, D)
         if kind & LEAST:
-            FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, HELD, ROOM, D)
+            FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, W, D)
 
 
-@njit(void(int64, f3, i1), **OPTIONS)
-def begin_signals(lane, FOUND, D):
+@njit(void(int64, int64, i1), **OPTIONS)
+def begin_signals(lane, W, D):
     """Nothing is known of the signals yet."""
+    FOUND = FOUND_of(W)
     for s in range(D[SIGNALS]):
         kind = D[D[KINDS] + s]
         FOUND[lane, s, TOTAL] = 0.0
@@ -201,9 +209,10 @@ def begin_signals(lane, FOUND, D):
         FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
 
 
-@njit(void(int64, f1, f2, i1), **OPTIONS)
-def hold(lane, S, HELD, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def hold(lane, S, W, D):
     """Keep the flags, modes and clocks that hold in the step to come."""
+    HELD = HELD_of(W)
     L, n = D[LANES], D[SIGNS]
     for k in range(n):
         HELD[lane, k] = S[D[F_B] + k * L + lane]
@@ -213,9 +222,11 @@ def hold(lane, S, HELD, D):
         HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
 
 
-@njit(void(int64, f1, i2, i1), **OPTIONS)
-def widen_all(settle, S, N, D):
+@njit(void(f1, int64, i1), **OPTIONS)
+def widen_all(S, W, D):
     """Extremes of velocities at the end of a step in the window, of bodies that move with their coordinates; all lanes at once."""
+    N, JOB = N_of(W), JOB_of(W)
+    settle = JOB[SETTLE]
     L = D[LANES]
     for b in range(D[BODIES]):
         at, y = wide(b, D), D[F_Y] + D[D[BODY_MOVES] + b] * L
@@ -225,18 +236,19 @@ def widen_all(settle, S, N, D):
             S[at + L + lane] = v if inside and v < S[at + L + lane] else S[at + L + lane]
 
 
-@njit(void(int64, f1, f2, f3, i1), **OPTIONS)
-def begin_parts(lane, S, HELD, FOUND, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def begin_parts(lane, S, W, D):
     """At the start of a case: what its first step holds; of signals and of extremes in the window nothing is known."""
-    hold(lane, S, HELD, D)
-    begin_signals(lane, FOUND, D)
+    hold(lane, S, W, D)
+    begin_signals(lane, W, D)
     for b in range(D[BODIES]):
         S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane] = -math.inf, math.inf
 
 
-@njit(void(int64, int64, f1, f3, f3, i1), **OPTIONS)
-def note_parts(lane, case, S, FOUND, NOTED, D):
+@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+def note_parts(lane, case, S, W, D):
     """Write what was found of the signals of a case, and of its bodies in the window."""
+    FOUND, NOTED = FOUND_of(W), NOTED_of(W)
     for b in range(D[BODIES]):
         FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane]
     for s in range(NOTED.shape[1]):
@@ -244,11 +256,12 @@ def note_parts(lane, case, S, FOUND, NOTED, D):
             NOTED[case, s, j] = FOUND[lane, s, j]
 
 
-@njit(void(int64, f1, f1, f2, f2, i1), **OPTIONS)
-def widen(lane, S, row, HELD, ROOM, D):
+@njit(void(int64, f1, f1, int64, i1), **OPTIONS)
+def widen(lane, S, row, W, D):
     """The same of one lane, where a body moves otherwise than its coordinate."""
+    ROOM = ROOM_of(W)
     part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
-    look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
+    look_at(lane, part, ELSEWHERE, S, row, W, D)
     for b in range(D[BODIES]):
         at, v = wide(b, D), ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
         S[at + lane] = max(S[at + lane], v)

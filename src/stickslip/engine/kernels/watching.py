@@ -3,11 +3,12 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, i2, f2, f3, f1, i1), **OPTIONS)
-def begin_record(lane, N, K, FOUND, S, D):
+@njit(void(int64, f1, int64, i1), **OPTIONS)
+def begin_record(lane, S, W, D):
     """Start to observe the motion from the lane's present point."""
+    N, K = N_of(W), K_of(W)
     if D[SIGNALS] > 0:
-        call_begin_signals(D[AT_BEGIN_SIGNALS], lane, FOUND, D)
+        call_begin_signals(D[AT_BEGIN_SIGNALS], lane, W, D)
     N[lane, RECORDING] = 1
     if D[F_LOOKED] >= 0:
         S[D[F_LOOKED] + lane] = 1.0
@@ -62,9 +63,10 @@ def turned(lane, slip_ratio, S, D):
     return high
 
 
-@njit(void(int64, float64, float64, float64, float64, i2, f2, f2, b2, i1), **OPTIONS)
-def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
+@njit(void(int64, float64, float64, float64, int64, i1), **OPTIONS)
+def observe(lane, acceleration, ratio, period, W, D):
     """The stretch from the last observed point Q to the new one P, whose slopes are known only now."""
+    N, K, slip_ratio = N_of(W), K_of(W), LIMITS_of(W)[SLIP_RATIO]
     t, v, b = K[lane, TP], K[lane, VP], K[lane, BP]
     if N[lane, FRESH] == 1:
         dt = t - K[lane, TQ]
@@ -75,10 +77,10 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
             part = K[lane, PART]
             if part < 0.0:
                 part = (slip_ratio - rq) / (ratio - rq)
-            add_segment(lane, 0, 2 * side if slips else side, part * dt, N, SEGT, SEGC)
-            add_segment(lane, 0, side if slips else 2 * side, (1.0 - part) * dt, N, SEGT, SEGC)
+            add_segment(lane, 0, 2 * side if slips else side, part * dt, W)
+            add_segment(lane, 0, side if slips else 2 * side, (1.0 - part) * dt, W)
         else:
-            add_segment(lane, 0, 2 * side if slips else side, dt, N, SEGT, SEGC)
+            add_segment(lane, 0, 2 * side if slips else side, dt, W)
         top = v
         aq, ap = K[lane, AQ], K[lane, BEFORE]
         if ap != ap:
@@ -121,15 +123,17 @@ def place_of(lane, p, S, D):
     return S[D[F_X] + lane] + (S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane] if j > 0 else 0.0)
 
 
-@njit(void(int64, int64, f1, f3, i1), **OPTIONS)
-def keep_places(lane, row, S, XS, D):
+@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+def keep_places(lane, row, S, W, D):
     """Where everything is, as a row of XS."""
+    XS = XS_of(W)
     for p in range(D[PLACES]):
         XS[lane, row, p] = place_of(lane, p, S, D)
 
 
-@njit(void(int64, int64, f1, i2, f3, f2, i1), **OPTIONS)
-def keep_moved(lane, row, S, N, XS, OUT, D):
+@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
+def keep_moved(lane, row, S, W, D):
     """How far each coordinate went since a row of XS was kept."""
+    N, XS, OUT = N_of(W), XS_of(W), OUT_of(W)
     for p in range(1, D[PLACES]):
         OUT[N[lane, CASE], 8 + D[STATES] + D[KEPT_MODES] + p] = place_of(lane, p, S, D) - XS[lane, row, p]

@@ -1,0 +1,491 @@
+"""Functions on plain numbers and arrays as LLVM instructions: the driver of all kernels, in one piece.
+
+Numba compiles each function by itself, with all that it calls, again and again on the way up: twenty seconds for a driver of sixty
+functions, most of it in its front end. Here Numba sees one call, of an intrinsic that writes all functions which that one needs
+(`write_functions`), and LLVM optimises them together, once. A kernel's file holds this text from the imports on, and needs nothing else.
+
+The text is Python and means what Python means by it, on 64-bit whole numbers, floats, truth values and arrays of up to three dimensions whose
+numbers stand in a row; Numba would compile the same text to the same numbers. Each function has its types in its decorator, as Numba writes them:
+``@njit(void(int64, f1))``. A name has the type of what it is first given; an array that is taken from another one is a view of it, and
+``np.empty`` and ``np.zeros`` make one that lasts as long as the call. There is no check of bounds, no negative place, and no exception.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import dataclass
+from functools import partial, reduce
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types as kinds
+
+WHOLE, REAL, TRUTH, SHORT = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
+ON_REALS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
+ON_WHOLES = {
+    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_", ast.BitXor: "xor",
+}  # fmt: skip
+COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
+OF_REALS = {
+    "fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt", "math.floor": "llvm.floor", "math.log2": "llvm.log2",
+    "math.copysign": "llvm.copysign",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class View:
+    """An array: where its first number stands, and how many there are in each direction."""
+
+    data: Any
+    shape: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Where a name has its value: one place for a number, for an array one for its first number's and one for each length."""
+
+    places: tuple[Any, ...]
+    array: bool
+
+
+class Program:
+    """All functions of a text, which are written when something calls them.
+
+    `types` are Numba's types by the names that decorators have for them, `outside` the functions that something else writes: from their name
+    how, given the builder and the arguments.
+    """
+
+    def __init__(self, context: Any, module: Any, text: str, types: dict[str, Any], outside: dict[str, Any]) -> None:
+        self.context, self.module, self.outside = context, module, outside
+        self.texts, self.signatures, self.constants = dict[str, ast.FunctionDef](), dict[str, Any](), dict[str, Any]()
+        self.made, self.waiting = dict[str, Any](), list[str]()
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.FunctionDef):
+                self.texts[node.name] = node
+                kind = node.decorator_list[0].args[0]  # type: ignore[attr-defined]
+                source = kind.value if isinstance(kind, ast.Constant) else ast.unparse(kind)
+                self.signatures[node.name] = eval(source, {"__builtins__": {}}, types)
+            elif isinstance(node, ast.Assign):
+                exec(ast.unparse(node), {"__builtins__": {"range": range, "object": object}}, self.constants)
+
+    def function(self, name: str) -> Any:
+        """A function of the text, by its name."""
+        if name not in self.made:
+            takes = [part for kind in self.signatures[name].args for part in self.parts(kind)]
+            result = self.result(self.signatures[name].return_type)
+            made = ir.Function(self.module, ir.FunctionType(result, takes), self.module.get_unique_name(name))
+            made.linkage = "internal"
+            made.attributes.add("nounwind")
+            self.made[name] = made
+            self.waiting.append(name)
+        return self.made[name]
+
+    def write(self) -> None:
+        """Write whatever is called and not yet written."""
+        while self.waiting:
+            name = self.waiting.pop()
+            Body(self, self.made[name], self.texts[name], self.signatures[name])
+
+    def number(self, kind: Any) -> Any:
+        """The type of a number."""
+        found = {kinds.int64: WHOLE, kinds.float64: REAL, kinds.boolean: TRUTH, kinds.int8: SHORT}.get(kind)
+        if found is None:
+            raise TypeError(f"{kind} is not among the types of a function of plain numbers")
+        return found
+
+    def parts(self, kind: Any) -> list[Any]:
+        """An argument's types: of an array a place and its lengths."""
+        return [self.number(kind.dtype).as_pointer(), *[WHOLE] * kind.ndim] if isinstance(kind, kinds.Array) else [self.number(kind)]
+
+    def result(self, kind: Any) -> Any:
+        if kind == kinds.void:
+            return ir.VoidType()
+        return ir.LiteralStructType(map(self.number, kind.types)) if isinstance(kind, kinds.BaseTuple) else self.number(kind)
+
+
+class Body(ast.NodeVisitor):
+    """The instructions of one function."""
+
+    def __init__(self, program: Program, function: Any, text: ast.FunctionDef, signature: Any) -> None:
+        self.program, self.function, self.result = program, function, function.function_type.return_type
+        self.entry = function.append_basic_block("places")
+        start = function.append_basic_block("start")
+        self.builder = ir.IRBuilder(start)
+        self.names, self.loops = dict[str, Variable](), list[tuple[Any, Any]]()
+        given = iter(function.args)
+        for arg, kind in zip(text.args.args, signature.args, strict=True):
+            first = next(given)
+            self.give(arg.arg, View(first, tuple(next(given) for _ in range(kind.ndim))) if isinstance(kind, kinds.Array) else first)
+        self.write(text.body)
+        if not self.builder.block.is_terminated:
+            self.builder.ret_void() if self.result == ir.VoidType() else self.builder.unreachable()
+        ir.IRBuilder(self.entry).branch(start)
+
+    # ---- statements ----
+    def write(self, statements: list[ast.stmt]) -> None:
+        for statement in statements:
+            if self.builder.block.is_terminated:
+                return
+            self.visit(statement)
+
+    def visit_Expr(self, node: ast.Expr) -> None:
+        if not isinstance(node.value, ast.Constant):
+            self.visit(node.value)
+
+    def visit_Return(self, node: ast.Return) -> None:
+        if node.value is None:
+            self.builder.ret_void()
+        elif isinstance(node.value, ast.Tuple):
+            values = [self.visit(each) for each in node.value.elts]
+            self.builder.ret(self.joined([self.as_kind(*pair) for pair in zip(values, self.result.elements, strict=True)]))
+        else:
+            value = self.visit(node.value)
+            self.builder.ret(self.joined(value) if isinstance(value, list) else self.as_kind(value, self.result))
+
+    def joined(self, values: list[Any]) -> Any:
+        """Several values as one."""
+        whole = ir.Constant(ir.LiteralStructType([value.type for value in values]), ir.Undefined)
+        return reduce(lambda found, pair: self.builder.insert_value(found, pair[1], pair[0]), enumerate(values), whole)
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        value = self.visit(node.value)
+        for target in node.targets:
+            if isinstance(target, ast.Tuple):
+                for each, part in zip(target.elts, value, strict=True):
+                    self.assign(each, part)
+            else:
+                self.assign(target, value)
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> None:
+        if isinstance(node.target, ast.Name):
+            self.give(node.target.id, self.operation(node, node.op, self.visit(node.target), self.visit(node.value)))
+        else:
+            place = self.element(node.target)
+            self.store(place, self.operation(node, node.op, self.load(place), self.visit(node.value)))
+
+    def visit_If(self, node: ast.If) -> None:
+        yes, no, after = (self.function.append_basic_block(name) for name in ("yes", "no", "after"))
+        self.builder.cbranch(self.holds(node.test), yes, no)
+        for block, statements in ((yes, node.body), (no, node.orelse)):
+            self.builder.position_at_end(block)
+            self.write(statements)
+            self.go_to(after)
+        self.builder.position_at_end(after)
+
+    def visit_While(self, node: ast.While) -> None:
+        self.loop(node, lambda: self.holds(node.test), lambda: None)
+
+    def visit_For(self, node: ast.For) -> None:
+        called = node.iter
+        if not (isinstance(called, ast.Call) and ast.unparse(called.func) == "range" and isinstance(node.target, ast.Name)):
+            self.refuse(node)
+        ends = [self.visit(each) for each in called.args]
+        first, end = ends[:2] if len(ends) > 1 else (ir.Constant(WHOLE, 0), ends[0])
+        by = ends[2] if len(ends) > 2 else ir.Constant(WHOLE, 1)
+        count = self.place(WHOLE)
+        self.builder.store(first, count)
+
+        def goes_on() -> Any:
+            now = self.builder.load(count)
+            self.give(node.target.id, now)
+            return self.builder.icmp_signed("<" if by.constant > 0 else ">", now, end)
+
+        self.loop(node, goes_on, lambda: self.builder.store(self.builder.add(self.builder.load(count), by), count))
+
+    def loop(self, node: Any, goes_on: Any, step: Any) -> None:
+        if node.orelse:
+            self.refuse(node)
+        head, body, tail, after = (self.function.append_basic_block(name) for name in ("head", "round", "tail", "after"))
+        self.builder.branch(head)
+        self.builder.position_at_end(head)
+        self.builder.cbranch(goes_on(), body, after)
+        self.builder.position_at_end(body)
+        self.loops.append((tail, after))
+        self.write(node.body)
+        self.loops.pop()
+        self.go_to(tail)
+        self.builder.position_at_end(tail)
+        step()
+        self.builder.branch(head)
+        self.builder.position_at_end(after)
+
+    def go_to(self, block: Any) -> None:
+        if not self.builder.block.is_terminated:
+            self.builder.branch(block)
+
+    def visit_Continue(self, node: ast.Continue) -> None:
+        self.builder.branch(self.loops[-1][0])
+
+    def visit_Break(self, node: ast.Break) -> None:
+        self.builder.branch(self.loops[-1][1])
+
+    # ---- names and places ----
+    def place(self, kind: Any) -> Any:
+        """Room for a number that lasts as long as the call."""
+        return ir.IRBuilder(self.entry).alloca(kind)
+
+    def give(self, name: str, value: Any) -> None:
+        """Give a name its value."""
+        parts = (value.data, *value.shape) if isinstance(value, View) else (value,)
+        if name not in self.names:
+            self.names[name] = Variable(tuple(self.place(part.type) for part in parts), isinstance(value, View))
+        for place, part in zip(self.names[name].places, parts, strict=True):
+            self.builder.store(self.as_kind(part, place.type.pointee), place)
+
+    def assign(self, target: ast.expr, value: Any) -> None:
+        if isinstance(target, ast.Name):
+            self.give(target.id, value)
+        else:
+            self.store(self.element(target), value)
+
+    def store(self, place: Any, value: Any) -> None:
+        if place.type.pointee == SHORT:
+            self.builder.store(self.builder.trunc(value, SHORT), place)
+        else:
+            self.builder.store(self.as_kind(value, place.type.pointee), place)
+
+    def load(self, place: Any) -> Any:
+        value = self.builder.load(place)
+        return self.builder.sext(value, WHOLE) if value.type == SHORT else value
+
+    def element(self, node: ast.expr) -> Any:
+        """The place of one number of an array."""
+        found = self.part(node, self.visit(node.value)) if isinstance(node, ast.Subscript) else None
+        if found is None or found.shape:
+            self.refuse(node)
+        return found.data  # type: ignore[union-attr]
+
+    def part(self, node: ast.Subscript, array: View) -> View:
+        """What stands at the first places of an array, or from a place on."""
+        if isinstance(node.slice, ast.Slice):
+            first = self.visit(node.slice.lower)  # type: ignore[arg-type]
+            (length,) = array.shape
+            return View(self.builder.gep(array.data, [first]), (self.builder.sub(length, first),))
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        at = reduce(
+            lambda found, pair: self.builder.add(self.builder.mul(found, pair[1]), self.visit(pair[0])),
+            zip(indices[1:], array.shape[1:], strict=False),
+            self.visit(indices[0]),
+        )
+        rest = array.shape[len(indices) :]
+        return View(self.builder.gep(array.data, [reduce(self.builder.mul, rest, at)]), rest)
+
+    # ---- expressions ----
+    def visit_Constant(self, node: ast.Constant) -> Any:
+        kind = {int: WHOLE, float: REAL, bool: TRUTH}.get(type(node.value))
+        return self.refuse(node) if kind is None else ir.Constant(kind, node.value)
+
+    def visit_Name(self, node: ast.Name) -> Any:
+        if node.id in self.names:
+            variable = self.names[node.id]
+            first, *rest = map(self.builder.load, variable.places)
+            return View(first, tuple(rest)) if variable.array else first
+        if node.id in self.program.constants:
+            return self.visit_Constant(ast.Constant(self.program.constants[node.id]))
+        return self.refuse(node, "has no value")
+
+    def visit_Tuple(self, node: ast.Tuple) -> list[Any]:
+        return [self.visit(each) for each in node.elts]
+
+    def visit_Attribute(self, node: ast.Attribute) -> Any:
+        known = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf}
+        name = ast.unparse(node)
+        return ir.Constant(REAL, known[name]) if name in known else self.refuse(node)
+
+    def visit_Subscript(self, node: ast.Subscript) -> Any:
+        if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
+            return self.visit(node.value.value).shape[ast.literal_eval(node.slice)]
+        whole = self.visit(node.value)
+        if isinstance(whole, list):
+            return whole[ast.literal_eval(node.slice)]
+        found = self.part(node, whole)
+        return found if found.shape else self.load(found.data)
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> Any:
+        if isinstance(node.op, ast.Not):
+            return self.builder.not_(self.holds(node.operand))
+        if isinstance(node.operand, ast.Constant) and isinstance(node.op, ast.USub):
+            return self.visit_Constant(ast.Constant(-node.operand.value))
+        x = self.visit(node.operand)
+        if isinstance(node.op, ast.USub):
+            return self.builder.fneg(x) if x.type == REAL else self.builder.neg(self.as_kind(x, WHOLE))
+        return self.builder.not_(x) if isinstance(node.op, ast.Invert) and x.type == WHOLE else self.refuse(node)
+
+    def visit_BinOp(self, node: ast.BinOp) -> Any:
+        return self.operation(node, node.op, self.visit(node.left), self.visit(node.right))
+
+    def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
+        if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
+            return self.of_reals("llvm.sqrt", [a])
+        if isinstance(op, ast.Div) or REAL in (a.type, b.type):
+            name = ON_REALS.get(type(op))
+            return getattr(self.builder, name)(self.as_kind(a, REAL), self.as_kind(b, REAL)) if name else self.refuse(node)
+        a, b = self.as_kind(a, WHOLE), self.as_kind(b, WHOLE)
+        if isinstance(op, (ast.FloorDiv, ast.Mod)):  # towards minus infinity
+            rest = self.builder.srem(a, b)
+            zero = ir.Constant(WHOLE, 0)
+            off = self.builder.and_(
+                self.builder.icmp_signed("!=", rest, zero), self.builder.icmp_signed("<", self.builder.xor(rest, b), zero)
+            )
+            if isinstance(op, ast.Mod):
+                return self.builder.select(off, self.builder.add(rest, b), rest)
+            return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, WHOLE))
+        name = ON_WHOLES.get(type(op))
+        return getattr(self.builder, name)(a, b) if name else self.refuse(node)
+
+    def visit_Compare(self, node: ast.Compare) -> Any:
+        if len(node.ops) > 1 or type(node.ops[0]) not in COMPARED:
+            self.refuse(node)
+        return self.compared(COMPARED[type(node.ops[0])], *self.alike(self.visit(node.left), self.visit(node.comparators[0])))
+
+    def compared(self, sign: str, a: Any, b: Any) -> Any:
+        if a.type != REAL:
+            return self.builder.icmp_signed(sign, a, b)
+        return (self.builder.fcmp_unordered if sign == "!=" else self.builder.fcmp_ordered)(sign, a, b)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> Any:
+        """What stands further right is looked at only if the rest does not decide."""
+        found, after = [], self.function.append_basic_block("decided")
+        for value in node.values[:-1]:
+            holds, next_one = self.holds(value), self.function.append_basic_block("undecided")
+            found.append((holds, self.builder.block))
+            self.builder.cbranch(holds, *((next_one, after) if isinstance(node.op, ast.And) else (after, next_one)))
+            self.builder.position_at_end(next_one)
+        found.append((self.holds(node.values[-1]), self.builder.block))
+        return self.met(found, after)
+
+    def visit_IfExp(self, node: ast.IfExp) -> Any:
+        yes, no, after = (self.function.append_basic_block(name) for name in ("yes", "no", "chosen"))
+        self.builder.cbranch(self.holds(node.test), yes, no)
+        values, ends = [], []
+        for block, value in ((yes, node.body), (no, node.orelse)):
+            self.builder.position_at_end(block)
+            values.append(self.visit(value))
+            ends.append(self.builder.block)
+        kind = self.common(*values)
+        for k, end in enumerate(ends):
+            self.builder.position_at_end(end)
+            values[k] = self.as_kind(values[k], kind)
+        return self.met(list(zip(values, ends, strict=True)), after)
+
+    def met(self, found: list[tuple[Any, Any]], after: Any) -> Any:
+        """The value with which one of several blocks comes to the one after them."""
+        for _, block in found:
+            if not block.is_terminated:
+                ir.IRBuilder(block).branch(after)
+        self.builder.position_at_end(after)
+        value = self.builder.phi(found[0][0].type)
+        for each, block in found:
+            value.add_incoming(each, block)
+        return value
+
+    def visit_Call(self, node: ast.Call) -> Any:
+        name = ast.unparse(node.func)
+        if name == "float":
+            return ir.Constant(REAL, float(ast.literal_eval(node.args[0])))
+        args = [self.visit(each) for each in node.args]
+        if name in self.program.outside:
+            return self.program.outside[name](self.builder, args)
+        if name in self.program.signatures:
+            return self.called(name, args)
+        if name == "len":
+            return args[0].shape[0]
+        if name in ("np.empty", "np.zeros"):
+            return self.room(node, args[0], zero=name == "np.zeros")
+        if name in ("max", "min"):
+            return reduce(lambda a, b: self.extreme(">" if name == "max" else "<", a, b), args)
+        if name in ("np.int64", "np.uint64"):
+            return self.builder.fptosi(args[0], WHOLE) if args[0].type == REAL else self.as_kind(args[0], WHOLE)
+        if name == "np.float64":
+            return self.as_kind(args[0], REAL)
+        if name in ("as_bits", "as_float"):
+            return self.builder.bitcast(args[0], WHOLE if name == "as_bits" else REAL)
+        return self.of_reals(OF_REALS[name], args) if name in OF_REALS else self.refuse(node)
+
+    def called(self, name: str, args: list[Any]) -> Any:
+        """A function of the text."""
+        function, given = self.program.function(name), []
+        for arg in args:
+            given += [arg.data, *arg.shape] if isinstance(arg, View) else [arg]
+        given = [self.as_kind(*pair) for pair in zip(given, function.function_type.args, strict=True)]
+        found = self.builder.call(function, given)
+        if not isinstance(found.type, ir.LiteralStructType):
+            return found
+        return [self.builder.extract_value(found, k) for k in range(len(found.type.elements))]
+
+    def room(self, node: ast.Call, count: Any, zero: bool) -> View:
+        """An array that lasts as long as the call."""
+        kind = WHOLE if any(ast.unparse(each.value) == "np.int64" for each in node.keywords) else REAL
+        data = self.builder.alloca(kind, size=count)
+        if zero:
+            place = self.place(WHOLE)
+            self.builder.store(ir.Constant(WHOLE, 0), place)
+
+            def goes_on() -> Any:
+                return self.builder.icmp_signed("<", self.builder.load(place), count)
+
+            def step() -> None:
+                at = self.builder.load(place)
+                self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at]))
+                self.builder.store(self.builder.add(at, ir.Constant(WHOLE, 1)), place)
+
+            self.loop(ast.While(test=None, body=[], orelse=[]), goes_on, step)  # type: ignore[arg-type]
+        return View(data, (count,))
+
+    def extreme(self, sign: str, a: Any, b: Any) -> Any:
+        a, b = self.alike(a, b)
+        return self.builder.select(self.compared(sign, b, a), b, a)
+
+    def of_reals(self, name: str, args: list[Any]) -> Any:
+        if name == "llvm.fabs" and args[0].type == WHOLE:
+            negative = self.builder.icmp_signed("<", args[0], ir.Constant(WHOLE, 0))
+            return self.builder.select(negative, self.builder.neg(args[0]), args[0])
+        kind = ir.FunctionType(REAL, [REAL] * len(args))
+        function = self.program.module.declare_intrinsic(f"{name}.f64", (), kind)
+        return self.builder.call(function, [self.as_kind(arg, REAL) for arg in args])
+
+    # ---- types ----
+    def holds(self, node: ast.expr) -> Any:
+        value = self.visit(node)
+        if value.type == TRUTH:
+            return value
+        zero = ir.Constant(value.type, 0)
+        return self.builder.icmp_signed("!=", value, zero) if value.type == WHOLE else self.builder.fcmp_unordered("!=", value, zero)
+
+    def common(self, a: Any, b: Any) -> Any:
+        """The type of either of two numbers."""
+        return REAL if REAL in (a.type, b.type) else TRUTH if a.type == b.type == TRUTH else WHOLE
+
+    def alike(self, a: Any, b: Any) -> tuple[Any, Any]:
+        kind = self.common(a, b)
+        return self.as_kind(a, kind), self.as_kind(b, kind)
+
+    def as_kind(self, value: Any, kind: Any) -> Any:
+        """A number as one of another type that can hold it."""
+        if value.type == kind:
+            return value
+        if kind == REAL and value.type in (WHOLE, TRUTH):
+            return self.builder.sitofp(value, REAL) if value.type == WHOLE else self.builder.uitofp(value, REAL)
+        if kind == WHOLE and value.type == TRUTH:
+            return self.builder.zext(value, WHOLE)
+        raise TypeError(f"a number of type {value.type} is given to a name, a place or an argument of type {kind}")
+
+    def refuse(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
+        raise TypeError(f"{ast.unparse(node)!r} in a function of plain numbers {what}")
+
+    generic_visit = refuse  # type: ignore[assignment]
+
+
+def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]) -> Any:
+    """A call of one function of a text, with the arguments that Numba has; it and all that it needs are written."""
+    program, given = Program(context, builder.module, text, types, outside), []
+    for kind, arg in zip(sig.args, args, strict=True):
+        if isinstance(kind, kinds.Array):
+            array = context.make_array(kind)(context, builder, arg)
+            given += [array.data, *(builder.extract_value(array.shape, k) for k in range(kind.ndim))]
+        else:
+            given.append(arg)
+    found = builder.call(program.function(name), given)
+    program.write()
+    return found
