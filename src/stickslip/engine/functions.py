@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import ast
 import math
+from collections import Counter
 from dataclasses import dataclass
 from functools import partial, reduce
 from typing import Any
@@ -77,6 +78,8 @@ class Program:
             made = ir.Function(self.module, ir.FunctionType(result, takes), self.module.get_unique_name(name))
             made.linkage = "internal"
             made.attributes.add("nounwind")
+            if any(isinstance(node, (ast.For, ast.While)) for node in ast.walk(self.texts[name])):
+                made.attributes.add("noinline")  # a call is nothing beside a loop, and every copy is to be compiled
             self.made[name] = made
             self.waiting.append(name)
         return self.made[name]
@@ -112,7 +115,8 @@ class Body(ast.NodeVisitor):
         self.entry = function.append_basic_block("places")
         start = function.append_basic_block("start")
         self.builder = ir.IRBuilder(start)
-        self.names, self.loops = dict[str, Variable](), list[tuple[Any, Any]]()
+        self.names, self.loops = dict[str, Variable | Any](), list[tuple[Any, Any]]()
+        self.settled = _settled(text)
         given = iter(function.args)
         for arg, kind in zip(text.args.args, signature.args, strict=True):
             first = next(given)
@@ -226,7 +230,10 @@ class Body(ast.NodeVisitor):
         return ir.IRBuilder(self.entry).alloca(kind)
 
     def give(self, name: str, value: Any) -> None:
-        """Give a name its value."""
+        """Give a name its value; one that never has another needs no place for it."""
+        if name in self.settled:
+            self.names[name] = value
+            return
         parts = (value.data, *value.shape) if isinstance(value, View) else (value,)
         if name not in self.names:
             self.names[name] = Variable(tuple(self.place(part.type) for part in parts), isinstance(value, View))
@@ -279,6 +286,8 @@ class Body(ast.NodeVisitor):
     def visit_Name(self, node: ast.Name) -> Any:
         if node.id in self.names:
             variable = self.names[node.id]
+            if not isinstance(variable, Variable):
+                return variable
             first, *rest = map(self.builder.load, variable.places)
             return View(first, tuple(rest)) if variable.array else first
         if node.id in self.program.constants:
@@ -475,6 +484,15 @@ class Body(ast.NodeVisitor):
         raise TypeError(f"{ast.unparse(node)!r} in a function of plain numbers {what}")
 
     generic_visit = refuse  # type: ignore[assignment]
+
+
+def _settled(text: ast.FunctionDef) -> set[str]:
+    """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
+    given = Counter(node.id for node in ast.walk(text) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
+    given.update(arg.arg for arg in text.args.args)
+    whole = [arg.arg for arg in text.args.args]
+    whole += [node.id for each in text.body if isinstance(each, ast.Assign) for node in ast.walk(each) if isinstance(node, ast.Name)]
+    return {name for name in whole if given[name] == 1}
 
 
 def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]) -> Any:
