@@ -141,66 +141,39 @@ def call(context, builder, sig, args):
     place = builder.inttoptr(args[0], kind.as_pointer())
     return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
 
-
-def shared(which):
-    """An array of those that are shared, from where its address and shape stand."""
-    def emit(context, builder, sig, args):
-        whole, kind, size = ir.IntType(64), sig.return_type, context.get_abi_sizeof(context.get_data_type(sig.return_type.dtype))
-        numbers = builder.inttoptr(args[0], whole.as_pointer())
-        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(whole, 4 * which + k)])) for k in range(1 + kind.ndim))
-        strides = [ir.Constant(whole, size)]
-        for length in shape[:0:-1]:
-            strides.insert(0, builder.mul(strides[0], length))
-        array = context.make_array(kind)(context, builder)
-        populate_array(array, builder.inttoptr(first, array.data.type), shape, strides, size, None)
-        return array._getvalue()
-    return emit
-
 '''
 
-#: The driver itself: Numba sees one call, and `functions.py` writes what stands behind it.
-_DRIVER = '''
-KINDS = {{"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}}
-KINDS |= {{"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}}
+#: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
+_OUTSIDE = '''
+KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
+KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
 
 
 def outside(context):
-    """What the text of the driver does not hold: functions at addresses, and the shared arrays."""
     def at_address(kind, builder, args):
         given = zip(kind.args, args[1:], strict=True)
         whole = [as_array(context, builder, takes, arg) if isinstance(arg, View) else arg for takes, arg in given]
         return call(context, builder, kind.return_type(int64, *kind.args), [args[0], *whole])
 
-    def array(which, kind, builder, args):
+    def shared(which, kind, builder, args):
         numbers = builder.inttoptr(args[0], WHOLE.as_pointer())
         first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(WHOLE, 4 * which + k)])) for k in range(1 + kind.ndim))
         return View(builder.inttoptr(first, context.get_data_type(kind.dtype).as_pointer()), tuple(shape))
 
-    found = {{f"call_{{name}}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}}
-    return found | {{f"{{name}}_of": partial(array, which, KINDS[kind]) for which, (name, kind) in enumerate(SHARED.items())}}
+    found = {f"call_{name}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}
+    found |= {f"{name}_of": partial(shared, which, KINDS[kind]) for which, (name, kind) in enumerate(SHARED.items())}
+    return found | {"at_points": partial(at_points, *POLYNOMIAL)}
 
 
 def as_array(context, builder, kind, view):
-    """An array as Numba's functions take it, from one of the driver's."""
+    """An array as Numba's functions take it."""
     size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
     array = context.make_array(kind)(context, builder)
-    strides = [ir.Constant(ir.IntType(64), size)]
+    strides = [ir.Constant(WHOLE, size)]
     for length in view.shape[:0:-1]:
         strides.insert(0, builder.mul(strides[0], length))
     populate_array(array, view.data, view.shape, strides, size, None)
     return array._getvalue()
-
-
-@intrinsic
-def written(typingctx, S, calls, W, D):
-    def emit(context, builder, sig, args):
-        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, outside(context))
-    return int64(S, calls, W, D), emit
-
-
-@njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
-def {name}(S, calls, W, D):
-    return written(S, calls, W, D)
 '''
 
 
@@ -255,48 +228,42 @@ def _address(function: Any) -> int:
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *(("pooling",) if name == "advance_pooled" else ()))
-    lines = [*_places(), *_LOOKS, status_text(), recurrence_text(), *map(_kernel_text, texts)]
-    parts = [
-        HEADER.format(label="the driver of all kernels"),
-        cache.SHORT_LOOPS,
-        functions_text(),
-        _CALLS,
-        f"FUNCTIONS = {FUNCTIONS!r}",
-        f"SHARED = {SHARED!r}",
-        "TEXT = '''" + "\n".join(lines).replace("\\", "\\\\") + "'''",
-        _DRIVER.format(name=name),
-    ]
-    return getattr(cache.load("\n\n".join(parts), f"driver_{name}", "what all kernels share"), name)
+    constants = [*_LOOKS, status_text(), recurrence_text()]
+    source = _source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, loops=cache.SHORT_LOOPS)
+    return getattr(cache.load(source, f"driver_{name}", "what all kernels share"), name)
 
 
 @lru_cache
 def _apart(name: str) -> Any:
     """The compiled functions that few kernels need."""
-    _, texts, label = _APART[name]
+    functions, texts, label = _APART[name]
     rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
-    constants = [*_LOOKS, *(f"{name} = np.array({part!r})" for name, part in rules)]
-    return cache.load(_source(label, constants, texts), name, label)
+    constants = [*_LOOKS, *(f"{name} = {part!r}" for name, part in rules)]
+    return cache.load(_source(label, {each: FUNCTIONS[each] for each in functions}, constants, texts), name, label)
 
 
 @lru_cache
 def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
-    text = _source(f"where Taylor steps end, {lanes} lanes", [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"], ("arcs",))
-    return cache.load(text, f"arcs_{lanes}", f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})")
+    constants = [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"]
+    label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
+    text = _source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",), (ORDER, lanes, POINTS))
+    return cache.load(text, f"arcs_{lanes}", label)
 
 
-def _source(label: str, constants: list[str], texts: tuple[str, ...]) -> str:
-    return "\n".join(
-        [
-            HEADER.format(label=label),
-            *_places(),
-            *constants,
-            _CALLS,
-            *(_call(name, kind) for name, kind in FUNCTIONS.items()),
-            *(_shared(name, kind, which) for which, (name, kind) in enumerate(SHARED.items())),
-            *("\n" + _kernel_text(name) for name in texts),
-        ]
-    )
+def _source(
+    label: str,
+    functions: dict[str, str],
+    constants: list[str],
+    texts: tuple[str, ...],
+    polynomial: tuple[int, ...] = (0, 0, 0),
+    loops: str = "",
+) -> str:
+    """The source of some functions of the texts: Numba sees a call of each, and `functions.py` writes what stands behind it."""
+    text = "\n".join([*_places(), *constants, *map(_kernel_text, texts)]).replace("\\", "\\\\")
+    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}", f"POLYNOMIAL = {polynomial!r}", f"TEXT = '''{text}'''"]
+    written = [_written(*each) for each in functions.items()]
+    return "\n\n".join([HEADER.format(label=label), loops, functions_text(), _CALLS, *known, _OUTSIDE, *written])
 
 
 def _places() -> list[str]:
@@ -309,21 +276,19 @@ def _kernel_text(name: str) -> str:
     return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
 
 
-def _call(name: str, kind: str) -> str:
-    """A function of the driver that calls what stands at an address: its arguments are passed on."""
-    result, _, takes = kind.partition("(")
-    arguments = ", ".join(f"a{i}" for i in range(takes.count(",") + 1))
+def _written(name: str, kind: str) -> str:
+    """A function that Python calls, or another kernel at its address."""
+    takes = ", ".join(f"a{i}" for i in range(kind.count(",") + 1))
+    options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
     return f"""
 @intrinsic
-def call_{name}(typingctx, address, {arguments}):
-    return {result}(int64, {takes}, call
-"""
+def written_{name}(typingctx, {takes}):
+    def emit(context, builder, sig, args):
+        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, outside(context))
+    return {kind}, emit
 
 
-def _shared(name: str, kind: str, which: int) -> str:
-    """A function of the driver that finds a shared array."""
-    return f"""
-@intrinsic
-def {name}_of(typingctx, W):
-    return {kind}(int64), shared({which})
+@njit({kind}, {options})
+def {name}({takes}):
+    return written_{name}({takes})
 """

@@ -4,10 +4,10 @@ Numba compiles each function by itself, with all that it calls, again and again 
 functions, most of it in its front end. Here Numba sees one call, of an intrinsic that writes all functions which that one needs
 (`write_functions`), and LLVM optimises them together, once. A kernel's file holds this text from the imports on, and needs nothing else.
 
-The text is Python and means what Python means by it, on 64-bit whole numbers, floats, truth values and arrays of up to three dimensions whose
-numbers stand in a row; Numba would compile the same text to the same numbers. Each function has its types in its decorator, as Numba writes them:
-``@njit(void(int64, f1))``. A name has the type of what it is first given; an array that is taken from another one is a view of it, and
-``np.empty`` and ``np.zeros`` make one that lasts as long as the call. There is no check of bounds, no negative place, and no exception.
+The text is Python and means what Python means by it, on 64-bit whole numbers, floats, truth values and arrays whose numbers stand in a
+row; Numba would compile it to the same numbers. Each function has its types in its decorator: ``@njit(void(int64, f1))``. A name has the
+type of what it is first given; what is taken from an array is a view of it, and ``np.empty`` and ``np.zeros`` make one that lasts as long
+as the call. There is no check of bounds, no negative place, and no exception.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import ast
 import math
 from collections import Counter
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import partial, reduce  # noqa: F401  (the kernels that hold this text take pieces of functions)
 from typing import Any
 
 from llvmlite import ir
@@ -25,7 +25,8 @@ from numba.core import types as kinds
 WHOLE, REAL, TRUTH, SHORT = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
 ON_REALS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 ON_WHOLES = {
-    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_", ast.BitXor: "xor",
+    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_",
+    ast.BitXor: "xor",
 }  # fmt: skip
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 OF_REALS = {
@@ -43,24 +44,25 @@ class View:
 
 
 @dataclass(frozen=True)
-class Variable:
+class _Variable:
     """Where a name has its value: one place for a number, for an array one for its first number's and one for each length."""
 
     places: tuple[Any, ...]
     array: bool
 
 
-class Program:
+class _Program:
     """All functions of a text, which are written when something calls them.
 
-    `types` are Numba's types by the names that decorators have for them, `outside` the functions that something else writes: from their name
-    how, given the builder and the arguments.
+    `types` are Numba's types by the names that decorators have for them, `outside` the functions that something else writes, given the
+    builder and the arguments.
     """
 
     def __init__(self, context: Any, module: Any, text: str, types: dict[str, Any], outside: dict[str, Any]) -> None:
         self.context, self.module, self.outside = context, module, outside
-        self.texts, self.signatures, self.constants = dict[str, ast.FunctionDef](), dict[str, Any](), dict[str, Any]()
-        self.made, self.waiting = dict[str, Any](), list[str]()
+        self.texts, self.signatures = dict[str, ast.FunctionDef](), dict[str, Any]()
+        self.constants: dict[str, Any] = {"__builtins__": {"range": range, "object": object}}
+        self.made, self.rows, self.waiting = dict[str, Any](), dict[str, Any](), list[str]()
         for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef):
                 self.texts[node.name] = node
@@ -68,7 +70,7 @@ class Program:
                 source = kind.value if isinstance(kind, ast.Constant) else ast.unparse(kind)
                 self.signatures[node.name] = eval(source, {"__builtins__": {}}, types)
             elif isinstance(node, ast.Assign):
-                exec(ast.unparse(node), {"__builtins__": {"range": range, "object": object}}, self.constants)
+                exec(ast.unparse(node), self.constants)
 
     def function(self, name: str) -> Any:
         """A function of the text, by its name."""
@@ -88,7 +90,17 @@ class Program:
         """Write whatever is called and not yet written."""
         while self.waiting:
             name = self.waiting.pop()
-            Body(self, self.made[name], self.texts[name], self.signatures[name])
+            _Body(self, self.made[name], self.texts[name], self.signatures[name])
+
+    def row(self, name: str) -> View:
+        """An array of constants."""
+        numbers = self.constants[name]
+        kind = ir.ArrayType(REAL, len(numbers))
+        if name not in self.rows:
+            self.rows[name] = ir.GlobalVariable(self.module, kind, self.module.get_unique_name(name))
+            self.rows[name].linkage, self.rows[name].global_constant = "internal", True
+            self.rows[name].initializer = ir.Constant(kind, [ir.Constant(REAL, number) for number in numbers])
+        return View(self.rows[name].bitcast(REAL.as_pointer()), (ir.Constant(WHOLE, len(numbers)),))
 
     def number(self, kind: Any) -> Any:
         """The type of a number."""
@@ -107,15 +119,15 @@ class Program:
         return ir.LiteralStructType(map(self.number, kind.types)) if isinstance(kind, kinds.BaseTuple) else self.number(kind)
 
 
-class Body(ast.NodeVisitor):
+class _Body(ast.NodeVisitor):
     """The instructions of one function."""
 
-    def __init__(self, program: Program, function: Any, text: ast.FunctionDef, signature: Any) -> None:
+    def __init__(self, program: _Program, function: Any, text: ast.FunctionDef, signature: Any) -> None:
         self.program, self.function, self.result = program, function, function.function_type.return_type
         self.entry = function.append_basic_block("places")
         start = function.append_basic_block("start")
         self.builder = ir.IRBuilder(start)
-        self.names, self.loops = dict[str, Variable | Any](), list[tuple[Any, Any]]()
+        self.names, self.loops = dict[str, _Variable | Any](), list[tuple[Any, Any]]()
         self.settled = _settled(text)
         given = iter(function.args)
         for arg, kind in zip(text.args.args, signature.args, strict=True):
@@ -236,7 +248,7 @@ class Body(ast.NodeVisitor):
             return
         parts = (value.data, *value.shape) if isinstance(value, View) else (value,)
         if name not in self.names:
-            self.names[name] = Variable(tuple(self.place(part.type) for part in parts), isinstance(value, View))
+            self.names[name] = _Variable(tuple(self.place(part.type) for part in parts), isinstance(value, View))
         for place, part in zip(self.names[name].places, parts, strict=True):
             self.builder.store(self.as_kind(part, place.type.pointee), place)
 
@@ -286,10 +298,12 @@ class Body(ast.NodeVisitor):
     def visit_Name(self, node: ast.Name) -> Any:
         if node.id in self.names:
             variable = self.names[node.id]
-            if not isinstance(variable, Variable):
+            if not isinstance(variable, _Variable):
                 return variable
             first, *rest = map(self.builder.load, variable.places)
             return View(first, tuple(rest)) if variable.array else first
+        if isinstance(self.program.constants.get(node.id), list):
+            return self.program.row(node.id)
         if node.id in self.program.constants:
             return self.visit_Constant(ast.Constant(self.program.constants[node.id]))
         return self.refuse(node, "has no value")
@@ -495,9 +509,34 @@ def _settled(text: ast.FunctionDef) -> set[str]:
     return {name for name in whole if given[name] == 1}
 
 
-def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]) -> Any:
+def at_points(order: int, apart: int, count: int, builder: Any, args: list[Any]) -> None:
+    """A polynomial S[at + m * apart] and its slope at points in a row, into two other rows of the same array: one vector each."""
+    S, at, rows, x, to, slopes_to = args
+    vector, index = ir.VectorType(REAL, count), ir.IntType(32)
+    fma = builder.module.declare_intrinsic(f"llvm.fma.v{count}f64", (), ir.FunctionType(vector, [vector] * 3))
+
+    def row(first: Any) -> Any:
+        return builder.bitcast(builder.gep(rows.data, [first]), vector.as_pointer())
+
+    def coefficient(m: int) -> Any:
+        number = builder.load(builder.gep(S.data, [builder.add(at, ir.Constant(WHOLE, m * apart))]))
+        one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
+        return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, count), [0] * count))
+
+    points = builder.load(row(x), align=8)
+    value, slope = coefficient(order), ir.Constant(vector, [0.0] * count)
+    for m in range(order - 1, -1, -1):  # Horner's scheme
+        slope = builder.call(fma, [slope, points, value])
+        value = builder.call(fma, [value, points, coefficient(m)])
+    builder.store(value, row(to), align=8)
+    builder.store(slope, row(slopes_to), align=8)
+
+
+def write_functions(
+    context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]
+) -> Any:
     """A call of one function of a text, with the arguments that Numba has; it and all that it needs are written."""
-    program, given = Program(context, builder.module, text, types, outside), []
+    program, given = _Program(context, builder.module, text, types, outside), []
     for kind, arg in zip(sig.args, args, strict=True):
         if isinstance(kind, kinds.Array):
             array = context.make_array(kind)(context, builder, arg)
@@ -506,4 +545,4 @@ def write_functions(context: Any, builder: Any, sig: Any, args: Any, name: str, 
             given.append(arg)
     found = builder.call(program.function(name), given)
     program.write()
-    return found
+    return context.get_dummy_value() if sig.return_type == kinds.void else found

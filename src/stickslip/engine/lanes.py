@@ -396,12 +396,24 @@ def run(
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     shared = {
-        "JOB": np.array(todo, dtype=np.int64), "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
-        "N": lane_numbers, "K": np.zeros((at_work, columns.BEFORE + 1)), "RING": np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE)),
-        "XS": np.zeros((at_work, LONGEST + 1, places)), "HELD": np.zeros((at_work, k.held)), "FOUND": np.zeros((at_work, signals + bodies, 3)),
-        "ROOM": np.zeros((ROOM + n, max(n, parts + signals, 8))), "PARAM": np.ascontiguousarray(params, dtype=float), "START": start,
-        "OUT": out, "COUNT": count, "NOTED": found, "SEGT": seg_time, "SEGC": seg_code, "PIECES": pieces,
-    }  # fmt: skip
+        "JOB": np.array(todo, dtype=np.int64),
+        "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
+        "N": lane_numbers,
+        "K": np.zeros((at_work, columns.BEFORE + 1)),
+        "RING": np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE)),
+        "XS": np.zeros((at_work, LONGEST + 1, places)),
+        "HELD": np.zeros((at_work, k.held)),
+        "FOUND": np.zeros((at_work, signals + bodies, 3)),
+        "ROOM": np.zeros((ROOM + n, max(n, parts + signals, 8))),
+        "PARAM": np.ascontiguousarray(params, dtype=float),
+        "START": start,
+        "OUT": out,
+        "COUNT": count,
+        "NOTED": found,
+        "SEGT": seg_time,
+        "SEGC": seg_code,
+        "PIECES": pieces,
+    }
     if pooled:
         shared |= {"STORE": np.empty((at_work, k.fields)), "POOL": np.zeros((5, before), dtype=np.int64)}
     at, job_now = driver.where_they_are(shared), shared["JOB"]

@@ -16,7 +16,7 @@ SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
 BEGUN = 1e-3  # of a step: what touches zero before has begun there
 NEWTON = 60  # iterations at most; a handful is usual
-SHARES_OF_POWERS = 1.0 / np.arange(1.0, ORDER + 2)  # the mean of x^m from 0 to 1
+SHARES_OF_POWERS = [1.0 / (m + 1) for m in range(ORDER + 1)]  # the mean of x^m from 0 to 1
 
 
 @njit(float64(f1, int64, float64), **OPTIONS)
@@ -133,80 +133,51 @@ def extremum(S, at, end):
     return at_theta(S, at, turn(S, at, lo, hi, d0, d1))
 
 
-@intrinsic
-def at_points(typingctx, S, at, W, x, to, slopes_to):
-    """A polynomial and its slope at the `POINTS` points in a row of W, into two other rows; one vector each (Horner's scheme)."""
-
-    def emit(context, builder, sig, args):
-        S_data, W_data = (context.make_array(sig.args[k])(context, builder, args[k]).data for k in (0, 2))
-        index, vector = ir.IntType(32), ir.VectorType(ir.DoubleType(), POINTS)
-        fma = builder.module.declare_intrinsic(f"llvm.fma.v{POINTS}f64", (), ir.FunctionType(vector, [vector] * 3))
-
-        def row(first):
-            return builder.bitcast(builder.gep(W_data, [first]), vector.as_pointer())
-
-        def coefficient(m):
-            number = builder.load(builder.gep(S_data, [builder.add(args[1], ir.Constant(ir.IntType(64), m * L))]))
-            one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
-            return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, POINTS), [0] * POINTS))
-
-        points = builder.load(row(args[3]), align=8)
-        value, slope = coefficient(ORDER), ir.Constant(vector, [0.0] * POINTS)
-        for m in range(ORDER - 1, -1, -1):
-            slope = builder.call(fma, [slope, points, value])
-            value = builder.call(fma, [value, points, coefficient(m)])
-        builder.store(value, row(args[4]), align=8)
-        builder.store(slope, row(args[5]), align=8)
-        return context.get_dummy_value()
-
-    return types.void(S, at, W, x, to, slopes_to), emit
-
-
 @njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
-def fitting(S, at, row, slopes, part, h, allowed, W):
-    """At how many points, one after another, a polynomial's slope is what its equation says: two rows of W."""
+def fitting(S, at, row, slopes, part, h, allowed, ROWS):
+    """At how many points, one after another, a polynomial's slope is what its equation says: two rows of ROWS."""
     size = 0.0
     for m in range(1, ORDER + 1):
         size += m * abs(S[at + m * L])
     allowed += ROUNDING * part * size
     for j in range(POINTS):
-        if not abs(W[slopes + j] - h * W[row + j]) * part <= allowed:
+        if not abs(ROWS[slopes + j] - h * ROWS[row + j]) * part <= allowed:
             return j
     return POINTS
 
 
 @njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
-def fitting_change(S, at, row, slopes, part, h, allowed, W):
+def fitting_change(S, at, row, slopes, part, h, allowed, ROWS):
     """The same of a passive state, which is as large as it becomes; one that is no number asks for nothing."""
     size, power = abs(S[at]), 1.0
     for m in range(1, ORDER + 1):
         power *= part
         size += m * abs(S[at + m * L]) * power
     for j in range(POINTS if size == size else 0):
-        if not abs(W[slopes + j] - h * W[row + j]) * part <= allowed + MISFIT_OF_CHANGES * size:
+        if not abs(ROWS[slopes + j] - h * ROWS[row + j]) * part <= allowed + MISFIT_OF_CHANGES * size:
             return j
     return POINTS
 
 
 @njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
-def agrees(lane, part, S, W, D):
+def agrees(lane, part, S, ROWS, D):
     """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say."""
     states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
     x = (1 + states) * POINTS  # the points; behind them the slopes of the polynomials
     for j in range(POINTS):
-        W[x + j] = part * (j + 1) / POINTS
-        W[j] = fma(W[x + j], h, S[D[F_T] + lane])
+        ROWS[x + j] = part * (j + 1) / POINTS
+        ROWS[j] = fma(ROWS[x + j], h, S[D[F_T] + lane])
     for i in range(states):
-        at_points(S, first + i * (ORDER + 1) * L, W, x, (1 + i) * POINTS, x + (1 + i) * POINTS)
-    call_slopes(D[AT_SLOPES], lane, S, W)
+        at_points(S, first + i * (ORDER + 1) * L, ROWS, x, (1 + i) * POINTS, x + (1 + i) * POINTS)
+    call_slopes(D[AT_SLOPES], lane, S, ROWS)
     good, least = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
     for i in range(states):
         scale = D[FREE] if i == 0 else D[SCALE_AT + i]
         if scale >= 0:
             allowed = MISFIT * S[D[F_C] + scale * L + lane]
-            good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, W))
+            good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, ROWS))
         elif i >= states - D[PASSIVE]:
-            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, least, W))
+            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, least, ROWS))
     return good
 
 
@@ -219,8 +190,8 @@ def moving(lane, S, D):
     return modes > 0.0
 
 
-@njit(types.UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
-def end_of_step(lane, S, W, D):
+@njit(UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
+def end_of_step(lane, S, ROWS, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which, touched = 2.0, -1.0, False
     count, h, period = D[WATCHED] + D[EXPONENTS], S[D[F_HH] + lane], S[D[F_C] + D[PERIOD] * L + lane]
@@ -232,14 +203,14 @@ def end_of_step(lane, S, W, D):
         zero = first_zero(S, at, h, period)
         touched = touched or (zero > 2.0 and k < D[WATCHED])
         if zero < (theta - TOGETHER if D[ORDERED] != 0 and which >= 0.0 and k < D[WATCHED] else theta):
-            theta, which = zero, float(k) if k < D[WATCHED] else -1.0
+            theta, which = zero, np.float64(k) if k < D[WATCHED] else -1.0
     for i in range(D[STATES] - D[PASSIVE] if touched and D[CARRIED] > 0 else D[STATES], D[STATES]):
         S[D[F_K] + lane + i * (ORDER + 1) * L] = math.nan  # a switch that is touched and not crossed leaves changes without a number
     if D[AT_SLOPES] == 0 or not moving(lane, S, D):
         return theta, which
     for _ in range(200):
         part = min(theta, 1.0)
-        good = agrees(lane, part, S, W, D)
+        good = agrees(lane, part, S, ROWS, D)
         if good >= POINTS:
             break
         theta, which = part * (good + 0.5) / POINTS, -1.0
@@ -248,12 +219,12 @@ def end_of_step(lane, S, W, D):
 
 
 @njit(void(int64, f1, f1, float64, i1), **OPTIONS)
-def land_lane(lane, S, W, budget, D):
+def land_lane(lane, S, ROWS, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
     states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
     at_t, at_x, at_stat, at_nacc = D[F_T] + lane, D[F_X] + lane, D[F_STAT] + lane, D[F_NACC] + lane
-    theta, guard = end_of_step(lane, S, W, D)
-    which = int64(guard)
+    theta, guard = end_of_step(lane, S, ROWS, D)
+    which = np.int64(guard)
     h, last = S[D[F_HH] + lane], S[D[F_LAST] + lane] > 0.5
     part = min(theta, 1.0)
     S[D[F_T0] + lane], S[D[F_X0] + lane] = S[at_t], S[at_x]
@@ -295,6 +266,6 @@ def land_lane(lane, S, W, budget, D):
 @njit(void(f1, float64, i1), **ALLOCATING)
 def land(S, budget, D):
     """End the step of every lane."""
-    W = np.empty(2 * (1 + D[STATES]) * POINTS)
+    ROWS = np.empty(2 * (1 + D[STATES]) * POINTS)
     for lane in range(L):
-        land_lane(lane, S, W, budget, D)
+        land_lane(lane, S, ROWS, budget, D)

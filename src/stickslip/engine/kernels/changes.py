@@ -67,7 +67,10 @@ def shift_changes(lane, within, first, before, kicks, S, row, D):
     """What a known instant does to the changes of the states: they get its own change times what the rates jump by, and the kick's."""
     L, J, n = D[LANES], D[COORDINATES], D[STATES] - D[PASSIVE]
     late = S[D[F_Y] + (n + D[CARRIED]) * L + lane]
-    if D[KEPT_MODES] > 0 and D[SET_VALUED] == 0 and (late != 0.0 or np.any(kicks != 0.0)):
+    moved = late != 0.0
+    for j in range(J):
+        moved = moved or kicks[j] != 0.0
+    if D[KEPT_MODES] > 0 and D[SET_VALUED] == 0 and moved:
         late = math.nan  # what a law forgets at an impulse that is moved itself is not followed
     after, held = np.empty(D[CARRIED]), S[D[F_T] + lane]
     if not within:

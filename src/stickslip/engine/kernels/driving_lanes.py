@@ -274,7 +274,7 @@ def end_period(lane, S, W, D):
 @njit(boolean(int64, f1, int64, i1), **OPTIONS)
 def next_case(lane, S, W, D):
     """Put the next case into an idle lane, if there is one."""
-    N, JOB = N_of(W), JOB_of(W)
+    JOB = JOB_of(W)
     periods, settle, auto = JOB[PERIODS], JOB[SETTLE], JOB[AUTO]
     if JOB[NEXT] >= JOB[END]:
         return False

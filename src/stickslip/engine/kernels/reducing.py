@@ -81,7 +81,10 @@ def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, W, D):
             break
         v = sign * signal_at(lane, k, x, S, row, W, D)
         if v >= vb:
-            a, va, c, vc = (b, vb, c, vc) if x > b else (a, va, b, vb)
+            if x > b:
+                a, va = b, vb
+            else:
+                c, vc = b, vb
             b, vb = x, v
         elif x > b:
             c, vc = x, v
