@@ -103,7 +103,6 @@ from numba.extending import intrinsic
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
 BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
 OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
-ALLOCATING = OPTIONS | {{"_nrt": True}}
 
 
 @intrinsic
@@ -229,8 +228,8 @@ def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *(("pooling",) if name == "advance_pooled" else ()))
     constants = [*_LOOKS, status_text(), recurrence_text()]
-    source = _source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, loops=cache.SHORT_LOOPS)
-    return getattr(cache.load(source, f"driver_{name}", "what all kernels share"), name)
+    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, loops=cache.SHORT_LOOPS)
+    return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
 
 
 @lru_cache
@@ -239,7 +238,7 @@ def _apart(name: str) -> Any:
     functions, texts, label = _APART[name]
     rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
     constants = [*_LOOKS, *(f"{name} = {part!r}" for name, part in rules)]
-    return cache.load(_source(label, {each: FUNCTIONS[each] for each in functions}, constants, texts), name, label)
+    return cache.load(source(label, {each: FUNCTIONS[each] for each in functions}, constants, texts), name, label)
 
 
 @lru_cache
@@ -247,11 +246,11 @@ def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
     constants = [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"]
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    text = _source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",), (ORDER, lanes, POINTS))
+    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",), (ORDER, lanes, POINTS))
     return cache.load(text, f"arcs_{lanes}", label)
 
 
-def _source(
+def source(
     label: str,
     functions: dict[str, str],
     constants: list[str],

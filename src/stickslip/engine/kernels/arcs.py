@@ -263,7 +263,7 @@ def land_lane(lane, S, ROWS, budget, D):
         S[at_stat] = 2.0
 
 
-@njit(void(f1, float64, i1), **ALLOCATING)
+@njit(void(f1, float64, i1), **OPTIONS)
 def land(S, budget, D):
     """End the step of every lane."""
     ROWS = np.empty(2 * (1 + D[STATES]) * POINTS)

@@ -11,7 +11,7 @@
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 
-@njit(void(int64, int64, f1, int64, i1), **ALLOCATING)
+@njit(void(int64, int64, f1, int64, i1), **OPTIONS)
 def take(lane, case, S, W, D):
     """Put a case into a lane."""
     N, K, PARAM, START = N_of(W), K_of(W), PARAM_of(W), START_of(W)
@@ -67,7 +67,7 @@ def pass_instant(lane, S, W, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit(void(int64, boolean, boolean, f1, int64, i1), **ALLOCATING)
+@njit(void(int64, boolean, boolean, f1, int64, i1), **OPTIONS)
 def carry_through(lane, within, first, S, W, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
     N, PARAM = N_of(W), PARAM_of(W)
@@ -133,7 +133,7 @@ def scale_of(lane, i, S, D):
     return max(size, 1e-300)
 
 
-@njit(int64(int64, int64, float64, f1, int64, i1), **ALLOCATING)
+@njit(int64(int64, int64, float64, f1, int64, i1), **OPTIONS)
 def judge_period(lane, k, x, S, W, D):
     """Whether the motion repeats, at the end of a period after which that is asked."""
     N, K, RING, XS, JOB = N_of(W), K_of(W), RING_of(W), XS_of(W), JOB_of(W)

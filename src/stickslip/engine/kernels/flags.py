@@ -3,7 +3,7 @@
 # mypy: ignore-errors
 
 
-@njit(void(int64, f1, f1, boolean, i1), **ALLOCATING)
+@njit(void(int64, f1, f1, boolean, i1), **OPTIONS)
 def set_flags(lane, S, row, first, D):
     """Everything that a step holds, from the lane's time and state; with `first` its modes too. Then the end of the next steps.
 
@@ -80,7 +80,7 @@ def is_thrown(lane, S, D):
     return thrown
 
 
-@njit(void(int64, f1, f1, i1), **ALLOCATING)
+@njit(void(int64, f1, f1, i1), **OPTIONS)
 def take_sample(lane, S, row, D):
     """What controllers hold after a sample; where something jumps at that instant they see what comes after it."""
     L, t, period = D[LANES], S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * D[LANES] + lane]
@@ -96,7 +96,7 @@ def take_sample(lane, S, row, D):
         S[D[F_Y] + i * L + lane] = new[i]
 
 
-@njit(void(int64, f1, f1, i1), **ALLOCATING)
+@njit(void(int64, f1, f1, i1), **OPTIONS)
 def apply_jump(lane, S, row, D):
     """An impulse: velocities jump; the law of a single contact that remembers until v passes zero forgets. Then samples are taken."""
     L = D[LANES]

@@ -97,7 +97,7 @@ def keep_constants(place, lane, S, W, D):
         STORE[place, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
 
 
-@njit(void(int64, i1), **ALLOCATING)
+@njit(void(int64, i1), **OPTIONS)
 def find_varied(W, D):
     """Which numbers of a case are not those of all other cases: lanes that change their case need no others."""
     JOB, PARAM, POOL = JOB_of(W), PARAM_of(W), POOL_of(W)
