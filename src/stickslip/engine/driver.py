@@ -128,10 +128,16 @@ def fma(typingctx, a, b, c):
 
 '''
 
+#: Types, by the names that they have in a text for `functions.py`.
+_KINDS = """
+f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
+KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
+KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
+"""
+
 _CALLS = '''
 from numba.np.arrayobj import populate_array
 
-f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
 
 
 def call(context, builder, sig, args):
@@ -144,10 +150,6 @@ def call(context, builder, sig, args):
 
 #: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
 _OUTSIDE = '''
-KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
-KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
-
-
 def outside(context):
     def at_address(kind, builder, args):
         given = zip(kind.args, args[1:], strict=True)
@@ -155,8 +157,8 @@ def outside(context):
         return call(context, builder, kind.return_type(int64, *kind.args), [args[0], *whole])
 
     def shared(which, kind, builder, args):
-        numbers = builder.inttoptr(args[0], WHOLE.as_pointer())
-        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(WHOLE, 4 * which + k)])) for k in range(1 + kind.ndim))
+        numbers = builder.inttoptr(args[0], INT64.as_pointer())
+        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(INT64, 4 * which + k)])) for k in range(1 + kind.ndim))
         return View(builder.inttoptr(first, context.get_data_type(kind.dtype).as_pointer()), tuple(shape))
 
     found = {f"call_{name}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}
@@ -168,7 +170,7 @@ def as_array(context, builder, kind, view):
     """An array as Numba's functions take it."""
     size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
     array = context.make_array(kind)(context, builder)
-    strides = [ir.Constant(WHOLE, size)]
+    strides = [ir.Constant(INT64, size)]
     for length in view.shape[:0:-1]:
         strides.insert(0, builder.mul(strides[0], length))
     populate_array(array, view.data, view.shape, strides, size, None)
@@ -259,10 +261,15 @@ def source(
     loops: str = "",
 ) -> str:
     """The source of some functions of the texts: Numba sees a call of each, and `functions.py` writes what stands behind it."""
-    text = "\n".join([*_places(), *constants, *map(_kernel_text, texts)]).replace("\\", "\\\\")
-    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}", f"POLYNOMIAL = {polynomial!r}", f"TEXT = '''{text}'''"]
-    written = [_written(*each) for each in functions.items()]
-    return "\n\n".join([HEADER.format(label=label), loops, functions_text(), _CALLS, *known, _OUTSIDE, *written])
+    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}", f"POLYNOMIAL = {polynomial!r}"]
+    text = "\n".join([*_places(), *constants, *map(kernel_text, texts)])
+    return "\n\n".join([HEADER.format(label=label), loops, _CALLS, *known, _OUTSIDE, written(functions, text, "outside(context)")])
+
+
+def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
+    """The source of some functions of a text, each with its types, below HEADER."""
+    held = text.replace("\\", "\\\\")
+    return "\n\n".join([functions_text(), _KINDS, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
 
 
 def _places() -> list[str]:
@@ -271,11 +278,12 @@ def _places() -> list[str]:
     return [f"{name} = {i}" for i, name in enumerate(names)]
 
 
-def _kernel_text(name: str) -> str:
+def kernel_text(name: str) -> str:
+    """One of the texts of kernels."""
     return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
 
 
-def _written(name: str, kind: str) -> str:
+def _written(name: str, kind: str, outside: str) -> str:
     """A function that Python calls, or another kernel at its address."""
     takes = ", ".join(f"a{i}" for i in range(kind.count(",") + 1))
     options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
@@ -283,7 +291,7 @@ def _written(name: str, kind: str) -> str:
 @intrinsic
 def written_{name}(typingctx, {takes}):
     def emit(context, builder, sig, args):
-        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, outside(context))
+        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, {outside})
     return {kind}, emit
 
 

@@ -22,14 +22,14 @@ from typing import Any
 from llvmlite import ir
 from numba.core import types as kinds
 
-WHOLE, REAL, TRUTH, SHORT = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
-ON_REALS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-ON_WHOLES = {
+INT64, FLOAT64, BOOL, INT8 = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
+ON_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
+ON_INTEGERS = {
     ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_",
     ast.BitXor: "xor",
 }  # fmt: skip
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
-OF_REALS = {
+OF_FLOATS = {
     "fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt", "math.floor": "llvm.floor", "math.log2": "llvm.log2",
     "math.copysign": "llvm.copysign",
 }  # fmt: skip
@@ -95,23 +95,23 @@ class _Program:
     def row(self, name: str) -> View:
         """An array of constants."""
         numbers = self.constants[name]
-        kind = ir.ArrayType(REAL, len(numbers))
+        kind = ir.ArrayType(FLOAT64, len(numbers))
         if name not in self.rows:
             self.rows[name] = ir.GlobalVariable(self.module, kind, self.module.get_unique_name(name))
             self.rows[name].linkage, self.rows[name].global_constant = "internal", True
-            self.rows[name].initializer = ir.Constant(kind, [ir.Constant(REAL, number) for number in numbers])
-        return View(self.rows[name].bitcast(REAL.as_pointer()), (ir.Constant(WHOLE, len(numbers)),))
+            self.rows[name].initializer = ir.Constant(kind, [ir.Constant(FLOAT64, number) for number in numbers])
+        return View(self.rows[name].bitcast(FLOAT64.as_pointer()), (ir.Constant(INT64, len(numbers)),))
 
     def number(self, kind: Any) -> Any:
         """The type of a number."""
-        found = {kinds.int64: WHOLE, kinds.float64: REAL, kinds.boolean: TRUTH, kinds.int8: SHORT}.get(kind)
+        found = {kinds.int64: INT64, kinds.float64: FLOAT64, kinds.boolean: BOOL, kinds.int8: INT8}.get(kind)
         if found is None:
             raise TypeError(f"{kind} is not among the types of a function of plain numbers")
         return found
 
     def parts(self, kind: Any) -> list[Any]:
         """An argument's types: of an array a place and its lengths."""
-        return [self.number(kind.dtype).as_pointer(), *[WHOLE] * kind.ndim] if isinstance(kind, kinds.Array) else [self.number(kind)]
+        return [self.number(kind.dtype).as_pointer(), *[INT64] * kind.ndim] if isinstance(kind, kinds.Array) else [self.number(kind)]
 
     def result(self, kind: Any) -> Any:
         if kind == kinds.void:
@@ -197,9 +197,9 @@ class _Body(ast.NodeVisitor):
         if not (isinstance(called, ast.Call) and ast.unparse(called.func) == "range" and isinstance(node.target, ast.Name)):
             self.refuse(node)
         ends = [self.visit(each) for each in called.args]
-        first, end = ends[:2] if len(ends) > 1 else (ir.Constant(WHOLE, 0), ends[0])
-        by = ends[2] if len(ends) > 2 else ir.Constant(WHOLE, 1)
-        count = self.place(WHOLE)
+        first, end = ends[:2] if len(ends) > 1 else (ir.Constant(INT64, 0), ends[0])
+        by = ends[2] if len(ends) > 2 else ir.Constant(INT64, 1)
+        count = self.place(INT64)
         self.builder.store(first, count)
 
         def goes_on() -> Any:
@@ -259,14 +259,14 @@ class _Body(ast.NodeVisitor):
             self.store(self.element(target), value)
 
     def store(self, place: Any, value: Any) -> None:
-        if place.type.pointee == SHORT:
-            self.builder.store(self.builder.trunc(value, SHORT), place)
+        if place.type.pointee == INT8:
+            self.builder.store(self.builder.trunc(value, INT8), place)
         else:
             self.builder.store(self.as_kind(value, place.type.pointee), place)
 
     def load(self, place: Any) -> Any:
         value = self.builder.load(place)
-        return self.builder.sext(value, WHOLE) if value.type == SHORT else value
+        return self.builder.sext(value, INT64) if value.type == INT8 else value
 
     def element(self, node: ast.expr) -> Any:
         """The place of one number of an array."""
@@ -292,7 +292,7 @@ class _Body(ast.NodeVisitor):
 
     # ---- expressions ----
     def visit_Constant(self, node: ast.Constant) -> Any:
-        kind = {int: WHOLE, float: REAL, bool: TRUTH}.get(type(node.value))
+        kind = {int: INT64, float: FLOAT64, bool: BOOL}.get(type(node.value))
         return self.refuse(node) if kind is None else ir.Constant(kind, node.value)
 
     def visit_Name(self, node: ast.Name) -> Any:
@@ -314,7 +314,7 @@ class _Body(ast.NodeVisitor):
     def visit_Attribute(self, node: ast.Attribute) -> Any:
         known = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf}
         name = ast.unparse(node)
-        return ir.Constant(REAL, known[name]) if name in known else self.refuse(node)
+        return ir.Constant(FLOAT64, known[name]) if name in known else self.refuse(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> Any:
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
@@ -332,8 +332,8 @@ class _Body(ast.NodeVisitor):
             return self.visit_Constant(ast.Constant(-node.operand.value))
         x = self.visit(node.operand)
         if isinstance(node.op, ast.USub):
-            return self.builder.fneg(x) if x.type == REAL else self.builder.neg(self.as_kind(x, WHOLE))
-        return self.builder.not_(x) if isinstance(node.op, ast.Invert) and x.type == WHOLE else self.refuse(node)
+            return self.builder.fneg(x) if x.type == FLOAT64 else self.builder.neg(self.as_kind(x, INT64))
+        return self.builder.not_(x) if isinstance(node.op, ast.Invert) and x.type == INT64 else self.refuse(node)
 
     def visit_BinOp(self, node: ast.BinOp) -> Any:
         return self.operation(node, node.op, self.visit(node.left), self.visit(node.right))
@@ -341,20 +341,20 @@ class _Body(ast.NodeVisitor):
     def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
         if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
             return self.of_reals("llvm.sqrt", [a])
-        if isinstance(op, ast.Div) or REAL in (a.type, b.type):
-            name = ON_REALS.get(type(op))
-            return getattr(self.builder, name)(self.as_kind(a, REAL), self.as_kind(b, REAL)) if name else self.refuse(node)
-        a, b = self.as_kind(a, WHOLE), self.as_kind(b, WHOLE)
+        if isinstance(op, ast.Div) or FLOAT64 in (a.type, b.type):
+            name = ON_FLOATS.get(type(op))
+            return getattr(self.builder, name)(self.as_kind(a, FLOAT64), self.as_kind(b, FLOAT64)) if name else self.refuse(node)
+        a, b = self.as_kind(a, INT64), self.as_kind(b, INT64)
         if isinstance(op, (ast.FloorDiv, ast.Mod)):  # towards minus infinity
             rest = self.builder.srem(a, b)
-            zero = ir.Constant(WHOLE, 0)
+            zero = ir.Constant(INT64, 0)
             off = self.builder.and_(
                 self.builder.icmp_signed("!=", rest, zero), self.builder.icmp_signed("<", self.builder.xor(rest, b), zero)
             )
             if isinstance(op, ast.Mod):
                 return self.builder.select(off, self.builder.add(rest, b), rest)
-            return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, WHOLE))
-        name = ON_WHOLES.get(type(op))
+            return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, INT64))
+        name = ON_INTEGERS.get(type(op))
         return getattr(self.builder, name)(a, b) if name else self.refuse(node)
 
     def visit_Compare(self, node: ast.Compare) -> Any:
@@ -363,7 +363,7 @@ class _Body(ast.NodeVisitor):
         return self.compared(COMPARED[type(node.ops[0])], *self.alike(self.visit(node.left), self.visit(node.comparators[0])))
 
     def compared(self, sign: str, a: Any, b: Any) -> Any:
-        if a.type != REAL:
+        if a.type != FLOAT64:
             return self.builder.icmp_signed(sign, a, b)
         return (self.builder.fcmp_unordered if sign == "!=" else self.builder.fcmp_ordered)(sign, a, b)
 
@@ -406,7 +406,7 @@ class _Body(ast.NodeVisitor):
     def visit_Call(self, node: ast.Call) -> Any:
         name = ast.unparse(node.func)
         if name == "float":
-            return ir.Constant(REAL, float(ast.literal_eval(node.args[0])))
+            return ir.Constant(FLOAT64, float(ast.literal_eval(node.args[0])))
         args = [self.visit(each) for each in node.args]
         if name in self.program.outside:
             return self.program.outside[name](self.builder, args)
@@ -419,12 +419,12 @@ class _Body(ast.NodeVisitor):
         if name in ("max", "min"):
             return reduce(lambda a, b: self.extreme(">" if name == "max" else "<", a, b), args)
         if name in ("np.int64", "np.uint64"):
-            return self.builder.fptosi(args[0], WHOLE) if args[0].type == REAL else self.as_kind(args[0], WHOLE)
+            return self.builder.fptosi(args[0], INT64) if args[0].type == FLOAT64 else self.as_kind(args[0], INT64)
         if name == "np.float64":
-            return self.as_kind(args[0], REAL)
+            return self.as_kind(args[0], FLOAT64)
         if name in ("as_bits", "as_float"):
-            return self.builder.bitcast(args[0], WHOLE if name == "as_bits" else REAL)
-        return self.of_reals(OF_REALS[name], args) if name in OF_REALS else self.refuse(node)
+            return self.builder.bitcast(args[0], INT64 if name == "as_bits" else FLOAT64)
+        return self.of_reals(OF_FLOATS[name], args) if name in OF_FLOATS else self.refuse(node)
 
     def called(self, name: str, args: list[Any]) -> Any:
         """A function of the text."""
@@ -439,11 +439,11 @@ class _Body(ast.NodeVisitor):
 
     def room(self, node: ast.Call, count: Any, zero: bool) -> View:
         """An array that lasts as long as the call."""
-        kind = WHOLE if any(ast.unparse(each.value) == "np.int64" for each in node.keywords) else REAL
+        kind = INT64 if any(ast.unparse(each.value) == "np.int64" for each in node.keywords) else FLOAT64
         data = self.builder.alloca(kind, size=count)
         if zero:
-            place = self.place(WHOLE)
-            self.builder.store(ir.Constant(WHOLE, 0), place)
+            place = self.place(INT64)
+            self.builder.store(ir.Constant(INT64, 0), place)
 
             def goes_on() -> Any:
                 return self.builder.icmp_signed("<", self.builder.load(place), count)
@@ -451,7 +451,7 @@ class _Body(ast.NodeVisitor):
             def step() -> None:
                 at = self.builder.load(place)
                 self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at]))
-                self.builder.store(self.builder.add(at, ir.Constant(WHOLE, 1)), place)
+                self.builder.store(self.builder.add(at, ir.Constant(INT64, 1)), place)
 
             self.loop(ast.While(test=None, body=[], orelse=[]), goes_on, step)  # type: ignore[arg-type]
         return View(data, (count,))
@@ -461,24 +461,24 @@ class _Body(ast.NodeVisitor):
         return self.builder.select(self.compared(sign, b, a), b, a)
 
     def of_reals(self, name: str, args: list[Any]) -> Any:
-        if name == "llvm.fabs" and args[0].type == WHOLE:
-            negative = self.builder.icmp_signed("<", args[0], ir.Constant(WHOLE, 0))
+        if name == "llvm.fabs" and args[0].type == INT64:
+            negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
             return self.builder.select(negative, self.builder.neg(args[0]), args[0])
-        kind = ir.FunctionType(REAL, [REAL] * len(args))
+        kind = ir.FunctionType(FLOAT64, [FLOAT64] * len(args))
         function = self.program.module.declare_intrinsic(f"{name}.f64", (), kind)
-        return self.builder.call(function, [self.as_kind(arg, REAL) for arg in args])
+        return self.builder.call(function, [self.as_kind(arg, FLOAT64) for arg in args])
 
     # ---- types ----
     def holds(self, node: ast.expr) -> Any:
         value = self.visit(node)
-        if value.type == TRUTH:
+        if value.type == BOOL:
             return value
         zero = ir.Constant(value.type, 0)
-        return self.builder.icmp_signed("!=", value, zero) if value.type == WHOLE else self.builder.fcmp_unordered("!=", value, zero)
+        return self.builder.icmp_signed("!=", value, zero) if value.type == INT64 else self.builder.fcmp_unordered("!=", value, zero)
 
     def common(self, a: Any, b: Any) -> Any:
         """The type of either of two numbers."""
-        return REAL if REAL in (a.type, b.type) else TRUTH if a.type == b.type == TRUTH else WHOLE
+        return FLOAT64 if FLOAT64 in (a.type, b.type) else BOOL if a.type == b.type == BOOL else INT64
 
     def alike(self, a: Any, b: Any) -> tuple[Any, Any]:
         kind = self.common(a, b)
@@ -488,10 +488,10 @@ class _Body(ast.NodeVisitor):
         """A number as one of another type that can hold it."""
         if value.type == kind:
             return value
-        if kind == REAL and value.type in (WHOLE, TRUTH):
-            return self.builder.sitofp(value, REAL) if value.type == WHOLE else self.builder.uitofp(value, REAL)
-        if kind == WHOLE and value.type == TRUTH:
-            return self.builder.zext(value, WHOLE)
+        if kind == FLOAT64 and value.type in (INT64, BOOL):
+            return self.builder.sitofp(value, FLOAT64) if value.type == INT64 else self.builder.uitofp(value, FLOAT64)
+        if kind == INT64 and value.type == BOOL:
+            return self.builder.zext(value, INT64)
         raise TypeError(f"a number of type {value.type} is given to a name, a place or an argument of type {kind}")
 
     def refuse(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
@@ -512,14 +512,14 @@ def _settled(text: ast.FunctionDef) -> set[str]:
 def at_points(order: int, apart: int, count: int, builder: Any, args: list[Any]) -> None:
     """A polynomial S[at + m * apart] and its slope at points in a row, into two other rows of the same array: one vector each."""
     S, at, rows, x, to, slopes_to = args
-    vector, index = ir.VectorType(REAL, count), ir.IntType(32)
+    vector, index = ir.VectorType(FLOAT64, count), ir.IntType(32)
     fma = builder.module.declare_intrinsic(f"llvm.fma.v{count}f64", (), ir.FunctionType(vector, [vector] * 3))
 
     def row(first: Any) -> Any:
         return builder.bitcast(builder.gep(rows.data, [first]), vector.as_pointer())
 
     def coefficient(m: int) -> Any:
-        number = builder.load(builder.gep(S.data, [builder.add(at, ir.Constant(WHOLE, m * apart))]))
+        number = builder.load(builder.gep(S.data, [builder.add(at, ir.Constant(INT64, m * apart))]))
         one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
         return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, count), [0] * count))
 

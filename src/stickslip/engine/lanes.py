@@ -11,13 +11,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, driver, slaved, taylor
 from stickslip.engine.kernels import columns
 from stickslip.engine.law_checks import check_numbers
-from stickslip.engine.lawtext import force, looks, prelude
+from stickslip.engine.lawtext import looks, prelude, work
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.remembered import OfFrozen, Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
@@ -339,14 +338,14 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     named, _ = _layout(eq, step, lanes)
     width = min(lanes, WIDTH)
     group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
+    known = f"L = {lanes}\n" + "".join(f"{name} = {named[name]}\n" for name in _NAMED)
     parts = [
-        driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
+        driver.HEADER.format(label=f"{label}, {lanes} lanes"),
+        known,
         emit_text(),
-        "".join(f"{name} = {named[name]}\n" for name in _NAMED),
         prelude(eq, _constants(eq, step)),
         looks(eq),
-        force(eq, step.degree),
-        (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
+        work(eq, step.degree, known),
         step_text(step, Layout(lanes, group, width, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
         *((signals_text(eq, watched(eq, step)),) if eq.signals else ()),

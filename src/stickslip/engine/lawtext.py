@@ -79,15 +79,15 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
     return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
 
 
-def force(eq: System, degree: int) -> str:
-    """The force that all but friction offer, by time; the nodes on which its work is summed."""
-    tables = [
-        f"{name} = np.array({values!r})"
-        for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else degree // 3 + 2), strict=True)
-    ]
+def work(eq: System, degree: int, known: str) -> str:
+    """The work of friction in a step, of a kernel whose numbers are `known`: it takes the force that all but friction offer, by time."""
+    nodes, weights = driver.gauss(4 if degree < 8 else degree // 3 + 2)
+    more = [0.0] * (-(len(nodes) + 1) % 4)
+    tables = [f"NODES, WEIGHTS = {[*nodes, *more, 1.0]!r}, {[*weights, *more, 0.0]!r}", f"PLACES = {len(nodes) + len(more) + 1}"]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     w = Writer(prefix="p")
     value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
-    head = ['@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)', "def force(lane, S, row, t):"]
-    return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])
+    head = ["@njit(float64(int64, f1, f1, float64), **OPTIONS)", "def force(lane, S, row, t):"]
+    lines = [known, *tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"]), driver.kernel_text("work")]
+    return driver.written({"work": driver.FUNCTIONS["work"]}, "\n".join(lines))

@@ -3,20 +3,25 @@
 # mypy: ignore-errors
 
 
-@njit(float64(int64, float64[::1], float64[::1]), **OPTIONS)
+@njit(float64(int64, f1, f1), **OPTIONS)
 def work(lane, S, row):
-    """What was offered in the last step and did not become kinetic energy (Gauss's rule on the dense output)."""
+    """What was offered in the last step and did not become kinetic energy (Gauss's rule on the dense output).
+
+    The last of the places at which the step is looked at is its end, with no weight; all are computed side by side.
+    """
     begin, end, h = S[F_T0 + lane], S[F_T + lane], S[F_HH + lane]
     part = (end - begin) / h
-    done = 0.0
-    for q in range(NODES.shape[0]):
-        theta = part * NODES[q]
-        v = S[F_K + DEGREE * L + lane]
-        for m in range(DEGREE - 1, -1, -1):
-            v = fma(v, theta, S[F_K + m * L + lane])
-        done += WEIGHTS[q] * force(lane, S, row, begin + theta * h) * v
-    last = S[F_K + DEGREE * L + lane]
+    at, v, power = np.empty(PLACES), np.empty(PLACES), np.empty(PLACES)
+    for q in range(PLACES):
+        at[q] = part * NODES[q]
+        v[q] = S[F_K + DEGREE * L + lane]
     for m in range(DEGREE - 1, -1, -1):
-        last = fma(last, part, S[F_K + m * L + lane])
-    first = S[F_K + lane]
+        c = S[F_K + m * L + lane]
+        for q in range(PLACES):
+            v[q] = fma(v[q], at[q], c)
+    for q in range(PLACES):
+        power[q] = WEIGHTS[q] * force(lane, S, row, begin + at[q] * h) * v[q]
+    done, first, last = 0.0, S[F_K + lane], v[PLACES - 1]
+    for q in range(PLACES):
+        done += power[q]
     return done * (end - begin) - 0.5 * S[F_C + MASS * L + lane] * (last - first) * (last + first)
