@@ -82,8 +82,7 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
 def work(eq: System, degree: int, known: str) -> str:
     """The work of friction in a step, of a kernel whose numbers are `known`: it takes the force that all but friction offer, by time."""
     nodes, weights = driver.gauss(4 if degree < 8 else degree // 3 + 2)
-    more = [0.0] * (-(len(nodes) + 1) % 4)
-    tables = [f"NODES, WEIGHTS = {[*nodes, *more, 1.0]!r}, {[*weights, *more, 0.0]!r}", f"PLACES = {len(nodes) + len(more) + 1}"]
+    tables = [f"NODES, WEIGHTS = {nodes!r}, {weights!r}"]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     w = Writer(prefix="p")

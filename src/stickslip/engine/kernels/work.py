@@ -3,25 +3,22 @@
 # mypy: ignore-errors
 
 
+@njit(float64(int64, float64, f1), **OPTIONS)
+def velocity(lane, theta, S):
+    """The velocity at a part of the last step."""
+    v = S[F_K + DEGREE * L + lane]
+    for m in range(DEGREE - 1, -1, -1):
+        v = fma(v, theta, S[F_K + m * L + lane])
+    return v
+
+
 @njit(float64(int64, f1, f1), **OPTIONS)
 def work(lane, S, row):
-    """What was offered in the last step and did not become kinetic energy (Gauss's rule on the dense output).
-
-    The last of the places at which the step is looked at is its end, with no weight; all are computed side by side.
-    """
+    """What was offered in the last step and did not become kinetic energy (Gauss's rule on the dense output)."""
     begin, end, h = S[F_T0 + lane], S[F_T + lane], S[F_HH + lane]
-    part = (end - begin) / h
-    at, v, power = np.empty(PLACES), np.empty(PLACES), np.empty(PLACES)
-    for q in range(PLACES):
-        at[q] = part * NODES[q]
-        v[q] = S[F_K + DEGREE * L + lane]
-    for m in range(DEGREE - 1, -1, -1):
-        c = S[F_K + m * L + lane]
-        for q in range(PLACES):
-            v[q] = fma(v[q], at[q], c)
-    for q in range(PLACES):
-        power[q] = WEIGHTS[q] * force(lane, S, row, begin + at[q] * h) * v[q]
-    done, first, last = 0.0, S[F_K + lane], v[PLACES - 1]
-    for q in range(PLACES):
-        done += power[q]
+    part, done = (end - begin) / h, 0.0
+    for q in range(len(NODES)):
+        theta = part * NODES[q]
+        done += WEIGHTS[q] * force(lane, S, row, begin + theta * h) * velocity(lane, theta, S)
+    first, last = S[F_K + lane], velocity(lane, part, S)
     return done * (end - begin) - 0.5 * S[F_C + MASS * L + lane] * (last - first) * (last + first)
