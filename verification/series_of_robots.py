@@ -77,7 +77,8 @@ def means(mapped: Mapped, cases: int) -> int:
     def closed(start: np.ndarray, back: np.ndarray, rounds: int, *how: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The fixed point by chords, its mean velocity, and what is left."""
         for _ in range(rounds):
-            start = start + scale * np.einsum("nij,nj->ni", back, (period(start, *how)[:, 1:] - start) / scale)
+            off = (period(start, *how)[:, 1:] - start) / scale
+            start = start + scale * np.einsum("nij,nj->ni", back, off)
         end = period(start, *how)
         return start, end[:, 0] / span, np.max(abs(end[:, 1:] - start) / scale, axis=1)
 
