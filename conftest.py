@@ -40,6 +40,20 @@ def pytest_terminal_summary(terminalreporter, config):
     # A kernel's text is written just before it is compiled; its last function when that is done.
     spans = [(max(s.stat().st_mtime, began), written.get(s.stem, 0.0)) for s in folder.glob("*.py") if written.get(s.stem, 0.0) >= began]
     terminalreporter.write_line(f"kernels: {len(spans)} compiled in {sum(end - begin for begin, end in spans):.0f} s")
+    if any(isinstance(report, pytest.CollectReport) for report in terminalreporter.stats.get("error", ())):
+        tell_what_is_forgotten(terminalreporter)
+
+
+def tell_what_is_forgotten(terminalreporter):
+    """Below errors at collection, which an unfinished law, drive or machine causes in many modules: what it lacks."""
+    try:
+        from registries import all_that_is_forgotten
+
+        sentences = all_that_is_forgotten()
+    except Exception:  # stickslip itself cannot be imported, and the errors above say why
+        return
+    if sentences:
+        terminalreporter.write_line("The errors may come from what these lack:\n" + "\n".join(sentences))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -141,6 +141,29 @@ with_bodies = {name: made for name, made in every_machine.items() if not is_flow
 OWN = (Capsule, Tow)
 
 
+def without_line(made):
+    """A sentence where `every_machine` has no machine of a class."""
+    line = f'"{made.__name__}": ({made.__name__}(...), "name of a number of it", (one value, another)),'
+    found = any(isinstance(machine, made) for machine, *_ in every_machine.values())
+    return [] if found else [f"{made.__name__}: add a line to every_machine in tests/every.py: {line}"]
+
+
+def wrong_line(name, line):
+    """A sentence where a line of `every_machine` is not a machine, the name of a number of it and two values of that."""
+    try:
+        machine, number, (one, another) = line
+        machine.replace({number: one}), machine.replace({number: another})
+    except (AttributeError, TypeError, ValueError) as error:
+        return [f"{name!r} in every_machine in tests/every.py: allowed is (machine, name of a number of it, (one value, another)): {error}"]
+    return []
+
+
+def not_on_page(name, kept):
+    """A sentence where the table of docs/which-machine.md has no column of a machine."""
+    told = f'{name!r}: docs/which-machine.md has no column of it; type python docs/_ext/which_machine.py "{name}"'
+    return [] if any(machine == name for machine, _ in kept) else [told]
+
+
 @dataclass(frozen=True)
 class Case:
     """One machine at the doors: what they are called with is made here once."""

@@ -7,10 +7,79 @@ import functools
 import importlib
 import pkgutil
 import re
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
 
 import stickslip as ss
 from house import ROOT
+from stickslip import drives, friction, machines, mechanisms
+from stickslip.drives.drive import Drive
 from stickslip.fields import is_number_field, is_tuple_field
+from stickslip.friction.law import Law
+from stickslip.mechanisms import MECHANISMS
+from stickslip.mechanisms.mechanism import Mechanism
+
+#: Classes that only help others, and records that are made of others and never typed: in a registry they are not.
+OF_OTHERS = {
+    "BodyAndMass", "DynamicSum", "LawAdapter", "ModalSum", "Shifted", "SlidingSum", "Sum", "Together", "Turned",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A folder of which every class is in one registry: its base class, and the methods by which a class without it is known."""
+
+    package: Any
+    base: type
+    registry: dict[str, Any]
+    methods: tuple[str, ...]
+    place: str
+
+
+_OF_MACHINES = "MECHANISMS in src/stickslip/mechanisms/__init__.py"
+FOLDERS = (
+    Folder(friction, Law, ss.LAWS, ("rate", "force", "sliding", "breakaway"), "_ALL in src/stickslip/friction/__init__.py"),
+    Folder(drives, Drive, ss.DRIVES, ("position", "velocity", "acceleration"), "_ALL in src/stickslip/drives/__init__.py"),
+    Folder(machines, ss.Machine, MECHANISMS, ("bodies",), _OF_MACHINES),
+    Folder(mechanisms, Mechanism, MECHANISMS, ("acceleration",), _OF_MACHINES),
+)
+
+
+def tell(sentences):
+    """Fail with sentences, and with nothing else."""
+    if sentences:
+        pytest.fail("\n".join(sentences), pytrace=False)
+
+
+def all_that_is_forgotten():
+    """Every sentence on laws, drives and machines: told below errors at collection, which keep the tests that say it from running."""
+    found = [sentence for folder in FOLDERS for sentence in unregistered(folder)]
+    found += [sentence for name in ss.LAWS for sentence in law_lacks(name)]
+    found += [sentence for name in ss.DRIVES for sentence in drive_lacks(name)]
+    return found + [sentence for name in MECHANISMS for sentence in machine_lacks(name)]
+
+
+def law_lacks(name):
+    """Sentences on what a law lacks."""
+    law = ss.LAWS[name]
+    needs = ("sliding", "breakaway") if hasattr(law, "sliding") else ("rate", "force")
+    return lacking(name, law, needs, "docs/laws/index.md", "docs/laws/*.md", base=Law)
+
+
+def drive_lacks(name):
+    """Sentences on what a drive lacks."""
+    drive = ss.DRIVES[name]
+    needs = ("position", "velocity", "acceleration", "period", "stroke", "velocity_scale")
+    return [*lacking(name, drive, needs, "docs/drives/index.md", base=Drive), *wordless(drive, "docs/drives")]
+
+
+def machine_lacks(name):
+    """Sentences on what a machine lacks; `tests/every.py` says the rest."""
+    made = MECHANISMS[name]
+    kind = [] if name else [f'{made.__name__}: write kind: ClassVar[str] = "{made.__name__.lower()}", its name in a study file']
+    return kind + unfinished(made, "docs/which-machine.md", "docs/machines/*.md" if issubclass(made, ss.Machine) else "docs/mechanisms.md")
 
 
 def examples(registry):
@@ -26,9 +95,10 @@ def example(cls):
         return None
 
 
-def lacking(name, cls, needs, *pages):
+def lacking(name, cls, needs, *pages, base=object):
     """Sentences on what a new law or drive lacks, by the steps of CONTRIBUTING."""
-    found = unfinished(cls, *pages)
+    found = [] if issubclass(cls, base) else [f"{cls.__name__}: {on_base(cls, base)}"]
+    found += unfinished(cls, *pages)
     if not dataclasses.is_dataclass(cls):
         return found
     if example(cls) is None:
@@ -48,7 +118,7 @@ def unfinished(cls, *pages):
         found.append(f"{cls.__name__}: give its docstring an example that runs")
     for page, words in (*((page, cls.__name__) for page in pages), ("docs/api.md", f"stickslip.{cls.__name__}")):
         if not re.search(rf"\b{words}\b", text_of(page)):
-            found.append(f"{cls.__name__}: write about it in {page}")
+            found.append(f"{cls.__name__}: {_to_write(page, words)}")
     if f"{cls.__name__} as {cls.__name__}" not in text_of("src/stickslip/__init__.pyi"):
         found.append(f"{cls.__name__}: name it in src/stickslip/__init__.pyi")
     elif getattr(ss, cls.__name__, None) is not cls:
@@ -59,15 +129,62 @@ def unfinished(cls, *pages):
     return found
 
 
-def unregistered(package, base, registry):
-    """Records that a package defines, from which no other is made, and which its registry lacks."""
+def _to_write(page, words):
+    if page == "docs/api.md":
+        return f"add .. autoclass:: {words} to {page}"
+    if "index" in page:
+        return f"add a row about it to the table of {page}"
+    return f"write a page about it, or a part of one, in {page.removesuffix('/*.md')}" if "*" in page else f"write about it in {page}"
+
+
+def on_base(cls, base):
+    """What to type so that a class has its base."""
+    return f"write from {base.__module__} import {base.__name__}, and class {cls.__name__}({base.__name__})"
+
+
+def unregistered(folder):
+    """A sentence for each class of a folder that its registry lacks; it need not have the base."""
+    return [_not_registered(cls, folder) for cls in classes(folder.package) if is_left_out(cls, folder)]
+
+
+def classes(package):
+    """The public classes that the modules of a package define."""
     modules = [importlib.import_module(f"{package.__name__}.{found.name}") for found in pkgutil.iter_modules(package.__path__)]
-    mine = [cls for module in modules for cls in vars(module).values() if isinstance(cls, type) and cls.__module__ == module.__name__]
+    return [cls for module in modules for cls in own(module, type) if not cls.__name__.startswith("_")]
+
+
+def own(module, kind):
+    """What a module defines itself, of a kind."""
+    return [value for value in vars(module).values() if isinstance(value, kind) and value.__module__ == module.__name__]
+
+
+def is_left_out(cls, folder):
+    """Whether a class seems to be one of a folder's, and is neither in its registry nor a base of one there."""
+    known = cls.__name__ in OF_OTHERS or any(issubclass(entry, cls) for entry in folder.registry.values())
+    return not known and (issubclass(cls, folder.base) or any(hasattr(cls, method) for method in folder.methods))
+
+
+def _not_registered(cls, folder):
+    derive = "" if issubclass(cls, folder.base) else f"{on_base(cls, folder.base)}; "
+    place = f"{cls.__name__} in src/{cls.__module__.replace('.', '/')}.py"
+    return f"{place}: {derive}add it to {folder.place}; if it only helps others, name it in OF_OTHERS in tests/registries.py"
+
+
+def wordless(cls, folder):
+    """A sentence where no page of a folder has a line on a class outside of code, tables and headings; the index is no such page."""
+    if re.search(rf"\b{cls.__name__}\b", prose(text_of(f"{folder}/*.md"))):
+        return []
+    pages = ", ".join(sorted(page.name for page in (ROOT / folder).glob("*.md") if page.stem != "index"))
     return [
-        cls.__name__
-        for cls in mine
-        if issubclass(cls, base) and dataclasses.is_dataclass(cls) and not cls.__subclasses__() and cls not in registry.values()
+        f"{cls.__name__}: no page of {folder} describes it; write a paragraph with `{cls.__name__}` in it, which says what is given, "
+        f"its equation and when to choose it, on one of its pages ({pages}) or on a new one"
     ]
+
+
+def prose(text):
+    """A page without its code, tables and headings."""
+    without_code = re.sub(r"^(```+).*?^\1 *$", "", text, flags=re.M | re.S)
+    return "\n".join(line for line in without_code.splitlines() if not line.startswith(("|", "#")))
 
 
 def _of_field(cls, field):

@@ -11,50 +11,72 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from every import every_machine
+from every import every_machine, without_line
 from house import ROOT
 from kinds import LAWS
-from registries import examples, lacking, text_of, unfinished, unregistered
-from stickslip import drives, friction, machines, mechanisms, records
+from registries import (
+    FOLDERS,
+    OF_OTHERS,
+    all_that_is_forgotten,
+    classes,
+    drive_lacks,
+    examples,
+    lacking,
+    law_lacks,
+    machine_lacks,
+    own,
+    prose,
+    tell,
+    text_of,
+    unfinished,
+    unregistered,
+    wordless,
+)
+from stickslip import presets, records
 from stickslip.cli import COMMANDS
-from stickslip.drives.drive import Drive
 from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
-from stickslip.friction.law import Law
+from stickslip.machines import parts
 from stickslip.machines.parts import LINKS
 from stickslip.mechanisms import MECHANISMS
-from stickslip.mechanisms.mechanism import Mechanism
 from stickslip.records import formats
 from stickslip.records.raw import Column, Raw
 from stickslip.solvers.methods import METHODS
+from stickslip.solvers.part_results import OF_SEVERAL
 from stickslip.storage import from_text
 from stickslip.sweeps import solving
 from stickslip.sweeps.result_columns import COLUMNS, END, filled
 from stickslip.tracks import TRACKS
 from stickslip.variables import VARIABLES
 
-#: Records that are made of others, and never typed: in a registry they are not.
-OF_OTHERS = {"ModalSum", "Shifted", "SlidingSum", "Sum", "Turned"}
-OF_LAWS = ("docs/laws/index.md", "docs/laws/*.md")
-OF_DRIVES = ("position", "velocity", "acceleration", "period", "stroke", "velocity_scale")
+RIG = {"amplitude": [6e-4], "tilt_deg": 1.7, "law": "coulomb"}
+OF_ONE_BODY = "compute it in columns_of in src/stickslip/sweeps/solving.py"
+OR_SEVERAL = "or add it to OF_SEVERAL in src/stickslip/solvers/part_results.py, if only machines of several parts have it"
+OF_SEVERAL_BODIES = "compute it in columns_of_parts in src/stickslip/solvers/part_results.py"
+OR_ONE = "or add it to OF_ONE in src/stickslip/sweeps/solving.py, if only one body on one contact has it"
 
 
-def needs_of(law):
-    return ("sliding", "breakaway") if hasattr(law, "sliding") else ("rate", "force")
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.package.__name__)
+def test_what_is_written_is_registered(folder):
+    tell(unregistered(folder))
 
 
-@pytest.mark.parametrize(
-    ("package", "base", "registry", "line"),
-    [
-        (friction, Law, ss.LAWS, "LAWS, src/stickslip/friction/__init__.py"),
-        (drives, Drive, ss.DRIVES, "DRIVES, src/stickslip/drives/__init__.py"),
-        (machines, ss.Machine, MECHANISMS, "MECHANISMS, src/stickslip/mechanisms/__init__.py"),
-        (mechanisms, Mechanism, MECHANISMS, "MECHANISMS, src/stickslip/mechanisms/__init__.py"),
-    ],
-)  # fmt: skip
-def test_what_is_written_is_registered(package, base, registry, line):
-    left = set(unregistered(package, base, registry)) - OF_OTHERS
-    assert not left, f"{', '.join(sorted(left))}: add to {line}"
+def test_what_only_helps_others_is_there():
+    left = OF_OTHERS - {cls.__name__ for folder in FOLDERS for cls in classes(folder.package)}
+    assert not left, f"{', '.join(sorted(left))}: take it out of OF_OTHERS in tests/registries.py"
+
+
+def test_every_preset_is_registered():
+    modules = [importlib.import_module(f"stickslip.presets.{found.name}") for found in pkgutil.iter_modules(presets.__path__)]
+    names = [function.__name__ for module in modules for function in own(module, types.FunctionType)]
+    left = [name for name in names if not (name.startswith("_") or (name in presets.PRESETS and name in presets.__all__))]
+    assert not left, f"{', '.join(left)}: add to _ALL and to __all__ in src/stickslip/presets/__init__.py"
+
+
+def test_every_link_is_registered():
+    names = [cls.__name__ for cls in own(parts, type) if cls not in (*LINKS.values(), ss.Body, ss.Contact, ss.Stop)]
+    left = [name for name in names if not name.startswith("_")]
+    assert not left, f'{", ".join(left)}: add a line such as "spring": Spring to LINKS at the end of src/stickslip/machines/parts.py'
 
 
 @pytest.mark.parametrize("folder", ["laws", "drives", "machines"])
@@ -67,12 +89,12 @@ def test_every_page_is_in_a_list_of_pages(folder):
 
 @pytest.mark.parametrize("name", ss.LAWS)
 def test_a_law_has_what_its_recipe_names(name):
-    assert not lacking(name, ss.LAWS[name], needs_of(ss.LAWS[name]), *OF_LAWS)
+    tell(law_lacks(name))
 
 
 @pytest.mark.parametrize("name", ss.DRIVES)
 def test_a_drive_has_what_its_recipe_names(name):
-    assert not lacking(name, ss.DRIVES[name], OF_DRIVES, "docs/drives/index.md")
+    tell(drive_lacks(name))
 
 
 @pytest.mark.parametrize("name", TRACKS)
@@ -88,17 +110,14 @@ def test_a_link_has_what_its_recipe_names(name):
     link = LINKS[name]
     moves = hasattr(link, "of_pair") or all(hasattr(link, need) for need in ("position", "velocity", "acceleration"))
     assert moves or hasattr(link, "force"), f"{link.__name__}: write force(distance, rate), or position, velocity and acceleration of t"
-    assert not unfinished(link, "docs/your-own-machine.md")
+    tell(unfinished(link, "docs/your-own-machine.md"))
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_machine_has_what_its_recipe_names(name):
-    made = MECHANISMS[name]
-    assert name, f'{made.__name__}: say kind: ClassVar[str] = "...", its name in a study file'
-    assert not unfinished(made, "docs/which-machine.md", "docs/machines/*.md" if issubclass(made, ss.Machine) else "docs/mechanisms.md")
-    machine = next((machine for machine, *_ in every_machine.values() if isinstance(machine, made)), None)
-    assert machine is not None, f"give every_machine in tests/every.py a {name}"
-    assert type(from_text(machine.to_toml())) is made
+    tell([*machine_lacks(name), *without_line(MECHANISMS[name])])
+    machine = next(machine for machine, *_ in every_machine.values() if isinstance(machine, MECHANISMS[name]))
+    assert type(from_text(machine.to_toml())) is MECHANISMS[name]
 
 
 @pytest.mark.parametrize("known", formats.FORMATS, ids=lambda known: known.names[0])
@@ -171,11 +190,24 @@ def test_a_column_has_a_unit_and_words(name):
     assert told.name == name and told.long_name and told.symbol, f"{name}: say its symbol and what it is in variables.py"
 
 
+def empty_columns(grid):
+    return [name for name, column in grid.data_vars.items() if column.dtype.kind == "f" and np.isnan(column.values).all()]
+
+
 def test_a_column_is_found_by_somebody():
     """What `variables.py` declares is computed: a robot that is all known leaves no column of its sweep empty."""
-    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4], tilt_deg=1.7, law="coulomb")
-    empty = [name for name, column in grid.data_vars.items() if column.dtype.kind == "f" and np.isnan(column.values).all()]
-    assert empty in ([], ["settling_error"]), f"{empty}: a robot has none of them; see the recipe of a column in CONTRIBUTING.md"
+    left = [name for name in empty_columns(ss.sweep(ss.presets.piezo_rig, **RIG)) if name != "settling_error"]
+    tell([f"{name}: a robot has nothing in this column; {OF_ONE_BODY}, {OR_SEVERAL}" for name in left])
+
+
+def test_a_column_that_only_one_body_has_is_not_one_of_a_chain():
+    left = empty_columns(ss.sweep(ss.Chain.example(), **{"phases.1": [0.5]}, periods=12))
+    tell([f"{name}: a chain has nothing in this column; {OF_SEVERAL_BODIES}, {OR_ONE}" for name in left if name != "settling_error"])
+
+
+def test_what_is_said_of_columns_is_said_of_columns_that_are():
+    left = sorted({*solving.OF_ONE, *OF_SEVERAL} - set(COLUMNS))
+    assert not left, f"{', '.join(left)}: in OF_ONE or OF_SEVERAL, and no column; add a line to src/stickslip/variables.py"
 
 
 def test_a_column_that_is_computed_is_declared(monkeypatch):
@@ -186,9 +218,36 @@ def test_a_column_that_is_computed_is_declared(monkeypatch):
         return filled(found, *more)
 
     monkeypatch.setattr(solving, "filled", spied)
-    ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4], tilt_deg=1.7, law="coulomb")
+    ss.sweep(ss.presets.piezo_rig, **RIG)
     left = sorted(name for name in computed if name not in COLUMNS and not name.startswith(END))
     assert computed and not left, f"{', '.join(left)}: add a line to src/stickslip/variables.py"
+
+
+@dataclass(frozen=True, eq=False)
+class Stranger:
+    """A law that was written beside the base class."""
+
+    def sliding(self, v, load):
+        return 0.2 * load
+
+
+Stranger.__module__ = "stickslip.friction.stranger"
+
+
+def test_a_law_without_the_base_class_is_found_in_its_folder(monkeypatch):
+    module = types.ModuleType(Stranger.__module__)
+    module.Stranger = Stranger
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(pkgutil, "iter_modules", lambda path: [pkgutil.ModuleInfo(None, "stranger", False)])
+    (told,) = unregistered(FOLDERS[0])
+    assert told.startswith("Stranger in src/stickslip/friction/stranger.py: write from stickslip.friction.law import Law, and class ")
+    assert "class Stranger(Law); add it to _ALL in src/stickslip/friction/__init__.py" in told
+
+
+def test_a_drive_without_words_is_told_where_to_write_them():
+    (told,) = wordless(type("Waves", (), {}), "docs/drives")
+    assert "Waves: no page of docs/drives describes it; write a paragraph with `Waves` in it" in told and "phases.md" in told
+    assert "Sine" not in prose("# Sine\n\n| `Sine` |\n\n```python\nSine()\n```\n\nA word.\n")
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,10 +260,16 @@ class Forgetful(ss.Viscous):
 def test_what_a_law_forgets_is_told_in_sentences_and_hides_no_other(monkeypatch):
     finished = set(examples(ss.LAWS))
     monkeypatch.setitem(ss.LAWS, "forgetful", Forgetful)
-    told = "\n".join(lacking("forgetful", Forgetful, needs_of(Forgetful), *OF_LAWS))
+    told = "\n".join(law_lacks("forgetful"))
     said = "Forgetful.depth has no label, unit, example; type depth: float", "example() gives no Forgetful"
     assert all(words in told for words in (*said, "docs/laws", "docs/api.md", "__init__.pyi")), told
     assert set(examples(ss.LAWS)) == finished <= set(LAWS)
+    assert set(told.splitlines()) <= set(all_that_is_forgotten())
+
+
+def test_a_law_in_the_registry_without_the_base_class_is_told_what_to_write(monkeypatch):
+    monkeypatch.setitem(ss.LAWS, "stranger", Stranger)
+    assert "Stranger: write from stickslip.friction.law import Law, and class Stranger(Law)" in law_lacks("stranger")
 
 
 def test_a_class_that_is_no_dataclass_is_told_what_to_write():
