@@ -6,6 +6,7 @@ behind it, as they stand in tests/every.py, it tries these alone and keeps what 
 
 from __future__ import annotations
 
+import difflib
 import re
 import sys
 import tempfile
@@ -62,6 +63,32 @@ def kept_table(text):
     return found
 
 
+def unknown(names, machines):
+    """A sentence for each name that is no machine of tests/every.py."""
+    return [f"{name!r} is given{_allowed(name, machines)}" for name in names if name not in machines]
+
+
+def _allowed(name, machines):
+    small = {known.lower(): known for known in machines}
+    near = difflib.get_close_matches(name.lower(), small, n=1)
+    if near:
+        return f"; did you mean {small[near[0]]!r}?"
+    return f", and every_machine in tests/every.py has no such machine; allowed are {', '.join(map(repr, machines))}"
+
+
+def lacking(names, machines, doors, kept):
+    """A sentence for each machine that is not to be tried, and of which the page does not say everything."""
+    return [
+        f"docs/which-machine.md lacks {name!r} at {_doors(left, doors)}; type its name too, or no name, which tries all"
+        for name in machines
+        if names and name not in names and (left := [door for door in doors if (name, door) not in kept])
+    ]
+
+
+def _doors(left, doors):
+    return "every door" if len(left) == len(doors) else ", ".join(left)
+
+
 def main(*names):
     """Write the table into the page: of some machines, or of all."""
     sys.path.insert(0, str(PAGE.parent.parent / "tests"))
@@ -71,6 +98,8 @@ def main(*names):
 
     text = PAGE.read_text(encoding="utf-8")
     kept = kept_table(text)
+    if wrong := unknown(names, every_machine) or lacking(names, every_machine, every_door, kept):
+        raise SystemExit("\n".join(wrong))
     cells = {}
     for name, made in every_machine.items():
         if names and name not in names:

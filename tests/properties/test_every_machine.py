@@ -9,17 +9,53 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
-from every import Case, door_of, every_door, every_machine
+from every import Case, door_of, every_door, every_machine, not_on_page, without_line, wrong_line
+from registries import tell
 from stickslip.analysis.works import lost_at_hits
+from stickslip.mechanisms import MECHANISMS
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
 sys.path.insert(0, str(PAGE.parent / "_ext"))
 
-from which_machine import cell, kept_table, table  # noqa: E402
+import which_machine  # noqa: E402
+from which_machine import cell, kept_table, lacking, table, unknown  # noqa: E402
+
+
+def kept():
+    return kept_table(PAGE.read_text(encoding="utf-8"))
+
+
+def test_every_kind_of_machine_has_a_line():
+    """First of all: without its line and its column a machine fails at every door, for this one reason."""
+    tell([sentence for made in MECHANISMS.values() for sentence in without_line(made)])
+    tell([sentence for name, line in every_machine.items() for sentence in wrong_line(name, line)])
+
+
+def test_the_page_lists_every_machine_and_every_door():
+    tell([sentence for name in every_machine for sentence in not_on_page(name, kept())])
+    left = sorted({name for name, _ in kept()} - set(every_machine))
+    left += sorted({door for _, door in kept()} ^ set(every_door))
+    assert not left, f"{', '.join(left)}: not both in tests/every.py and on the page; type python docs/_ext/which_machine.py"
+    assert table(kept()) in PAGE.read_text(encoding="utf-8")
+
+
+def test_a_machine_that_is_not_known_is_refused_before_any_is_tried():
+    with pytest.raises(SystemExit, match=r"'Robto' is given; did you mean 'Robot'\?$"):
+        which_machine.main("Robot", "Robto")
+    allowed = "'sled' is given, and every_machine in tests/every.py has no such machine; allowed are 'Robot', 'Chain, LuGre'"
+    assert unknown(["sled"], {"Robot": 0, "Chain, LuGre": 0}) == [allowed]
+
+
+def test_a_page_that_lacks_another_machine_says_to_name_that_one_too():
+    both, end = {"Robot": 0, "Joint": 0}, "; type its name too, or no name, which tries all"
+    at_all, at_one = lacking(["Robot"], both, ["CSV", "report"], {}), lacking(["Robot"], both, ["CSV", "report"], {("Joint", "CSV"): "yes"})
+    assert at_all == [f"docs/which-machine.md lacks 'Joint' at every door{end}"]
+    assert at_one == [f"docs/which-machine.md lacks 'Joint' at report{end}"]
 
 
 @pytest.fixture(params=every_machine, scope="module")
 def case(request, tmp_path_factory):
+    tell(not_on_page(request.param, kept()))
     return Case(request.param, *every_machine[request.param], tmp_path_factory.mktemp("every"))
 
 
@@ -29,14 +65,8 @@ def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = cell(door_of(door, case), case)
-    told = kept_table(PAGE.read_text(encoding="utf-8")).get((case.name, door), "nothing")
+    told = kept().get((case.name, door), "nothing")
     assert found == told, f'if that is meant, python docs/_ext/which_machine.py "{case.name}" writes the page anew'
-
-
-def test_the_page_lists_every_machine_and_every_door():
-    kept = kept_table(PAGE.read_text(encoding="utf-8"))
-    assert set(kept) == {(name, door) for name in every_machine for door in every_door}
-    assert table(kept) in PAGE.read_text(encoding="utf-8")
 
 
 def test_a_list_where_parts_are_meant_says_to_write_a_tuple():
