@@ -11,7 +11,8 @@ import stickslip as ss
 from stickslip.fields import leaves
 from stickslip.naming import axis_of
 
-PRESETS = ("two_modules", "worm", "capsubot", "capsule", "servo", "stick_slip_stage", "conveyor")
+OF_ROBOTS = ("piezo_rig", "piezo_beam_rig", "coulomb_robot")
+PRESETS = tuple(name for name in ss.presets.PRESETS if name not in OF_ROBOTS)
 LENGTH = {"servo": {"duration": 2.0}}
 #: Values of numbers that are 0 or not given by default, or that have a border near it.
 VALUES = {"count": [2, 3], "sample": [0.01, 0.02], "static": [1.5, 2.0], "gear_damping": [0.0]}
