@@ -87,9 +87,8 @@ def means(mapped: Mapped, cases: int) -> int:
         at, truth, left = closed(at, back, 2, tableaux.RODAS5P, 3e-12)
     norm, bad = np.linalg.norm(back, 2, axis=(1, 2)), 0
     good = (norm <= 100.0) & (left * norm <= 1e-9)
-    print(
-        f"means: {np.sum(norm > 100.0)} of {cases} with a norm above 100, {np.sum((norm <= 100.0) & ~good)} more without a fixed point found"
-    )
+    stiff, lost = np.sum(norm > 100.0), np.sum((norm <= 100.0) & ~good)
+    print(f"means: {stiff} of {cases} with a norm above 100, {lost} more without a fixed point found")
     for rtol in (1e-4, 1e-6, 1e-9):
         _, found, rest = closed(at, back, 3, *series.method(rtol))
         error = abs(found - truth) / np.maximum(abs(truth), 0.1 * unit) / rtol
