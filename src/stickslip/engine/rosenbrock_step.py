@@ -378,7 +378,7 @@ class _StepWriter(EventWriter):
         for k in range(self.g):
             mine = f"_which == {k}.0" if self.g > 1 else "True"
             w.line(f"_b{k}", f"-_b{k} if (_flip and {mine}) else _b{k}" if k < self.eq.signs else "1.0")
-            w.line(f"_on{k}", f"1.0 if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
+            w.line(f"_on{k}", f"(1.0 if _evA else _on{k} + 1.0) if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
         w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
         for name in ended_by(self.eq):

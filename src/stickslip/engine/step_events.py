@@ -15,6 +15,7 @@ from stickslip.engine.system import System
 from stickslip.engine.write import Writer, horner
 
 _ORDER = 1e-8  # of the size of a guard: how far beyond its zero it may be where another one's event is, if both come in one step
+_FLIPS = 2.5  # times that a flag flips at one instant, and half a time
 _FALLS = 1.2  # steps in which a guard that falls as it begins would be at zero, if it may be there and back within one
 
 
@@ -337,7 +338,9 @@ class EventWriter:
 
     def _decide(self) -> None:
         w = self.w
-        w.line("_flip0", "_ok and _cr and _pre and _wrong")  # it started on the wrong side: flip and do the step again
+        w.line("_again", self._chosen([f"_on{k}" for k in range(self.g)]) if self.g > 1 else "1.0 * _on0")
+        tired = f"_again > {_FLIPS}"  # either side leads to the other, by rounding: it stays, and the step is shortened
+        w.line("_flip0", f"_ok and _cr and _pre and _wrong and not {tired}")  # it started on the wrong side: flip and do the step again
         w.line("_evt", "_ok and _cr and not _flip0")
         w.line("_evA", "_evt and _conv and not _pre")  # the event is located: the step ends there
         w.line("_evB", "_evt and not _evA")  # it is not yet: do a shorter step
