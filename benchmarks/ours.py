@@ -38,7 +38,7 @@ def _run(problem: Problem, rtol: float) -> Outcome:
 
 
 @contextmanager
-def _whole() -> Iterator[None]:
+def whole() -> Iterator[None]:
     """Every period is made, as integrators do it, also of motions that have come back to the same bits."""
     from stickslip.solvers import stepping
 
@@ -52,7 +52,7 @@ def _whole() -> Iterator[None]:
 
 def _run_whole(problem: Problem, rtol: float) -> Outcome:
     """As _run, with every period made."""
-    with _whole():
+    with whole():
         return _run(problem, rtol)
 
 
