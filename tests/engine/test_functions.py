@@ -52,7 +52,7 @@ def weighed(table, row):
             total = fma(total, WEIGHTS[j], here[j])
             k = j
     rest = here[1:]
-    return total + rest[0] + len(rest) + k
+    return total + rest[0] + len(rest) + k + 100 * i + 1000 * j
 
 
 @njit(int64(int64, int64), **OPTIONS)
@@ -153,6 +153,8 @@ def test_a_text_computes_what_python_computes(count, seed):
         ("return y", "'y' in a function of plain numbers has no value"),
         ("for k in range(3):\n        x[0] = k\n    else:\n        x[1] = 2.0\n    return x[0]", "else"),
         ("return table[0][1:].mean()", "mean"),
+        ("rest = x[1:3]\n    return rest[0]", "x[1:3]"),
+        ("for k in range(3, 0, -n[0]):\n        x[0] = k\n    return x[0]", "range(3, 0, -n[0])"),
     ],
 )
 def test_what_cannot_be_written_is_refused_with_its_text(body, what):

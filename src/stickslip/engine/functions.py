@@ -190,7 +190,7 @@ class _Body(ast.NodeVisitor):
         self.builder.position_at_end(after)
 
     def visit_While(self, node: ast.While) -> None:
-        self.loop(node, lambda: self.holds(node.test), lambda: None)
+        self.loop(node, lambda: self.holds(node.test))
 
     def visit_For(self, node: ast.For) -> None:
         called = node.iter
@@ -199,17 +199,21 @@ class _Body(ast.NodeVisitor):
         ends = [self.visit(each) for each in called.args]
         first, end = ends[:2] if len(ends) > 1 else (ir.Constant(INT64, 0), ends[0])
         by = ends[2] if len(ends) > 2 else ir.Constant(INT64, 1)
+        if not isinstance(by, ir.Constant):
+            self.refuse(node)
         count = self.place(INT64)
         self.builder.store(first, count)
 
         def goes_on() -> Any:
-            now = self.builder.load(count)
-            self.give(node.target.id, now)
-            return self.builder.icmp_signed("<" if by.constant > 0 else ">", now, end)
+            return self.builder.icmp_signed("<" if by.constant > 0 else ">", self.builder.load(count), end)
 
-        self.loop(node, goes_on, lambda: self.builder.store(self.builder.add(self.builder.load(count), by), count))
+        def step() -> None:
+            self.builder.store(self.builder.add(self.builder.load(count), by), count)
 
-    def loop(self, node: Any, goes_on: Any, step: Any) -> None:
+        self.loop(node, goes_on, lambda: self.give(node.target.id, self.builder.load(count)), step)
+
+    def loop(self, node: Any, goes_on: Any, begin: Any = lambda: None, step: Any = lambda: None) -> None:
+        """A loop whose rounds begin and end with something of its own; after it a name has what the last round gave it."""
         if node.orelse:
             self.refuse(node)
         head, body, tail, after = (self.function.append_basic_block(name) for name in ("head", "round", "tail", "after"))
@@ -217,6 +221,7 @@ class _Body(ast.NodeVisitor):
         self.builder.position_at_end(head)
         self.builder.cbranch(goes_on(), body, after)
         self.builder.position_at_end(body)
+        begin()
         self.loops.append((tail, after))
         self.write(node.body)
         self.loops.pop()
@@ -278,6 +283,8 @@ class _Body(ast.NodeVisitor):
     def part(self, node: ast.Subscript, array: View) -> View:
         """What stands at the first places of an array, or from a place on."""
         if isinstance(node.slice, ast.Slice):
+            if node.slice.lower is None or node.slice.upper is not None or node.slice.step is not None or len(array.shape) > 1:
+                self.refuse(node)
             first = self.visit(node.slice.lower)  # type: ignore[arg-type]
             (length,) = array.shape
             return View(self.builder.gep(array.data, [first]), (self.builder.sub(length, first),))
@@ -453,7 +460,7 @@ class _Body(ast.NodeVisitor):
                 self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at]))
                 self.builder.store(self.builder.add(at, ir.Constant(INT64, 1)), place)
 
-            self.loop(ast.While(test=None, body=[], orelse=[]), goes_on, step)  # type: ignore[arg-type]
+            self.loop(ast.While(test=None, body=[], orelse=[]), goes_on, step=step)  # type: ignore[arg-type]
         return View(data, (count,))
 
     def extreme(self, sign: str, a: Any, b: Any) -> Any:
