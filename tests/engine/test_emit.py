@@ -250,4 +250,4 @@ def test_kernels_are_found_again_by_the_next_process(tmp_path):
         told.append(done.stderr.count("once …"))
         files.append({file: file.stat().st_mtime_ns for file in (tmp_path / "__pycache__").iterdir()})
     assert told == [1, 0]
-    assert files[0] == files[1] and sum(file.suffix == ".nbc" for file in files[0]) == 5  # each with its explicit signature
+    assert files[0] == files[1] and sum(file.suffix == ".nbc" for file in files[0]) == 4  # prelude, look, work and step
