@@ -18,6 +18,7 @@ from problems import chain, module
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flow_map, strobe_map
+from stickslip.engine import taylor
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
 from stickslip.fields import leaves, replace_leaf
@@ -104,6 +105,13 @@ def test_changes_by_the_start_and_by_every_number_are_those_of_exact_runs(name):
         bent += np.max(apart / units) > 1e-6 * size  # a map that bends so much says little by differences
         assert np.max(abs(exact[i] - differences) / units) <= 1e-7 * size + np.max(apart / units), what
     assert bent <= 1
+
+
+@pytest.mark.parametrize("name", [*MACHINES, *MORE])
+def test_the_step_of_every_tangent_can_be_written(name):
+    """Also along every number; nothing is compiled. (A multiple of a sum had no rule.)"""
+    machine = (MACHINES | MORE)[name]
+    assert taylor.write_step(tangent(trace(machine), wrt=tuple(directions_of(machine)[1]))).lines
 
 
 def test_the_motion_itself_is_the_same_to_the_last_bit():

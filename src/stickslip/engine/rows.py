@@ -232,6 +232,8 @@ class Rows:
 
     def _multiply(self, node: Sym) -> str:
         a, b = node.args
+        if not (self._varies(a) and self._varies(b)):  # a multiple of a sum
+            return self._linear(self._form(node))
         if a.op == "reciprocal" or b.op == "reciprocal":
             return self._quotient(node, *((a, b) if b.op == "reciprocal" else (b, a)))
         (first, by), (second, times) = self._of_term(a), self._of_term(b)
