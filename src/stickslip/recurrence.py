@@ -95,16 +95,10 @@ def exact(points: Any, last: int, count: int, longest: int, scale: Any, toleranc
 
     What goes round among numbers that are far nearer to each other than the tolerance has the period with which these come nearly again.
     """
-    rows, most, whole = len(points), min(longest, (count + 1) // 2), 0
-    new, old, same = last % rows, last % rows, False
-    while whole < most and not same:
+    whole, most = 1, min(longest, (count + 1) // 2)
+    while whole <= most and (apart(points, last, 1, whole, scale) > 0.0 or apart(points, last, whole, 1, scale) > 0.0):
         whole += 1
-        old, same, i = old - 1 if old > 0 else rows - 1, True, 0
-        while i < len(scale) and same:
-            same = points[new, 1 + i] == points[old, 1 + i]
-            i += 1
-        same = same and apart(points, last, whole, 1, scale) == 0.0
-    if not same:
+    if whole > most:
         return 0
     for p in range(1, whole):
         if whole % p == 0:
