@@ -135,21 +135,13 @@ KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "
 KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
 """
 
-_CALLS = '''
+#: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
+_OUTSIDE = '''
+from functools import partial
+
 from numba.np.arrayobj import populate_array
 
 
-
-def call(context, builder, sig, args):
-    """A call of the function at the address args[0] with the arguments after it."""
-    kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
-    place = builder.inttoptr(args[0], kind.as_pointer())
-    return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
-
-'''
-
-#: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
-_OUTSIDE = '''
 def outside(context):
     def at_address(kind, builder, args):
         given = zip(kind.args, args[1:], strict=True)
@@ -163,7 +155,14 @@ def outside(context):
 
     found = {f"call_{name}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}
     found |= {f"{name}_of": partial(shared, which, KINDS[kind]) for which, (name, kind) in enumerate(SHARED.items())}
-    return found | {"at_points": partial(at_points, *POLYNOMIAL)}
+    return found | {"at_points": at_points}
+
+
+def call(context, builder, sig, args):
+    """A call of the function at the address args[0] with the arguments after it."""
+    kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
+    place = builder.inttoptr(args[0], kind.as_pointer())
+    return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
 
 
 def as_array(context, builder, kind, view):
@@ -229,8 +228,8 @@ def _address(function: Any) -> int:
 def load(name: str = "advance") -> Any:
     """The compiled driver, `advance`; or that for more cases than lanes, `advance_pooled`."""
     texts = ("columns", "flags", "noting_segments", "watching", "driving_lanes", *(("pooling",) if name == "advance_pooled" else ()))
-    constants = [*_LOOKS, status_text(), recurrence_text()]
-    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts, loops=cache.SHORT_LOOPS)
+    constants = [cache.SHORT_LOOPS, *_LOOKS, status_text(), recurrence_text()]
+    text = source("the driver of all kernels", {name: "int64(f1, int64, int64, i1)"}, constants, texts)
     return getattr(cache.load(text, f"driver_{name}", "what all kernels share"), name)
 
 
@@ -248,22 +247,15 @@ def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
     constants = [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"]
     label = f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})"
-    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",), (ORDER, lanes, POINTS))
+    text = source("where Taylor steps end", {"land": FUNCTIONS["land"]}, constants, ("arcs",))
     return cache.load(text, f"arcs_{lanes}", label)
 
 
-def source(
-    label: str,
-    functions: dict[str, str],
-    constants: list[str],
-    texts: tuple[str, ...],
-    polynomial: tuple[int, ...] = (0, 0, 0),
-    loops: str = "",
-) -> str:
+def source(label: str, functions: dict[str, str], constants: list[str], texts: tuple[str, ...]) -> str:
     """The source of some functions of the texts: Numba sees a call of each, and `functions.py` writes what stands behind it."""
-    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}", f"POLYNOMIAL = {polynomial!r}"]
+    known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}"]
     text = "\n".join([*_places(), *constants, *map(kernel_text, texts)])
-    return "\n\n".join([HEADER.format(label=label), loops, _CALLS, *known, _OUTSIDE, written(functions, text, "outside(context)")])
+    return "\n\n".join([HEADER.format(label=label), *known, _OUTSIDE, written(functions, text, "outside(context)")])
 
 
 def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:

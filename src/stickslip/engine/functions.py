@@ -16,7 +16,7 @@ import ast
 import math
 from collections import Counter
 from dataclasses import dataclass
-from functools import partial, reduce  # noqa: F401  (the kernels that hold this text take pieces of functions)
+from functools import reduce
 from typing import Any
 
 from llvmlite import ir
@@ -43,14 +43,6 @@ class View:
     shape: tuple[Any, ...]
 
 
-@dataclass(frozen=True)
-class _Variable:
-    """Where a name has its value: one place for a number, for an array one for its first number's and one for each length."""
-
-    places: tuple[Any, ...]
-    array: bool
-
-
 class _Program:
     """All functions of a text, which are written when something calls them.
 
@@ -58,8 +50,8 @@ class _Program:
     builder and the arguments.
     """
 
-    def __init__(self, context: Any, module: Any, text: str, types: dict[str, Any], outside: dict[str, Any]) -> None:
-        self.context, self.module, self.outside = context, module, outside
+    def __init__(self, module: Any, text: str, types: dict[str, Any], outside: dict[str, Any]) -> None:
+        self.module, self.outside = module, outside
         self.texts, self.signatures = dict[str, ast.FunctionDef](), dict[str, Any]()
         self.constants: dict[str, Any] = {"__builtins__": {"range": range, "object": object}}
         self.made, self.rows, self.waiting = dict[str, Any](), dict[str, Any](), list[str]()
@@ -127,7 +119,8 @@ class _Body(ast.NodeVisitor):
         self.entry = function.append_basic_block("places")
         start = function.append_basic_block("start")
         self.builder = ir.IRBuilder(start)
-        self.names, self.loops = dict[str, _Variable | Any](), list[tuple[Any, Any]]()
+        # of each name its value, or the places where it stands: one of a number, of an array one more for each length
+        self.names, self.loops = dict[str, Any](), list[tuple[Any, Any]]()
         self.settled = _settled(text)
         given = iter(function.args)
         for arg, kind in zip(text.args.args, signature.args, strict=True):
@@ -190,40 +183,45 @@ class _Body(ast.NodeVisitor):
         self.builder.position_at_end(after)
 
     def visit_While(self, node: ast.While) -> None:
-        self.loop(node, lambda: self.holds(node.test))
+        if node.orelse:
+            self.refuse(node)
+        self.loop(lambda: self.holds(node.test), lambda: self.write(node.body))
 
     def visit_For(self, node: ast.For) -> None:
-        called = node.iter
-        if not (isinstance(called, ast.Call) and ast.unparse(called.func) == "range" and isinstance(node.target, ast.Name)):
+        called, target = node.iter, node.target
+        over_range = isinstance(called, ast.Call) and ast.unparse(called.func) == "range"
+        if node.orelse or not (over_range and isinstance(target, ast.Name)):
             self.refuse(node)
         ends = [self.visit(each) for each in called.args]
         first, end = ends[:2] if len(ends) > 1 else (ir.Constant(INT64, 0), ends[0])
         by = ends[2] if len(ends) > 2 else ir.Constant(INT64, 1)
         if not isinstance(by, ir.Constant):
             self.refuse(node)
-        count = self.place(INT64)
-        self.builder.store(first, count)
 
-        def goes_on() -> Any:
-            return self.builder.icmp_signed("<" if by.constant > 0 else ">", self.builder.load(count), end)
+        def one_round(now: Any) -> None:
+            self.give(target.id, now)
+            self.write(node.body)
 
-        def step() -> None:
-            self.builder.store(self.builder.add(self.builder.load(count), by), count)
+        self.count(first, end, by, one_round)
 
-        self.loop(node, goes_on, lambda: self.give(node.target.id, self.builder.load(count)), step)
+    def count(self, first: Any, end: Any, by: Any, one_round: Any) -> None:
+        """A loop that counts on its own: what a round does to a name that has the number is no matter of the next one."""
+        place = self.place(INT64)
+        self.builder.store(first, place)
+        self.loop(
+            lambda: self.builder.icmp_signed("<" if by.constant > 0 else ">", self.builder.load(place), end),
+            lambda: one_round(self.builder.load(place)),
+            lambda: self.builder.store(self.builder.add(self.builder.load(place), by), place),
+        )
 
-    def loop(self, node: Any, goes_on: Any, begin: Any = lambda: None, step: Any = lambda: None) -> None:
-        """A loop whose rounds begin and end with something of its own; after it a name has what the last round gave it."""
-        if node.orelse:
-            self.refuse(node)
+    def loop(self, goes_on: Any, one_round: Any, step: Any = lambda: None) -> None:
         head, body, tail, after = (self.function.append_basic_block(name) for name in ("head", "round", "tail", "after"))
         self.builder.branch(head)
         self.builder.position_at_end(head)
         self.builder.cbranch(goes_on(), body, after)
         self.builder.position_at_end(body)
-        begin()
         self.loops.append((tail, after))
-        self.write(node.body)
+        one_round()
         self.loops.pop()
         self.go_to(tail)
         self.builder.position_at_end(tail)
@@ -253,8 +251,8 @@ class _Body(ast.NodeVisitor):
             return
         parts = (value.data, *value.shape) if isinstance(value, View) else (value,)
         if name not in self.names:
-            self.names[name] = _Variable(tuple(self.place(part.type) for part in parts), isinstance(value, View))
-        for place, part in zip(self.names[name].places, parts, strict=True):
+            self.names[name] = tuple(self.place(part.type) for part in parts)
+        for place, part in zip(self.names[name], parts, strict=True):
             self.builder.store(self.as_kind(part, place.type.pointee), place)
 
     def assign(self, target: ast.expr, value: Any) -> None:
@@ -304,11 +302,11 @@ class _Body(ast.NodeVisitor):
 
     def visit_Name(self, node: ast.Name) -> Any:
         if node.id in self.names:
-            variable = self.names[node.id]
-            if not isinstance(variable, _Variable):
-                return variable
-            first, *rest = map(self.builder.load, variable.places)
-            return View(first, tuple(rest)) if variable.array else first
+            known = self.names[node.id]
+            if not isinstance(known, tuple):
+                return known
+            first, *rest = map(self.builder.load, known)
+            return View(first, tuple(rest)) if rest else first
         if isinstance(self.program.constants.get(node.id), list):
             return self.program.row(node.id)
         if node.id in self.program.constants:
@@ -347,7 +345,7 @@ class _Body(ast.NodeVisitor):
 
     def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
         if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
-            return self.of_reals("llvm.sqrt", [a])
+            return self.of_floats("llvm.sqrt", [a])
         if isinstance(op, ast.Div) or FLOAT64 in (a.type, b.type):
             name = ON_FLOATS.get(type(op))
             return getattr(self.builder, name)(self.as_kind(a, FLOAT64), self.as_kind(b, FLOAT64)) if name else self.refuse(node)
@@ -431,7 +429,7 @@ class _Body(ast.NodeVisitor):
             return self.as_kind(args[0], FLOAT64)
         if name in ("as_bits", "as_float"):
             return self.builder.bitcast(args[0], INT64 if name == "as_bits" else FLOAT64)
-        return self.of_reals(OF_FLOATS[name], args) if name in OF_FLOATS else self.refuse(node)
+        return self.of_floats(OF_FLOATS[name], args) if name in OF_FLOATS else self.refuse(node)
 
     def called(self, name: str, args: list[Any]) -> Any:
         """A function of the text."""
@@ -449,25 +447,15 @@ class _Body(ast.NodeVisitor):
         kind = INT64 if any(ast.unparse(each.value) == "np.int64" for each in node.keywords) else FLOAT64
         data = self.builder.alloca(kind, size=count)
         if zero:
-            place = self.place(INT64)
-            self.builder.store(ir.Constant(INT64, 0), place)
-
-            def goes_on() -> Any:
-                return self.builder.icmp_signed("<", self.builder.load(place), count)
-
-            def step() -> None:
-                at = self.builder.load(place)
-                self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at]))
-                self.builder.store(self.builder.add(at, ir.Constant(INT64, 1)), place)
-
-            self.loop(ast.While(test=None, body=[], orelse=[]), goes_on, step=step)  # type: ignore[arg-type]
+            nothing, one = ir.Constant(INT64, 0), ir.Constant(INT64, 1)
+            self.count(nothing, count, one, lambda at: self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at])))
         return View(data, (count,))
 
     def extreme(self, sign: str, a: Any, b: Any) -> Any:
         a, b = self.alike(a, b)
         return self.builder.select(self.compared(sign, b, a), b, a)
 
-    def of_reals(self, name: str, args: list[Any]) -> Any:
+    def of_floats(self, name: str, args: list[Any]) -> Any:
         if name == "llvm.fabs" and args[0].type == INT64:
             negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
             return self.builder.select(negative, self.builder.neg(args[0]), args[0])
@@ -509,16 +497,17 @@ class _Body(ast.NodeVisitor):
 
 def _settled(text: ast.FunctionDef) -> set[str]:
     """The names that a function gives a value once, for all that follows: in no branch, in no loop."""
-    given = Counter(node.id for node in ast.walk(text) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
-    given.update(arg.arg for arg in text.args.args)
     whole = [arg.arg for arg in text.args.args]
+    given = Counter(whole)
+    given.update(node.id for node in ast.walk(text) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
     whole += [node.id for each in text.body if isinstance(each, ast.Assign) for node in ast.walk(each) if isinstance(node, ast.Name)]
     return {name for name in whole if given[name] == 1}
 
 
-def at_points(order: int, apart: int, count: int, builder: Any, args: list[Any]) -> None:
-    """A polynomial S[at + m * apart] and its slope at points in a row, into two other rows of the same array: one vector each."""
-    S, at, rows, x, to, slopes_to = args
+def at_points(builder: Any, args: list[Any]) -> None:
+    """A polynomial S[at + m * apart] and its slope at `count` points in a row, into two other rows of the same array: one vector each."""
+    S, at, rows, x, to, slopes_to = args[:6]
+    order, apart, count = (arg.constant for arg in args[6:])
     vector, index = ir.VectorType(FLOAT64, count), ir.IntType(32)
     fma = builder.module.declare_intrinsic(f"llvm.fma.v{count}f64", (), ir.FunctionType(vector, [vector] * 3))
 
@@ -543,7 +532,7 @@ def write_functions(
     context: Any, builder: Any, sig: Any, args: Any, name: str, text: str, types: dict[str, Any], outside: dict[str, Any]
 ) -> Any:
     """A call of one function of a text, with the arguments that Numba has; it and all that it needs are written."""
-    program, given = _Program(context, builder.module, text, types, outside), []
+    program, given = _Program(builder.module, text, types, outside), []
     for kind, arg in zip(sig.args, args, strict=True):
         if isinstance(kind, kinds.Array):
             array = context.make_array(kind)(context, builder, arg)

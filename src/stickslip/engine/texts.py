@@ -53,14 +53,18 @@ def coulomb_text(*names: str) -> str:
 @lru_cache(1)
 def emit_text() -> str:
     """What turns a step's lines into instructions, `stickslip.engine.emit`, for a kernel's file."""
-    text = (resources.files("stickslip.engine") / "emit.py").read_text(encoding="utf-8")
-    return text[text.index("\nimport ast") + 1 :]
+    return _from_imports("emit")
 
 
 @lru_cache(1)
 def functions_text() -> str:
     """What turns functions into instructions, `stickslip.engine.functions`, for a kernel's file."""
-    text = (resources.files("stickslip.engine") / "functions.py").read_text(encoding="utf-8")
+    return _from_imports("functions")
+
+
+def _from_imports(name: str) -> str:
+    """The text of a module of the engine from its imports on."""
+    text = (resources.files("stickslip.engine") / f"{name}.py").read_text(encoding="utf-8")
     return text[text.index("\nimport ast") + 1 :]
 
 

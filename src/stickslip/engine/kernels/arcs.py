@@ -168,7 +168,7 @@ def agrees(lane, part, S, ROWS, D):
         ROWS[x + j] = part * (j + 1) / POINTS
         ROWS[j] = fma(ROWS[x + j], h, S[D[F_T] + lane])
     for i in range(states):
-        at_points(S, first + i * (ORDER + 1) * L, ROWS, x, (1 + i) * POINTS, x + (1 + i) * POINTS)
+        at_points(S, first + i * (ORDER + 1) * L, ROWS, x, (1 + i) * POINTS, x + (1 + i) * POINTS, ORDER, L, POINTS)
     call_slopes(D[AT_SLOPES], lane, S, ROWS)
     good, least = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
     for i in range(states):
