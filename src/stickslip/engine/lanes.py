@@ -362,6 +362,23 @@ def _aligned(count: int) -> Any:
     return room[first : first + count]
 
 
+def _of_lanes(k: Kernel, at_work: int, parts: int, signals: int, places: int) -> dict[str, Any]:
+    """The arrays with a row for each case at work, and the one in which they look at a step (`driver.SHARED`)."""
+    import numpy as np
+
+    numbers, n = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64), k.states
+    numbers[:, columns.CASE] = -1
+    return {
+        "N": numbers,
+        "K": np.zeros((at_work, columns.BEFORE + 1)),
+        "RING": np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE)),
+        "XS": np.zeros((at_work, LONGEST + 1, places)),
+        "HELD": np.zeros((at_work, k.held)),
+        "FOUND": np.zeros((at_work, signals + len(k.bodies), 3)),
+        "ROOM": np.zeros((ROOM + n, max(n, parts + signals, 8))),
+    }
+
+
 def run(
     k: Kernel,
     params: Any,
@@ -387,23 +404,14 @@ def run(
     pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
     at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
     S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
-    todo = [0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)]
-    lane_numbers = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64)
-    lane_numbers[:, columns.CASE] = -1
+    todo = np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     shared = {
-        "JOB": np.array(todo, dtype=np.int64),
+        "JOB": todo,
         "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
-        "N": lane_numbers,
-        "K": np.zeros((at_work, columns.BEFORE + 1)),
-        "RING": np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE)),
-        "XS": np.zeros((at_work, LONGEST + 1, places)),
-        "HELD": np.zeros((at_work, k.held)),
-        "FOUND": np.zeros((at_work, signals + bodies, 3)),
-        "ROOM": np.zeros((ROOM + n, max(n, parts + signals, 8))),
         "PARAM": np.ascontiguousarray(params, dtype=float),
         "START": start,
         "OUT": out,
@@ -412,18 +420,19 @@ def run(
         "SEGT": seg_time,
         "SEGC": seg_code,
         "PIECES": pieces,
+        **_of_lanes(k, at_work, parts, signals, places),
     }
     if pooled:
         shared |= {"STORE": np.empty((at_work, k.fields)), "POOL": np.zeros((5, before), dtype=np.int64)}
-    at, job_now = driver.where_they_are(shared), shared["JOB"]
+    at = driver.where_they_are(shared)
     advance = driver.load("advance_pooled" if pooled else "advance")
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     while advance(S, slice_calls, at.ctypes.data, k.table):
-        kept.append(pieces[: job_now[columns.WRITTEN]].copy())
-        job_now[columns.WRITTEN] = 0
+        kept.append(pieces[: todo[columns.WRITTEN]].copy())
+        todo[columns.WRITTEN] = 0
         if progress is not None:
-            progress(int(job_now[columns.NEXT]))
-    kept.append(pieces[: job_now[columns.WRITTEN]].copy())
+            progress(int(todo[columns.NEXT]))
+    kept.append(pieces[: todo[columns.WRITTEN]].copy())
     if progress is not None:
         progress(cases)
     last = 6 + n + k.modes

@@ -338,9 +338,9 @@ class EventWriter:
 
     def _decide(self) -> None:
         w = self.w
-        w.line("_again", self._chosen([f"_on{k}" for k in range(self.g)]) if self.g > 1 else "1.0 * _on0")
-        tired = f"_again > {_FLIPS}"  # either side leads to the other, by rounding: it stays, and the step is shortened
-        w.line("_flip0", f"_ok and _cr and _pre and _wrong and not {tired}")  # it started on the wrong side: flip and do the step again
+        # started on the wrong side: flip and do the step again; but where either side leads to the other, by rounding, shorten the step
+        flipped = self._chosen([f"_on{k}" for k in range(self.g)])
+        w.line("_flip0", f"_ok and _cr and _pre and _wrong and {flipped} < {_FLIPS}")
         w.line("_evt", "_ok and _cr and not _flip0")
         w.line("_evA", "_evt and _conv and not _pre")  # the event is located: the step ends there
         w.line("_evB", "_evt and not _evA")  # it is not yet: do a shorter step
