@@ -70,7 +70,7 @@ def called(robot: ss.Robot, method: object) -> tuple[float, int]:
         pass
     finally:
         lanes._aligned = room
-    S, step = held[0], address(kernel)
+    S, step = held[0], repeated(kernel)
     S[kernel.table[lanes.driver.column("F_TEND")] :][: kernel.lanes] = 1e9
     text = re.search(r'LINES = """\n(.*?)"""', Path(kernel.module.__file__).read_text(encoding="utf-8"), re.S)
     step(S, 1e-6, 1e18, CALLS)
@@ -84,7 +84,7 @@ def stop(_: int) -> None:
     raise StopIteration
 
 
-def address(kernel: lanes.Kernel):
+def repeated(kernel: lanes.Kernel):
     """The step of a kernel, called many times."""
     from numba import njit
 

@@ -6,7 +6,6 @@ behind it, as they stand in tests/every.py, it tries these alone and keeps what 
 
 from __future__ import annotations
 
-import difflib
 import re
 import sys
 import tempfile
@@ -69,10 +68,11 @@ def unknown(names, machines):
 
 
 def _allowed(name, machines):
-    small = {known.lower(): known for known in machines}
-    near = difflib.get_close_matches(name.lower(), small, n=1)
-    if near:
-        return f"; did you mean {small[near[0]]!r}?"
+    from stickslip.errors import did_you_mean
+
+    near = did_you_mean(name, machines)
+    if near.startswith("did"):
+        return f"; {near}"
     return f", and every_machine in tests/every.py has no such machine; allowed are {', '.join(map(repr, machines))}"
 
 

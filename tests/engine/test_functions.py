@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-import struct
 
 import numpy as np
 import pytest
 
+from engine.test_emit import as_bits, as_float, fma
 from stickslip.engine import cache, driver
 
 TEXT = '''
@@ -113,15 +113,9 @@ def in_python(text):
     def njit(*_, **__):
         return lambda function: function
 
-    def fma(a, b, c):
-        return math.fma(a, b, c) if hasattr(math, "fma") else float(np.longdouble(a) * np.longdouble(b) + np.longdouble(c))
-
     known = {"njit": njit, "np": np, "math": math, "fma": fma, "OPTIONS": {}, "int64": type_of, "float64": type_of, "boolean": type_of}
     known |= {"void": type_of, "Tuple": lambda _: type_of, "f1": 0, "f2": 0, "i1": 0, "b2": 0}
-    known |= {
-        name: lambda x, a=a, b=b: struct.unpack(b, struct.pack(a, x))[0]
-        for name, a, b in (("as_bits", "<d", "<q"), ("as_float", "<q", "<d"))
-    }
+    known |= {"as_bits": as_bits, "as_float": as_float}
     exec(text, known)
     return known["entry"]
 
