@@ -227,6 +227,18 @@ def test_dynamics_bench_and_sums_begin_where_the_law_says():
     assert Contact(Probe(BENT_LAW, 0.7), 1e-3).z == (BENT_LAW.start(0.7),)
     assert adapted(BENT_LAW + ss.Viscous.example()).start(0.7) == (BENT_LAW.start(0.7),)
     assert adapted(ss.LuGre.example() + ss.Viscous.example()).start(0.7) == (0.0,)
+
+
+@pytest.mark.parametrize("law", [law for law in EVERY.values() if adapted(law).dynamic and adapted(law).states])
+def test_a_sum_says_of_inner_states_what_the_law_alone_says(law):
+    alone, both = adapted(law), adapted(law + ss.Viscous(0.0, 0.0))
+    z = tuple(1.1 * size for size in alone.scale(0.7) or (0.3,) * alone.states)
+    for asked in ("states", "modes", "random", "compiles", "has_start"):
+        assert getattr(both, asked) == getattr(alone, asked), asked
+    for asked in ("start", "scale", "slip_length"):
+        assert getattr(both, asked)(0.7) == getattr(alone, asked)(0.7), asked
+    assert both.creep_velocity(z, 0.7) == alone.creep_velocity(z, 0.7)
+    assert both.velocity_scale() == alone.velocity_scale()
     at_rest_all_the_time = Motion(np.array([0.0, 1.0]), np.zeros(2), np.full(2, 0.7), np.zeros(2), 0, False, "still")
     held = BENT_LAW.sigma0 * BENT_LAW.start(0.7)
     assert driven_force(BENT_LAW, at_rest_all_the_time).ravel().tolist() == pytest.approx([held, held], rel=1e-12)

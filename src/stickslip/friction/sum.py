@@ -87,7 +87,7 @@ class SlidingSum(Sum):
 
 
 #: What a sum says as its law with inner states says it, where that says it at all.
-_OF_THE_STATES = ("states", "modes", "rate", "switches", "scale", "start", "scalar_only", "random")
+_OF_THE_STATES = ("states", "modes", "rate", "switches", "scale", "slip_length", "creep_velocity", "start", "scalar_only", "random")
 
 
 class DynamicSum(Sum):
