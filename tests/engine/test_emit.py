@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from llvmlite import ir
 
-from stickslip.engine import cache, driver, emit
+from stickslip.engine import cache, emit
+from stickslip.engine.kernel_text import HEADER
 from stickslip.engine.rosenbrock_step import Step
-from stickslip.engine.steptext import Layout, step_text, straight
-from stickslip.engine.texts import emit_text
+from stickslip.engine.steptext import Layout, step_text
+from stickslip.engine.texts import emit_text, functions_text
 
 LINES = """
 _sum = _a + _b
@@ -40,6 +41,7 @@ _both = 1.0 if ((_a > 0.0) if _b > 0.0 else _holds) else 0.0
 _power = as_float((as_bits(_a) + 1023) << 52)
 _exponent = ((as_bits(_size) - 4604544271217802189) >> 52) * 1.0
 _turned = as_float(as_bits(_a) ^ (as_bits(_b) << 63))
+_masked = as_float((as_bits(_a) & 4503599627370495) | as_bits(_b))
 _whole = np.int64(_small * 1e6) * 0.5
 _late = math.nan if _a > 1e200 else (math.inf if _a > 1e100 else -math.inf)
 _a = budget + 0.5 * _a
@@ -114,7 +116,7 @@ def compiled(lines, lanes, group, width):
     fields = list(dict.fromkeys(["a", "b", "small", *made, *(f"held_{m}" for m in range(5))]))
     step = Step(tuple(lines), tuple(fields), (None,), 1)
     layout = Layout(lanes, group, width, {name: i * lanes for i, name in enumerate(fields)}, len(fields) * lanes)
-    text = driver.HEADER.format(label="a test") + f"L = {lanes}\n{emit_text()}" + step_text(step, layout)
+    text = HEADER.format(label="a test") + f"L = {lanes}\n{functions_text()}\n{emit_text()}" + step_text(step, layout)
     step = cache.load(text.replace('"no_cpython_wrapper": True, ', ""), f"emit_{lanes}", "a test").step
 
     def act(given):
@@ -188,29 +190,11 @@ def test_vectors_that_do_not_fit_into_registers_lie_within_lines_of_the_cache():
 
 def test_the_lines_above_hold_every_operation_there_is():
     nodes = {type(node) for node in ast.walk(ast.parse("\n".join(LINES + BRANCH)))}
-    assert nodes >= {*emit.REAL, *emit.WHOLE, *emit.COMPARE, *emit.JOIN}
+    assert nodes >= {*emit.ON_FLOATS, *emit.ON_INTEGERS, *emit.COMPARED, *emit.JOIN}
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse("\n".join(LINES))) if isinstance(node, ast.Call)}
     assert calls == {*emit.FUNCTIONS, *emit.CASTS, "row", "range", *emit.ROUNDS}
     visited = {name.removeprefix("visit_") for name in vars(emit._Vector) if name.startswith("visit_")}
     assert visited | {"For"} <= {node.__name__ for node in nodes}
-
-
-def test_functions_on_arrays_and_numbers_are_what_python_computes():
-    """Other functions than steps: what is called with, whole numbers count, arrays are read and written in turn."""
-    lines = ["_x = Y[lane + 1] + t", "for j in range(0, 3):", "    Y[lane + j] = _x * Y[j]", "    _x = fma(t, j, _x)", "Y[5] = _x"]
-    text = (
-        straight("act_on", "lane, t, Y", lines)
-        + """
-@njit("void(int64, float64, float64[::1])", **CALLED)
-def act(lane, t, Y):
-    act_on(lane, t, Y)
-"""
-    )
-    act = cache.load(driver.HEADER.format(label="a test") + emit_text() + text, "emit_plain", "a test").act
-    found, right = np.array([0.1, 0.7, 3.0, -2.0, 1e9, 0.0]), [0.1, 0.7, 3.0, -2.0, 1e9, 0.0]
-    act(2, 0.3, found)
-    exec("\n".join(lines), {"fma": fma, "lane": 2, "t": 0.3, "Y": right})
-    assert found.tolist() == right
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,7 @@ def worked(x, n, small, count):
             n[4] = i
             break
     x[10] = float("nan") if seen else np.float64(n[0]) / 4
-    x[11] = math.log2(abs(x[3]) + 1.0) if not seen and n[0] > 0 else 0.0
+    x[11] = math.log2(abs(x[3]) + 1.0) + math.expm1(x[3]) if not seen and n[0] > 0 else 0.0
     n[5] = np.int64(seen) + (x[10] != x[10])
 
 

@@ -62,12 +62,12 @@ def test_bumps_far_from_rest_are_seen(width):
 
 def test_equations_that_hide_nothing_pay_nothing():
     """The check of a step, and what is waited for in it, belong to laws with exponentials, quotients and the like only."""
-    from stickslip.engine import taylor, trace, unforeseen
+    from stickslip.engine import trace, unforeseen
 
     for law in ("coulombviscous", "tabulated"):
         for shaken in drawn.DRIVES:
             eq = trace.trace(ss.Robot(0.06, 0.01, ss.DRIVES[shaken].example(), ss.LAWS[law].example()))
-            assert not unforeseen.hides(eq) and not unforeseen.slopes(eq, taylor.write_step(eq), 1), (law, shaken)
+            assert not unforeseen.hides(eq), (law, shaken)
     assert unforeseen.hides(trace.trace(NARROW))
 
 

@@ -13,7 +13,8 @@ import pytest
 import stickslip as ss
 from stickslip import maths
 from stickslip.dynamics.derivatives.forward_ad import variables
-from stickslip.engine import cache, driver
+from stickslip.engine import cache
+from stickslip.engine.kernel_text import HEADER, function, written
 from stickslip.engine.rows import write_rows
 from stickslip.engine.symbols import FUNCTIONS, Graph, Sym
 from stickslip.engine.write import Writer
@@ -59,10 +60,9 @@ def compiled(names):
     graph, w = Graph(), Writer(prefix="_")
     x = graph.variable("x")
     lines = [w.value(getattr(maths, name)(x), {"x": "x[i]"}) for name in names]
-    source = driver.HEADER.format(label="test")
-    source += '@njit("void(float64[::1], float64[:, ::1])", **CALLED)\ndef apply(x, out):\n    for i in range(x.size):\n'
-    source += "".join(f"        {line}\n" for line in w.lines) + "".join(f"        out[{k}, i] = {v}\n" for k, v in enumerate(lines))
-    return cache.load(source, "test_functions", "functions").apply
+    body = [*w.lines, *(f"out[{k}, i] = {value}" for k, value in enumerate(lines))]
+    text = function("apply", "x, out", ["for i in range(len(x)):", *(f"    {line}" for line in body)], "void(f1, f2)")
+    return cache.load(HEADER.format(label="test") + written({"apply": "void(f1, f2)"}, text), "test_functions", "functions").apply
 
 
 def test_compiled_functions_are_exact_to_a_few_units_and_saturate_as_plain_ones_do():

@@ -8,39 +8,14 @@ where each field of a lane stands, and the addresses. So a new law costs the com
 from __future__ import annotations
 
 from functools import lru_cache
-from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache
+from stickslip.engine.kernel_text import FUNCTIONS, HEADER, LOOKS, kernel_text, written
 from stickslip.engine.taylor import ORDER
-from stickslip.engine.texts import functions_text, recurrence_text, status_text
+from stickslip.engine.texts import recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
 
-#: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
-FUNCTIONS = {
-    "prelude": "void(float64[::1], float64[::1])",  # row, constants
-    # what, row, t, y, clock, mode, out
-    "look": "void(int64, float64[::1], float64, float64[::1], float64[::1], float64[::1], float64[::1])",
-    "work": "float64(int64, float64[::1], float64[::1])",  # lane, S, row
-    "step": "void(float64[::1], float64, float64)",  # S, rtol, budget
-    "switched": "int64(int64, int64, float64[::1])",  # which, lane, S
-    "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
-    "signals": "void(float64[::1], float64, float64[::1], float64[::1], float64[::1])",  # row, t, y, what the step held, out
-    "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
-    # reducing.py, for machines of several parts: lane, S, row, W, table
-    "begin_parts": "void(int64, f1, int64, i1)",
-    "begin_signals": "void(int64, int64, i1)",
-    "hold": "void(int64, f1, int64, i1)",
-    "reduce_step": "void(int64, f1, f1, int64, i1)",
-    "widen": "void(int64, f1, f1, int64, i1)",
-    "widen_all": "void(f1, int64, i1)",
-    "note_parts": "void(int64, int64, f1, int64, i1)",
-    # changes.py, for tangents
-    "rates_now": "void(int64, float64, f1, f1, f1, i1)",
-    "settle_changes": "void(int64, f1, f1, i1)",
-    "note_late": "boolean(int64, f1, f1, i1)",
-    "shift_changes": "void(int64, boolean, boolean, f1, f1, f1, f1, i1)",
-}
 #: What few kernels need of the driver, compiled where one does: its functions, its texts, and what a person is told.
 _APART = {
     "parts": (
@@ -73,7 +48,6 @@ SHARED = {
     "STORE": "f2",  # of a pool: what its lanes hold from step to step
     "POOL": "i2",
 }
-LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
@@ -90,50 +64,6 @@ _COLUMNS = (
 #: what a step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
 #: velocity; the states that signals are made of. The table says where each begins.
 _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT")
-
-#: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
-HEADER = '''"""Written by stickslip: {label}."""
-import math
-
-import numpy as np
-from llvmlite import ir
-from numba import boolean, float64, int8, int64, njit, types, void
-from numba.extending import intrinsic
-
-CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
-BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
-OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
-
-
-@intrinsic
-def as_float(typingctx, i):
-    def emit(context, builder, sig, args):
-        return builder.bitcast(args[0], ir.DoubleType())
-    return types.float64(types.int64), emit
-
-
-@intrinsic
-def as_bits(typingctx, x):
-    def emit(context, builder, sig, args):
-        return builder.bitcast(args[0], ir.IntType(64))
-    return types.int64(types.float64), emit
-
-
-@intrinsic
-def fma(typingctx, a, b, c):
-    def emit(context, builder, sig, args):
-        return builder.fma(*args)
-    return types.float64(types.float64, types.float64, types.float64), emit
-
-
-'''
-
-#: Types, by the names that they have in a text for `functions.py`.
-_KINDS = """
-f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
-KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
-KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
-"""
 
 #: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
 _OUTSIDE = '''
@@ -258,36 +188,7 @@ def source(label: str, functions: dict[str, str], constants: list[str], texts: t
     return "\n\n".join([HEADER.format(label=label), *known, _OUTSIDE, written(functions, text, "outside(context)")])
 
 
-def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
-    """The source of some functions of a text, each with its types, below HEADER."""
-    held = text.replace("\\", "\\\\")
-    return "\n\n".join([functions_text(), _KINDS, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
-
-
 def _places() -> list[str]:
     """Where the entries of a table stand, by name."""
     names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), *_LISTS, "SCALE_AT"]
     return [f"{name} = {i}" for i, name in enumerate(names)]
-
-
-def kernel_text(name: str) -> str:
-    """One of the texts of kernels."""
-    return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
-
-
-def _written(name: str, kind: str, outside: str) -> str:
-    """A function that Python calls, or another kernel at its address."""
-    takes = ", ".join(f"a{i}" for i in range(kind.count(",") + 1))
-    options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
-    return f"""
-@intrinsic
-def written_{name}(typingctx, {takes}):
-    def emit(context, builder, sig, args):
-        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, {outside})
-    return {kind}, emit
-
-
-@njit({kind}, {options})
-def {name}({takes}):
-    return written_{name}({takes})
-"""

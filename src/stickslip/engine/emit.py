@@ -1,7 +1,7 @@
 """Lines of straight text as LLVM instructions: all lanes of a kernel as one vector, or plain numbers for one lane.
 
 Numba needs most of a step's compile time to read its lines, LLVM little to compile them. So Numba sees one call, of an intrinsic that
-writes the instructions itself (`steptext.py`). A kernel's file holds this text from the imports on, and needs nothing else.
+writes the instructions itself (`steptext.py`). A kernel's file holds this text from the imports on, below that of `functions.py`.
 
 The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
 ``for m in range(first, end):``, and ``if condition:`` around what is wanted only where the condition holds: lanes jump over it together,
@@ -21,18 +21,17 @@ from typing import Any
 
 from llvmlite import ir
 
-REAL = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
+from stickslip.engine.functions import COMPARED, FLOAT64, INT64, ON_FLOATS, ON_INTEGERS
+
 FOLDED = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}  # done at once with numbers that are known
 JOIN = {ast.And: "and_", ast.Or: "or_"}
-COMPARE = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 FUNCTIONS = {"fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt"}
 TAKES = {"fma": 3, "abs": 1, "math.sqrt": 1}
 CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole", "real"), "np.int64": ("fptosi", "real", "whole")}
 
 
 LINE_OF_CACHE = 64  # bytes
-COUNT, NUMBER = ir.IntType(64), ir.DoubleType()  # of one number for all lanes: what loops count, and what is made of it
+COUNT, NUMBER = INT64, FLOAT64  # of one number for all lanes: what loops count, and what is made of it
 
 
 class _Vector(ast.NodeVisitor):
@@ -150,18 +149,18 @@ class _Vector(ast.NodeVisitor):
             a, b = self.as_real(node, a), self.as_real(node, b)
         if a.type == COUNT and type(node.op) in FOLDED:
             return self.whole_number(node.op, a, b)
-        name = {self.real: REAL, NUMBER: REAL, self.whole: WHOLE, COUNT: WHOLE}.get(a.type, {}).get(type(node.op))
+        name = {self.real: ON_FLOATS, NUMBER: ON_FLOATS, self.whole: ON_INTEGERS, COUNT: ON_INTEGERS}.get(a.type, {}).get(type(node.op))
         return getattr(self.builder, name)(a, b) if name else self.generic_visit(node)
 
     def whole_number(self, op: ast.operator, a: Any, b: Any) -> Any:
         """What is counted with: places in rows that are written out are known, so that such rows need no memory."""
         if isinstance(a, ir.Constant) and isinstance(b, ir.Constant):
             return ir.Constant(COUNT, FOLDED[type(op)](a.constant, b.constant))
-        return getattr(self.builder, WHOLE[type(op)])(a, b)
+        return getattr(self.builder, ON_INTEGERS[type(op)])(a, b)
 
     def visit_Compare(self, node: ast.Compare) -> Any:
         a, b = map(self.spread, self.alike(node, self.visit(node.left), self.visit(node.comparators[0])))
-        sign = COMPARE.get(type(node.ops[0]))
+        sign = COMPARED.get(type(node.ops[0]))
         if len(node.ops) > 1 or sign is None or a.type != self.real:
             self.generic_visit(node)
         return (self.builder.fcmp_unordered if sign == "!=" else self.builder.fcmp_ordered)(sign, a, b)
@@ -243,17 +242,6 @@ def _function(module: Any, kinds: list[Any]) -> Any:
     function.attributes.update(("noinline", "nounwind"))
     function.attributes.alignstack = LINE_OF_CACHE
     return function
-
-
-def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, text: str) -> None:
-    """Write lines on plain numbers: what a function is called with, of which arrays are rows."""
-    lines = _Vector(builder, None, 0, 1, 1)
-    for name, kind, arg in zip(names.split(", "), kinds, args, strict=True):
-        if arg.type in (COUNT, NUMBER):
-            lines.known[name] = arg
-        else:
-            lines.rows[name] = context.make_array(kind)(context, builder, arg).data, 1
-    _write_all(builder, [lines], ast.parse(text).body)
 
 
 def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt]) -> None:

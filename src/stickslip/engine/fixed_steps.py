@@ -10,18 +10,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine import cache
-from stickslip.engine.driver import HEADER
+from stickslip.engine.kernel_text import HEADER, function, written
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.lawtext import prelude
 from stickslip.engine.symbols import Sym
-from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, label, trace
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError
 
 #: What the compiled function is: row, state (x, v, z...), periods, steps per period, steps per node (0: no nodes), then what it fills:
 #: strobe states, nodes (x, v, z..., dv, dz...), largest and smallest v. It returns the periods done, fewer where the state is no number.
-_SIGNATURE = "int64(float64[::1], float64[::1], int64, int64, int64, float64[:,::1], float64[:,::1], float64[::1])"
+_KIND = "int64(f1, f1, int64, int64, int64, f2, f2, f1)"
 
 
 @dataclass(frozen=True)
@@ -77,8 +76,7 @@ def _usual_practice(eq: System) -> Slopes:
 def kernel(model: Any) -> Kernel:
     """The compiled loop of a model's kind."""
     s, name = slopes(model), label(model)
-    body = _Loop(s).text()
-    source = "\n\n".join([HEADER.format(label=f"{name}, RK4"), emit_text(), *body])
+    source = HEADER.format(label=f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())
     return Kernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 
@@ -121,33 +119,25 @@ class _Loop:
             w.line(f"_y{i}", f"_y{i} + h / 6.0 * ({k[0]} + 2.0 * ({k[1]} + {k[2]}) + {k[3]})")
         return w.lines[:first], w.lines[first:]
 
-    def text(self) -> list[str]:
-        """The source of `prelude` and `advance`."""
+    def text(self) -> str:
+        """The text of `prelude` and `advance`."""
         before, after = self._lines()
         nodes = self.w.case_nodes
         n, many = range(self.n), len(nodes)
         keep = ["_x", *(f"_y{i}" for i in n), *(f"_k1_{i}" for i in n)]
-        lines = [f'@njit("{_SIGNATURE}", **CALLED)', "def advance(row, state, periods, steps, every, strobe, nodes, extremes):"]
-        lines += [f"    c = np.empty({many + 1})", "    prelude(row, c)", *(f"    _c{i} = c[{i}]" for i in range(many))]
-        lines += [f"    h = c[{many}] / steps", "    kept = 0", "    _x = state[0]", *(f"    _y{i} = state[{i + 1}]" for i in n)]
+        lines = [f"c = np.empty({many + 1})", "prelude(row, c)", *(f"_c{i} = c[{i}]" for i in range(many))]
+        lines += [f"h = c[{many}] / steps", "kept = 0", "_x = state[0]", *(f"_y{i} = state[{i + 1}]" for i in n)]
         lines += [
-            "    low, high = _y0, _y0",
-            "    for p in range(periods):",
-            "        strobe[p, 0] = _x",
-            *(f"        strobe[p, {i + 1}] = _y{i}" for i in n),
+            "low, high = _y0, _y0",
+            "for p in range(periods):",
+            "    strobe[p, 0] = _x",
+            *(f"    strobe[p, {i + 1}] = _y{i}" for i in n),
         ]
-        lines += ["        for s in range(steps):", *(f"            {line}" for line in before)]
-        lines += [
-            "            if every > 0 and s % every == 0:",
-            *(f"                nodes[kept, {j}] = {name}" for j, name in enumerate(keep)),
-        ]
-        lines += ["                kept += 1", *(f"            {line}" for line in after)]
-        lines += ["            low = min(low, _y0)", "            high = max(high, _y0)"]
-        lines += ["        if not (" + " and ".join(f"_y{i} - _y{i} == 0.0" for i in n) + "):", "            return p"]
-        lines += [
-            "    state[0] = _x",
-            *(f"    state[{i + 1}] = _y{i}" for i in n),
-            "    extremes[0], extremes[1] = low, high",
-            "    return periods",
-        ]
-        return [prelude(self.s, [*nodes, self.s.period]), "\n".join(lines)]
+        lines += ["    for s in range(steps):", *(f"        {line}" for line in before)]
+        lines += ["        if every > 0 and s % every == 0:", *(f"            nodes[kept, {j}] = {name}" for j, name in enumerate(keep))]
+        lines += ["            kept += 1", *(f"        {line}" for line in after)]
+        lines += ["        low = min(low, _y0)", "        high = max(high, _y0)"]
+        lines += ["    if not (" + " and ".join(f"_y{i} - _y{i} == 0.0" for i in n) + "):", "        return p"]
+        lines += ["state[0] = _x", *(f"state[{i + 1}] = _y{i}" for i in n), "extremes[0], extremes[1] = low, high", "return periods"]
+        takes = "row, state, periods, steps, every, strobe, nodes, extremes"
+        return "\n".join([prelude(self.s, [*nodes, self.s.period]), function("advance", takes, lines, _KIND)])

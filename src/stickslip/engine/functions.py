@@ -16,7 +16,7 @@ import ast
 import math
 from collections import Counter
 from dataclasses import dataclass
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 from llvmlite import ir
@@ -30,8 +30,8 @@ ON_INTEGERS = {
 }  # fmt: skip
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 OF_FLOATS = {
-    "fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt", "math.floor": "llvm.floor", "math.log2": "llvm.log2",
-    "math.copysign": "llvm.copysign",
+    "fma": "llvm.fma.f64", "abs": "llvm.fabs.f64", "math.sqrt": "llvm.sqrt.f64", "math.floor": "llvm.floor.f64",
+    "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1",
 }  # fmt: skip
 
 
@@ -41,6 +41,11 @@ class View:
 
     data: Any
     shape: tuple[Any, ...]
+
+
+@lru_cache(1)
+def _parsed(text: str) -> ast.Module:
+    return ast.parse(text)
 
 
 class _Program:
@@ -55,7 +60,7 @@ class _Program:
         self.texts, self.signatures = dict[str, ast.FunctionDef](), dict[str, Any]()
         self.constants: dict[str, Any] = {"__builtins__": {"range": range, "object": object}}
         self.made, self.rows, self.waiting = dict[str, Any](), dict[str, Any](), list[str]()
-        for node in ast.parse(text).body:
+        for node in _parsed(text).body:
             if isinstance(node, ast.FunctionDef):
                 self.texts[node.name] = node
                 kind = node.decorator_list[0].args[0]  # type: ignore[attr-defined]
@@ -345,7 +350,7 @@ class _Body(ast.NodeVisitor):
 
     def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
         if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
-            return self.of_floats("llvm.sqrt", [a])
+            return self.of_floats("llvm.sqrt.f64", [a])
         if isinstance(op, ast.Div) or FLOAT64 in (a.type, b.type):
             name = ON_FLOATS.get(type(op))
             return getattr(self.builder, name)(self.as_kind(a, FLOAT64), self.as_kind(b, FLOAT64)) if name else self.refuse(node)
@@ -456,11 +461,11 @@ class _Body(ast.NodeVisitor):
         return self.builder.select(self.compared(sign, b, a), b, a)
 
     def of_floats(self, name: str, args: list[Any]) -> Any:
-        if name == "llvm.fabs" and args[0].type == INT64:
+        if name == "llvm.fabs.f64" and args[0].type == INT64:
             negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
             return self.builder.select(negative, self.builder.neg(args[0]), args[0])
         kind = ir.FunctionType(FLOAT64, [FLOAT64] * len(args))
-        function = self.program.module.declare_intrinsic(f"{name}.f64", (), kind)
+        function = self.program.module.declare_intrinsic(name, (), kind)
         return self.builder.call(function, [self.as_kind(arg, FLOAT64) for arg in args])
 
     # ---- types ----

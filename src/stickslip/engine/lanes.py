@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.engine import cache, driver, slaved, taylor
+from stickslip.engine.kernel_text import FUNCTIONS, HEADER, written
 from stickslip.engine.kernels import columns
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import looks, prelude, work
@@ -25,7 +26,7 @@ from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, kind_of, label, trace
-from stickslip.engine.unforeseen import slopes
+from stickslip.engine.unforeseen import hides, slopes
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
@@ -333,24 +334,22 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
 
 
 def _source(eq: System, step: Step, lanes: int, label: str) -> str:
-    """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
+    """What depends on the law: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
     width = min(lanes, WIDTH)
     group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
-    known = f"L = {lanes}\n" + "".join(f"{name} = {named[name]}\n" for name in _NAMED)
-    parts = [
-        driver.HEADER.format(label=f"{label}, {lanes} lanes"),
-        known,
-        emit_text(),
-        prelude(eq, _constants(eq, step)),
-        looks(eq),
-        work(eq, step.degree, known),
-        step_text(step, Layout(lanes, group, width, offsets, named["F_C"])),
-        *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
-        *((signals_text(eq, watched(eq, step)),) if eq.signals else ()),
-    ]
-    return "\n\n".join(parts)
+    known = f"L = {lanes}\n"
+    functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq), "work": work(eq, step.degree)}
+    if not eq.dynamic:
+        functions["switched"] = taylor.switches(eq, step, lanes)
+        functions |= {"slopes": slopes(eq, step, lanes)} if hides(eq) else {}
+    if eq.signals:
+        functions["signals"] = signals_text(eq, watched(eq, step))
+    text = "\n".join([known, *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
+    plain = written({name: FUNCTIONS[name] for name in functions}, text)
+    lines = step_text(step, Layout(lanes, group, width, offsets, named["F_C"]))
+    return "\n\n".join([HEADER.format(label=f"{label}, {lanes} lanes"), known, plain, emit_text(), lines])
 
 
 def _aligned(count: int) -> Any:

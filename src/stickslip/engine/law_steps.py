@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from importlib import resources
 from typing import Any
 
 import numpy as np
 
 from stickslip.engine import cache
-from stickslip.engine.driver import HEADER
+from stickslip.engine.kernel_text import HEADER, function, kernel_text, written
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.remembered import Remembered
-from stickslip.engine.steptext import straight
 from stickslip.engine.symbols import Sym, TraceError
-from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import kind_of
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.engine.write import Writer
@@ -60,10 +57,10 @@ class LawSteps:
     def __init__(self, law: TracedLaw):
         self.names = law.names
         label = law.law.name
-        text = (resources.files("stickslip.engine") / "kernels" / "stepping_laws.py").read_text("utf-8")
         sizes = {"STATES": len(law.z), "MODES": len(law.mode), "SWITCHES": len(law.switches)}
-        parts = [emit_text(), *_functions(law), *(f"{name} = {size}" for name, size in sizes.items()), text]
-        source = "\n\n".join([HEADER.format(label=f"{label}, steps over a motion"), *parts])
+        text = "\n".join([*(f"{name} = {size}" for name, size in sizes.items()), *_functions(law), kernel_text("stepping_laws")])
+        kind = "void(f2, f1, f1, f2, f1, f2, f2, f2)"
+        source = HEADER.format(label=f"{label}, steps over a motion") + written({"follow": kind}, text)
         self._follow = cache.load(source, f"law_{plain_name(label)}", f"{label} (over a prescribed motion)").follow
 
     def __call__(self, law: LawAdapter, steps: Any, v: Any, at: Any, load: Any, applied: Any, z: Any) -> Any:
@@ -100,4 +97,5 @@ def _function(law: TracedLaw, name: str, takes: str, fills: dict[str, Any]) -> s
     bind |= {s.name: f"z[{i}]" for i, s in enumerate(law.z)} | {s.name: f"mode[{i}]" for i, s in enumerate(law.mode)}
     ends: dict[str, Sym] = {f"{array}[{i}]": root for array, roots in fills.items() for i, root in enumerate(roots)}
     lines = [f"{place} = 1.0 * {w.value(root, bind)}" for place, root in ends.items()]
-    return straight(name, takes, [*w.lines, *lines])
+    kinds = ", ".join("float64" if word in ("v", "load", "applied") else "f1" for word in takes.split(", "))
+    return function(name, takes, [*w.lines, *lines], f"void({kinds})")

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from stickslip.engine import driver
-from stickslip.engine.steptext import straight
+from stickslip.engine.driver import gauss
+from stickslip.engine.kernel_text import LOOKS, function, kernel_text
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.values import needed_by
@@ -19,16 +19,7 @@ def prelude(eq: System, nodes: list[Any]) -> str:
     w = Writer(prefix="p")
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
     ends = [w.value(node, bind) for node in nodes]
-    lines = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
-    return (
-        straight("numbers_of", "row, c", lines)
-        + f"""
-
-@njit("{driver.FUNCTIONS["prelude"]}", **OPTIONS)
-def prelude(row, c):
-    numbers_of(row, c)
-"""
-    )
+    return function("prelude", "row, c", [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))])
 
 
 def looks(eq: System) -> str:
@@ -64,14 +55,13 @@ def looks(eq: System) -> str:
     for k in _flags_in(eq.sampled.values()):
         writers[6].line(f"b{k}", f"-1.0 if {writers[6].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
     sampled = [f"out[{i}] = 1.0 * {writers[6].value(new, bind | sides)}" for i, new in eq.sampled.items()]
-    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting, sampled), strict=True)
-    takes, parts = "row, t, y, clock, mode, out", []
-    calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
+    bodies = zip(LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting, sampled), strict=True)
+    takes, parts, calls = "row, t, y, clock, mode, out", [], []
     for what, (name, before, after) in enumerate(bodies):
         if before or after:
-            parts.append(straight(name.lower(), takes, [*before, *after]))
-            calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
-    return "\n".join([*parts, *calls, "    return"])
+            parts.append(function(name.lower(), takes, [*before, *after], "void(f1, float64, f1, f1, f1, f1)"))
+            calls += [f"if what == {what}:", f"    {name.lower()}({takes})"]
+    return "\n".join([*parts, function("look", f"what, {takes}", calls)])
 
 
 def _flags_in(roots: Iterable[Sym]) -> list[int]:
@@ -79,14 +69,13 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
     return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
 
 
-def work(eq: System, degree: int, known: str) -> str:
-    """The work of friction in a step, of a kernel whose numbers are `known`: it takes the force that all but friction offer, by time."""
-    nodes, weights = driver.gauss(4 if degree < 8 else degree // 3 + 2)
+def work(eq: System, degree: int) -> str:
+    """The work of friction in a step: it takes the force that all but friction offer, by time."""
+    nodes, weights = gauss(4 if degree < 8 else degree // 3 + 2)
     tables = [f"NODES, WEIGHTS = {nodes!r}, {weights!r}"]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     w = Writer(prefix="p")
     value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
-    head = ["@njit(float64(int64, f1, f1, float64), **OPTIONS)", "def force(lane, S, row, t):"]
-    lines = [known, *tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"]), driver.kernel_text("work")]
-    return driver.written({"work": driver.FUNCTIONS["work"]}, "\n".join(lines))
+    force = function("force", "lane, S, row, t", [*w.lines, f"return 1.0 * {value}"], "float64(int64, f1, f1, float64)")
+    return "\n".join([*tables, force, kernel_text("work")])

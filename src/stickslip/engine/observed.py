@@ -13,8 +13,8 @@ from typing import Any
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
 from stickslip.engine.flight import touching
+from stickslip.engine.kernel_text import function
 from stickslip.engine.observing import WAY, observed_node
-from stickslip.engine.steptext import straight
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Signal, System
 from stickslip.engine.values import needed_by
@@ -130,12 +130,4 @@ def signals_text(eq: System, watched: Sequence[int]) -> str:
         condition = (eq.graph.guards if name[0] == "b" else eq.graph.clocks)[int(name.lstrip("bclk"))]
         bind[name] = w.line(name, f"-1.0 if {w.value(condition, bind)} < 0.0 else 1.0")  # the signals' own: no step ends at it
     lines = [f"out[{k}] = 1.0 * {w.value(node, bind)}" for k, node in enumerate(ends)]
-    return (
-        straight("signals_at", "row, t, y, held, out", [*w.lines, *lines])
-        + """
-
-@njit("void(float64[::1], float64, float64[::1], float64[::1], float64[::1])", **OPTIONS)
-def signals(row, t, y, held, out):
-    signals_at(row, t, y, held, out)
-"""
-    )
+    return function("signals", "row, t, y, held, out", [*w.lines, *lines])

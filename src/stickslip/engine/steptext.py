@@ -1,6 +1,6 @@
 """The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
 
-The lines are not read by Numba; `emit.py` turns them into instructions, and so it does with a law's other functions (`straight`). Of a
+The lines are not read by Numba; `emit.py` turns them into instructions. Of a
 Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,
 ``name_1`` and so on.
 """
@@ -54,24 +54,6 @@ def step_text(step: Step, at: Layout) -> str:
     lines = "\n".join(step.lines)
     tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
     return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
-
-
-def straight(name: str, takes: str, lines: Sequence[str]) -> str:
-    """The source of a function that does nothing but these lines on plain numbers; arrays that it takes are read and written."""
-    text = "\n".join(lines)
-    return f"""
-@intrinsic
-def {name}(typingctx, {takes}):
-    def emit(context, builder, sig, args):
-        write_plain(context, builder, sig.args, args, "{takes}", LINES_OF_{name.upper()})
-        return context.get_dummy_value()
-    return types.void({takes}), emit
-
-
-LINES_OF_{name.upper()} = '''
-{text}
-'''
-"""
 
 
 def _table(name: str, places: dict[str, int]) -> str:

@@ -9,9 +9,10 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 from __future__ import annotations
 
 from stickslip.engine.coupled import SLIP
+from stickslip.engine.kernel_text import function
 from stickslip.engine.rosenbrock_step import Step, ended_by, sides
 from stickslip.engine.rows import write_rows
-from stickslip.engine.steptext import bound, held, straight
+from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.trace import Switch, System
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
@@ -40,15 +41,15 @@ def switches(eq: System, step: Step, lanes: int) -> str:
 
     It returns the status of a run that ends there.
     """
-    parts, calls = [], ['@njit("int64(int64, int64, float64[::1])", **OPTIONS)', "def switched(which, lane, S):"]
+    parts, calls = [], []
     for place, k in enumerate(watched(eq)):
         switch = eq.switches.get(k)
         lines = [] if switch is None else _switch(eq, step, lanes, switch)
         lines += [_put(step, lanes, f"b{k}", f"-_b{k}")] if k < eq.signs else []
         status = 0 if switch is None else switch.status
-        parts.append(straight(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines]))
-        calls += [f"    if which == {place}:", f"        switch_{place}(lane, S)", f"        return {status}"]
-    return "\n".join([*parts, *calls, "    return 0"])
+        parts.append(function(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines], "void(int64, f1)"))
+        calls += [f"if which == {place}:", f"    switch_{place}(lane, S)", f"    return {status}"]
+    return "\n".join([*parts, function("switched", "which, lane, S", [*calls, "return 0"])])
 
 
 def _switch(eq: System, step: Step, lanes: int, switch: Switch) -> list[str]:

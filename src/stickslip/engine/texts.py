@@ -52,7 +52,7 @@ def coulomb_text(*names: str) -> str:
 
 @lru_cache(1)
 def emit_text() -> str:
-    """What turns a step's lines into instructions, `stickslip.engine.emit`, for a kernel's file."""
+    """What turns a step's lines into instructions, `stickslip.engine.emit`, for a kernel's file below `functions_text`."""
     return _from_imports("emit")
 
 
@@ -63,9 +63,9 @@ def functions_text() -> str:
 
 
 def _from_imports(name: str) -> str:
-    """The text of a module of the engine from its imports on."""
+    """The text of a module of the engine from its imports on, without what it has from other modules of ours."""
     text = (resources.files("stickslip.engine") / f"{name}.py").read_text(encoding="utf-8")
-    return text[text.index("\nimport ast") + 1 :]
+    return re.sub(r"^from stickslip.*\n", "", text[text.index("\nimport ast") + 1 :], flags=re.MULTILINE)
 
 
 @lru_cache(1)

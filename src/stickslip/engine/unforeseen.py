@@ -9,8 +9,9 @@ has been taken its polynomial is held against the equation, at its end and betwe
 
 from __future__ import annotations
 
+from stickslip.engine.kernel_text import function
 from stickslip.engine.rosenbrock_step import Step
-from stickslip.engine.steptext import bound, held, straight
+from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import System
 from stickslip.engine.write import Writer
@@ -67,12 +68,10 @@ def active(eq: System, op: str) -> dict[Sym, list[Way]]:
 
 
 def slopes(eq: System, step: Step, lanes: int) -> str:
-    """Text of the function that says what the slopes are at `POINTS` instants and states; empty where nothing hides.
+    """Text of the function that says what the slopes are at `POINTS` instants and states.
 
     It takes them in rows of W (t, then each state) and puts the slope of the first state where t was, and so on.
     """
-    if not hides(eq):
-        return ""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
     values = [f"W[{i * POINTS} + j] = {value}" for i, value in enumerate([w.value(f, bound(eq)) for f in eq.f])]
@@ -81,12 +80,4 @@ def slopes(eq: System, step: Step, lanes: int) -> str:
     rows = [f"{name} = W[{i * POINTS} + j]" for i, name in enumerate(["_t", *(f"_y{i}" for i in range(eq.states))])]
     body = [*rows, *w.lines, *values]
     lines = [*held(step, lanes, body), f"for j in range(0, {POINTS}):", *(f"    {line}" for line in body)]
-    return (
-        straight("slopes_of", "lane, S, W", lines)
-        + """
-
-@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)
-def slopes(lane, S, W):
-    slopes_of(lane, S, W)
-"""
-    )
+    return function("slopes", "lane, S, W", lines)

@@ -2,10 +2,15 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 
-f1, f2 = float64[::1], float64[:, ::1]
+
+@njit(void(f1, float64))
+def fill(room, value):
+    """One number in all places of an array."""
+    for i in range(len(room)):
+        room[i] = value
 
 
-@njit(void(f1, f1, f1, f1, f1), **OPTIONS)
+@njit(void(f1, f1, f1, f1, f1))
 def switch(guard, came, after, own, mode):
     """Where a guard has fallen that stood on the way here, what follows; the last of several counts."""
     for k in range(SWITCHES):
@@ -17,7 +22,7 @@ def switch(guard, came, after, own, mode):
                 own[i] = after[first + MODES + i]
 
 
-@njit(void(f2, f1, f1, f2, f1, f2, f2, f2), **CALLED)
+@njit(void(f2, f1, f1, f2, f1, f2, f2, f2))
 def follow(rows, v, at, loads, steps, applied, z, out):
     """Each case alone: a step of each inner state at constant velocity, exact where its rate is linear in it; then the force.
 
@@ -25,11 +30,12 @@ def follow(rows, v, at, loads, steps, applied, z, out):
     """
     own, mode = np.zeros(max(STATES, 1)), np.zeros(max(MODES, 1))
     f, J = np.zeros(max(STATES, 1)), np.zeros(max(STATES, 1))
-    guard, came, after = np.zeros(max(SWITCHES, 1)), np.ones(max(SWITCHES, 1)), np.zeros(max(SWITCHES, 1) * max(STATES + MODES, 1))
+    guard, came, after = np.zeros(max(SWITCHES, 1)), np.zeros(max(SWITCHES, 1)), np.zeros(max(SWITCHES, 1) * max(STATES + MODES, 1))
     force = np.zeros(1)
+    fill(came, 1.0)
     for case in range(len(rows)):
         row, side = rows[case], 0.0
-        mode[:] = 0.0
+        fill(mode, 0.0)
         for i in range(STATES):
             own[i] = z[i, case]
         for k in range(len(v)):
@@ -39,7 +45,7 @@ def follow(rows, v, at, loads, steps, applied, z, out):
                 guards_of(row, own, mode, 0.0, load, guard)
                 outcomes_of(row, own, mode, 0.0, load, after)
                 switch(guard, came, after, own, mode)
-                came[:] = 1.0
+                fill(came, 1.0)
             side = v[k] if v[k] != 0.0 else side
             if v[k] != 0.0 and steps[k] > 0.0:
                 rates_of(row, own, mode, v[k], load, f, J)

@@ -1,0 +1,88 @@
+"""What a kernel's file is made of: its top, and functions on plain numbers, each with its types (`functions.py` writes them)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+
+from stickslip.engine.texts import functions_text
+
+#: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
+FUNCTIONS = {
+    "prelude": "void(f1, f1)",  # row, constants
+    # what, row, t, y, clock, mode, out
+    "look": "void(int64, f1, float64, f1, f1, f1, f1)",
+    "work": "float64(int64, f1, f1)",  # lane, S, row
+    "step": "void(f1, float64, float64)",  # S, rtol, budget
+    "switched": "int64(int64, int64, f1)",  # which, lane, S
+    "slopes": "void(int64, f1, f1)",  # lane, S, instants and states; none where a Taylor step hides nothing
+    "signals": "void(f1, float64, f1, f1, f1)",  # row, t, y, what the step held, out
+    "land": "void(f1, float64, i1)",  # S, budget, table; the same for all laws that go by Taylor steps
+    # reducing.py, for machines of several parts: lane, S, row, W, table
+    "begin_parts": "void(int64, f1, int64, i1)",
+    "begin_signals": "void(int64, int64, i1)",
+    "hold": "void(int64, f1, int64, i1)",
+    "reduce_step": "void(int64, f1, f1, int64, i1)",
+    "widen": "void(int64, f1, f1, int64, i1)",
+    "widen_all": "void(f1, int64, i1)",
+    "note_parts": "void(int64, int64, f1, int64, i1)",
+    # changes.py, for tangents
+    "rates_now": "void(int64, float64, f1, f1, f1, i1)",
+    "settle_changes": "void(int64, f1, f1, i1)",
+    "note_late": "boolean(int64, f1, f1, i1)",
+    "shift_changes": "void(int64, boolean, boolean, f1, f1, f1, f1, i1)",
+}
+LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
+
+#: The top of every kernel's file. What the driver calls at an address needs no wrapper for Python.
+HEADER = '''"""Written by stickslip: {label}."""
+from llvmlite import ir
+from numba import boolean, float64, int8, int64, njit, types, void
+from numba.extending import intrinsic
+
+CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
+BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
+OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
+'''
+
+#: Types, by the names that they have in a text for `functions.py`.
+_KINDS = """
+f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
+KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
+KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
+"""
+
+
+def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str:
+    """The text of one function, made of lines; what the driver calls is of the type that it has there."""
+    body = [f"    {line}" for line in lines or ["return"]]
+    return "\n".join([f"@njit({kind or FUNCTIONS[name]})", f"def {name}({takes}):", *body, ""])
+
+
+def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
+    """The source of some functions of a text, each with its types, below HEADER."""
+    held = text.replace("\\", "\\\\")
+    return "\n\n".join([functions_text(), _KINDS, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
+
+
+def kernel_text(name: str) -> str:
+    """One of the texts of kernels."""
+    return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text("utf-8")
+
+
+def _written(name: str, kind: str, outside: str) -> str:
+    """A function that Python calls, or another kernel at its address."""
+    takes = ", ".join(f"a{i}" for i in range(kind.count(",") + 1))
+    options = "**CALLED, **BORROWING" if name not in FUNCTIONS else "**OPTIONS"
+    return f"""
+@intrinsic
+def written_{name}(typingctx, {takes}):
+    def emit(context, builder, sig, args):
+        return write_functions(context, builder, sig, args, "{name}", TEXT, KINDS, {outside})
+    return {kind}, emit
+
+
+@njit({kind}, {options})
+def {name}({takes}):
+    return written_{name}({takes})
+"""
