@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 import tomllib
+from dataclasses import dataclass
 from html.parser import HTMLParser
 from urllib.parse import quote
 
@@ -258,6 +259,32 @@ def test_a_run_that_would_take_too_long_is_refused_before_it_begins(explorer, va
         socket.send(curves(fine=True, values=values, also=[]))
         header, _ = answer(socket)
     assert header["kind"] == "problems" and "times in a drive period; allowed here" in header["problems"][0]
+
+
+@dataclass(frozen=True)
+class OwnBristle:
+    """A law of a user, who has other names for its numbers."""
+
+    height: float = 0.15
+    spring: float = 4e5
+
+    def rate(self, v, z, load):
+        return v - self.spring / (self.height * load) * abs(v) * z
+
+    def force(self, v, z, zdot, load):
+        return self.spring * z
+
+
+@pytest.mark.parametrize("load", [0.3, 3.0])
+def test_effort_is_told_by_the_equations_of_a_law_and_not_by_names_of_its_numbers(load):
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=5e-4, body_mass=load / 10)
+    known = effort(robot.replace(friction=ss.Dahl(0.15, 0.15, sigma0=4e5)))
+    assert known[0] > 5.0
+    for law in (OwnBristle(), ss.LuGre.example().replace(sigma0=4e5), ss.Dahl(0.15, 0.15, sigma0=4e5) + ss.Viscous(1.0, 1.0)):
+        assert effort(robot.replace(friction=law)) == pytest.approx(known, rel=1e-6)
+    oil = effort(robot.replace(friction=ss.CoulombViscous(0.1, 0.1, viscous=7.0)))
+    assert effort(robot.replace(friction=ss.Coulomb(0.1, 0.1) + ss.Viscous(7.0, 7.0))) == pytest.approx(oil, rel=1e-9) and oil[1] > 0.5
+    assert effort(robot.replace(friction=ss.Coulomb(0.1, 0.1))) == (0.0, 0.0)
 
 
 def test_a_run_with_many_swings_of_the_bristles_has_fewer_periods():

@@ -18,7 +18,10 @@ MOST, MOST_IN_ALL = 1000.0, 40_000.0
 MOST_DECAYS = 5000.0
 #: Relative tolerance of the page's runs.
 RTOL = 1e-4
-_DAMPINGS = ("viscous", "viscous_plus", "viscous_minus")
+#: Velocities at which the slope of friction is looked at [m/s].
+_SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
+#: Slopes are taken over this part of a typical deflection, and up to this velocity [m/s].
+_PART, _SLOW = 1e-3, 1e-12
 
 
 def effort(robot: Any) -> tuple[Any, Any]:
@@ -33,7 +36,7 @@ def effort(robot: Any) -> tuple[Any, Any]:
     """
     scale = machine_of(robot).time_scale  # an array where the period varies
     period = 1.0 if scale is None else scale
-    found = [_of_contact(law, mass, period) for law, mass in _contacts(machine_of(robot).mechanics)]
+    found = [_of_contact(law, load, mass, period) for law, load, mass in _contacts(machine_of(robot).mechanics)]
     swings, decays = ([each[k] for each in found] for k in (0, 1))
     return _largest(swings), _largest(decays)
 
@@ -45,19 +48,38 @@ def _largest(values: list[Any]) -> Any:
     return functools.reduce(np.maximum, values) if values else 0.0
 
 
-def _contacts(mechanics: Mechanics) -> Iterator[tuple[LawAdapter, Any]]:
-    """Each contact's law, and the mass that first moves with it."""
-    for law, row in zip(mechanics.laws, mechanics.directions, strict=True):
-        yield law, mechanics.masses[next((c for c, g in enumerate(row) if g), 0)]
+def _contacts(mechanics: Mechanics) -> Iterator[tuple[LawAdapter, Any, Any]]:
+    """Each contact's law, its load at the start, and the mass that first moves with it."""
+    loads = mechanics.loads(0.0, mechanics.start[: mechanics.coordinates])
+    for law, load, row in zip(mechanics.laws, loads, mechanics.directions, strict=True):
+        yield law, load, mechanics.masses[next((c for c, g in enumerate(row) if g), 0)]
 
 
-def _of_contact(law: LawAdapter, mass: Any, period: Any) -> tuple[Any, Any]:
+def _of_contact(law: LawAdapter, load: Any, mass: Any, period: Any) -> tuple[Any, Any]:
     """Swings of the bristles, and times of decay, in a period."""
     import numpy as np
 
-    swings = np.sqrt(getattr(law.law, "sigma0", 0.0) / mass) * period / (2 * math.pi)
-    damping = 0.0 if law.dynamic else functools.reduce(np.maximum, (getattr(law.law, name, 0.0) for name in _DAMPINGS))
-    return swings, damping / mass * period
+    swings = np.sqrt(np.maximum(_stiffness(law, load), 0.0) / mass) * period / (2 * math.pi) if law.dynamic else 0.0
+    return swings, 0.0 if law.dynamic else _damping(law, load) / mass * period
+
+
+def _stiffness(law: LawAdapter, load: Any) -> Any:
+    """By how much a contact at rest resists a short way, as its inner states say [N/m]."""
+    z, mode, sizes = law.start(load), (0.0,) * law.modes, law.scale(load) or (1.0,) * law.states
+    still, slow = (law.rate(v, z, load, mode) for v in (0.0, _SLOW))
+    held, stiffness = law.force(0.0, z, still, load, mode), 0.0
+    for i, size in enumerate(sizes):
+        bent = (*z[:i], z[i] + _PART * size, *z[i + 1 :])
+        stiffness += (law.force(0.0, bent, still, load, mode) - held) / (_PART * size) * (slow[i] - still[i]) / _SLOW
+    return stiffness
+
+
+def _damping(law: LawAdapter, load: Any) -> Any:
+    """The steepest rise of sliding friction with the speed [N s/m]."""
+    import numpy as np
+
+    rises = [(abs(law.sliding(2 * v, load)) - abs(law.sliding(v, load))) / abs(v) for speed in _SPEEDS for v in (speed, -speed)]
+    return functools.reduce(np.maximum, rises, 0.0)
 
 
 def too_much(swings: Any, decays: Any) -> Any:
