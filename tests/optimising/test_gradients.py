@@ -85,6 +85,7 @@ def test_gradients_are_those_of_differences_at_random_points_of_all_sorts_of_mac
     try:
         spec.loader.exec_module(module)
         names = [name for name in module.names(30) if name.partition(" #")[0] in SORTS]
+        assert {name.partition(" #")[0] for name in names} == set(SORTS)  # the registries say what is drawn
         rows = [module.line(name, 8, 1, 60) for name in names]
     finally:
         sys.path.remove(str(folder))
@@ -93,7 +94,7 @@ def test_gradients_are_those_of_differences_at_random_points_of_all_sorts_of_mac
 
 
 SORTS = (
-    "two modules", "capsule", "stage", "worm", "lugre+viscous · threephase · incline", "tabulated+coulomb · sawtooth · varying friction",
+    "two modules", "capsule", "stage", "worm", "lugre+viscous · verticalvibration · varying friction", "tabulated+coulomb · recorded · incline",
     "capsule · dahl",
 )  # fmt: skip
 
