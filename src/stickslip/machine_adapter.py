@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
-from stickslip.drives.drive_adapter import drive_of, lacking, unlikely
-from stickslip.fields import is_record
+from stickslip.drives.drive_adapter import drive_of, unlikely
+from stickslip.drives.within import drives_within
 from stickslip.friction.law_adapter import LawAdapter
 from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
@@ -178,7 +178,7 @@ class MachineAdapter:
     @property
     def notes(self) -> list[str]:
         """Remarks on its numbers: its own, or those of its law; and on drives that no actuator makes."""
-        unlikely_ones = [note for drive in _drives_in(self.model) for note in unlikely(drive_of(drive))]
+        unlikely_ones = [note for drive in drives_within(self.model) for note in unlikely(drive_of(drive))]
         return list(dict.fromkeys([*unlikely_ones, *self._own_notes]))
 
     @property
@@ -215,14 +215,6 @@ class MachineAdapter:
     def far_end_velocity(self) -> Any:
         """Velocity of what pulls it [m/s]; 0 where nothing does."""
         return self.model.far_end_velocity if self.is_pulled else 0.0
-
-
-def _drives_in(record: Any) -> list[Any]:
-    """The motions that stand anywhere in a record."""
-    if not isinstance(record, tuple) and not lacking(record):
-        return [record]
-    parts = record if isinstance(record, tuple) else [getattr(record, f.name) for f in fields(record)] if is_record(record) else []
-    return [drive for part in parts for drive in _drives_in(part)]
 
 
 def machine_of(model: Machine) -> MachineAdapter:

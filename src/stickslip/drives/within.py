@@ -21,7 +21,7 @@ def drives_within(record: Any) -> Iterator[Any]:
     """
     parts = record if isinstance(record, tuple) else [getattr(record, field.name) for field in fields(record)] if is_record(record) else ()
     for part in parts:
-        if is_record(part) and not lacking(part):
+        if not lacking(part):
             yield part
         elif is_record(part) or isinstance(part, tuple):
             yield from drives_within(part)
