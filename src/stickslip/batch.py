@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,11 @@ class Labels:
     shape: tuple[int, ...]
     dims: tuple[str, ...] | None = None
     coords: dict[str, Any] | None = None
+
+    @property
+    def cases(self) -> int:
+        """Number of cases; 1 where there is no batch."""
+        return math.prod(self.shape)
 
 
 def shape_of(model: Any) -> tuple[int, ...]:
@@ -87,8 +93,7 @@ def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> A
 
     values = dict(leaves(model))
     labels = labels_together(values, type(model).__name__)
-    count = int(np.prod(labels.shape, dtype=np.int64))
-    table = np.empty((len(range(count)[cases]), len(names)))
+    table = np.empty((len(range(labels.cases)[cases]), len(names)))
     for column, name in enumerate(names):
         table[:, column] = _on_batch(values[name], labels).flat[cases]
     return table

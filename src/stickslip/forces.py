@@ -94,7 +94,7 @@ def inner_start(model: Any, x: Any = 0.0) -> Any:
     >>> inner_start(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
     [[0.0], [0.0]]
     """
-    cases = math.prod(labels_of(model).shape)
+    cases = labels_of(model).cases
     if not law_of(model).has_start:
         return np.zeros((cases, law_of(model).states))
     batch = flat(model)

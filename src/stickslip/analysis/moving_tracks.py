@@ -71,7 +71,7 @@ def throw_index(machine: Model) -> Any:
     batch = machine_of(flat(machine))
     mechanics, number = batch.mechanics, batch.own.get("contact", 0)
     labels = labels_of(machine)
-    T = np.broadcast_to(np.asarray(batch.model.period, float), (int(np.prod(labels.shape, dtype=int)),))
+    T = np.broadcast_to(np.asarray(batch.model.period, float), (labels.cases,))
 
     def load(phase: Any) -> Any:
         return np.broadcast_to(np.asarray(mechanics.loads(phase * T, mechanics.start)[number], float), T.shape)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name, shape_of, some_of
+from stickslip.batch import labels_of, numbers_by_name, some_of
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import means_named
 from stickslip.dynamics.periodic.steady_motions import Closed
@@ -92,7 +92,7 @@ def _integral(mean: Value) -> Value:
 def _cost(power: Value, model: Any, seeds: dict[str, Array], count: int) -> Value:
     """Power over weight and speed."""
     weight = np.atleast_1d(np.asarray(model.total_mass * model.gravity, float))
-    cases = int(np.prod(shape_of(model), dtype=int))
+    cases = labels_of(model).cases
     each, along = some_of(model, np.repeat(np.arange(cases), count)), {name: np.tile(parts, cases) for name, parts in seeds.items()}
     (slopes,) = number_slopes(each, along, _weight_of, cases * count)
     heavier = slopes.reshape(cases, count)

@@ -7,7 +7,6 @@ motion is v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -67,7 +66,7 @@ def reduced(model: Any) -> Arcs:
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.480458
     """
-    count = prod(labels_of(model).shape)
+    count = labels_of(model).cases
     return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, labels_of, numbers_by_name, spread
+from stickslip.batch import Labels, cases_of, labels_of, spread
 from stickslip.callbacks import progress_callback
 from stickslip.engine.texts import recurrence
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
@@ -17,7 +16,7 @@ from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
-from stickslip.solvers.request import check_keep
+from stickslip.solvers.request import check_keep, versions
 from stickslip.status import Status
 from stickslip.summary import Summary
 
@@ -88,8 +87,8 @@ def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, sample
 
 def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> tuple[Array, Array, int | None, int]:
     """How long each case is followed, how much of that is left out of its numbers, and both in periods of the forcing."""
-    cases = int(np.prod(labels.shape, dtype=np.int64))
-    T = None if flow.period is None else np.broadcast_to(spread(flow.period, labels), (cases,))
+    cases = labels.cases
+    T = None if flow.period is None else spread(flow.period, labels)
     if duration is not None:
         if periods is not None:
             problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
@@ -115,14 +114,13 @@ def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, 
 
 def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Array:
     """The states in which the cases begin (cases, n), from a dict by name or from numbers along the last axis."""
-    cases = int(np.prod(labels.shape, dtype=np.int64))
     if isinstance(start, Mapping) or (start is None and flow.states is not None):
-        return _named_starts(flow, start or {}, labels, cases, problems)
+        return _named_starts(flow, start or {}, labels, problems)
     try:
         array = np.asarray(number(start), float)
         n = len(flow.states) if flow.states is not None else array.shape[-1]
         if array.ndim and array.shape[-1] == n and n and np.all(np.isfinite(array)):
-            return np.broadcast_to(array, (*labels.shape, n)).reshape(cases, n) + 0.0
+            return np.broadcast_to(array, (*labels.shape, n)).reshape(-1, n) + 0.0
     except (TypeError, ValueError, IndexError):
         pass
     told = (
@@ -131,22 +129,22 @@ def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Arra
         else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
     )
     problems.add(f"start = {start!r}; allowed is {told}; type for example start=[0.5, 0.0]")
-    return np.zeros((cases, 1))
+    return np.zeros((labels.cases, 1))
 
 
-def _named_starts(flow: Any, start: Any, labels: Labels, cases: int, problems: Problems) -> Array:
+def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> Array:
     if flow.states is None:
         problems.add(
             f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')"
         )
-        return np.zeros((cases, 1))
-    table = np.zeros((cases, len(flow.states)))
+        return np.zeros((labels.cases, 1))
+    table = np.zeros((labels.cases, len(flow.states)))
     for name, value in start.items():
         if name not in flow.states:
             problems.add(f"start has no {name!r}; {did_you_mean(str(name), flow.states)}")
             continue
         try:
-            table[:, flow.states.index(name)] = np.broadcast_to(spread(number(value), labels), (cases,))
+            table[:, flow.states.index(name)] = spread(number(value), labels)
         except (TypeError, ValueError) as error:
             problems.add(f"start {name} = {value!r}; allowed is a finite number, or one for each case ({error})")
     if not np.isfinite(table).all():
@@ -154,23 +152,13 @@ def _named_starts(flow: Any, start: Any, labels: Labels, cases: int, problems: P
     return table
 
 
-def cases_of_flow(flow: Any) -> list[Any]:
-    """Every case of a batch as a flow of single numbers."""
-    cases = int(np.prod(labels_of(flow).shape, dtype=np.int64))
-    columns = {name: np.broadcast_to(np.asarray(value, float), (cases,)) for name, value in numbers_by_name(flow).items()}
-    return [flow.replace({name: float(column[k]) for name, column in columns.items()}) if columns else flow for k in range(cases)]
-
-
 def _run(asked: Asked, start: Any) -> FlowRun:
     flow, y = asked.flow, asked.states[0]
     done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False)
-    import stickslip
-
-    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
     given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
     return FlowRun(
         flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods,
-        asked.settle, Status.FINISHED.sentence, asked.samples, given, {"versions": versions}, {"steps": done.steps},
+        asked.settle, Status.FINISHED.sentence, asked.samples, given, {"versions": versions()}, {"steps": done.steps},
     )  # fmt: skip
 
 
@@ -184,7 +172,7 @@ def untraced(why: str) -> str:
 
 def _summary(asked: Asked, progress: Any) -> Summary:
     found: list[dict[str, Any]] = []
-    for k, flow in enumerate(cases_of_flow(asked.flow)):
+    for k, flow in enumerate(cases_of(asked.flow)):
         found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
         if progress is not None:
             progress(k + 1, len(asked.states))

@@ -20,7 +20,7 @@ _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("
 def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
     """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold."""
     batch = flat(model)
-    mechanics, cases = machine_of(batch).mechanics, int(np.prod(labels.shape, dtype=np.int64))
+    mechanics, cases = machine_of(batch).mechanics, labels.cases
     laws = mechanics.laws
     given = dict(start) if isinstance(start, dict) else {}
     if start is not None and not isinstance(start, dict):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import platform
 import sys
 from collections.abc import Callable
@@ -53,7 +52,7 @@ class Request:
     @property
     def cases(self) -> int:
         """Number of cases."""
-        return math.prod(self.labels.shape)
+        return self.labels.cases
 
     @cached_property
     def machine(self) -> MachineAdapter:
@@ -200,7 +199,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
     """Start values as a table (cases, 2 + inner states + memories)."""
     if not machine_of(model).is_single:
         return start_of_parts(model, labels, start, problems)
-    law, cases = law_of(model), math.prod(labels.shape)
+    law, cases = law_of(model), labels.cases
     inner, memories = law.states, law.modes
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:
@@ -265,9 +264,13 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         )
 
 
+def versions() -> dict[str, str]:
+    """Versions of what computes: of Numba where it is at work."""
+    return _versions("numba" in sys.modules)
+
+
 @cache
 def _versions(with_numba: bool) -> dict[str, str]:
-    """Versions of what computes."""
     import stickslip
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
@@ -281,4 +284,4 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
     settings |= {} if todo.duration is None else {"duration": todo.duration}
     kinds = {"law": todo.machine.law_names, "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in todo.numbers.items()}
-    return {"versions": _versions("numba" in sys.modules), "settings": settings, "kinds": kinds, "parameters": parameters}
+    return {"versions": versions(), "settings": settings, "kinds": kinds, "parameters": parameters}

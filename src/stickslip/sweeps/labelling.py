@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from stickslip.naming import axis_of
 from stickslip.observables import Derived
 from stickslip.presets import DIMENSIONLESS
 from stickslip.quantities import axis_in
+from stickslip.solvers.request import versions
 from stickslip.sweeps.models_of_points import shared_numbers
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.result_columns import COLUMNS, base_of, described, dim_of, stacked
@@ -34,17 +35,19 @@ def maker_of(make: Any) -> str:
 
 def provenance_of(plan: Plan) -> dict[str, Any]:
     """Versions, settings and kinds: what it takes to make these results again."""
-    from importlib.metadata import version
-
-    import stickslip
-
-    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    versions |= {name: version(name) for name in ("numba", "scipy", "xarray")}
     settings = {name: value for name, value in plan.options.items() if name != "observe"}
     settings |= {"continue_along": plan.along} if plan.along else {}
     settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
     kinds = {} if plan.sample is None else {"law": machine_of(plan.sample).law_names, "model": type(plan.sample).__name__}
-    return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
+    return {"versions": _versions(), "settings": settings, "kinds": kinds, **plan.space.attributes}
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Versions of what computes and labels; looked up once, because that takes longer than a small sweep."""
+    from importlib.metadata import version
+
+    return versions() | {name: version(name) for name in ("numba", "scipy", "xarray")}
 
 
 def labels_of(plan: Plan) -> dict[str, Column]:

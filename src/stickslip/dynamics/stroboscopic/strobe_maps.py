@@ -185,7 +185,7 @@ def at_rest(model: Any, at: Coordinates | None = None) -> Array:
     """
     at = coordinates(model) if at is None else at
     if is_flow(model):
-        return np.zeros((int(np.prod(labels_of(model).shape, dtype=int)), len(at.names)))
+        return np.zeros((labels_of(model).cases, len(at.names)))
     if at.mechanics is not None:
         return states_of_parts("start", model, None, at)
     z = inner_start(model)
