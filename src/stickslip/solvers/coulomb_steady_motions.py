@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import some_of
-from stickslip.pool import shared
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import Arcs, handles, reduced
 from stickslip.solvers.gather import NEEDED
@@ -71,37 +70,28 @@ def orbit_rows(
     [0.20145220333367, 0.12247535997450]
     """
     n, kernel = len(rows), _kernel()
-    out, count = np.empty((n, 8)), np.zeros((n, 4), np.int64)
-    seg_time, seg_code = np.zeros((n, exact.SEGMENTS)), np.zeros((n, exact.SEGMENTS), np.int8)
     known = np.zeros(n, np.int64) if known is None else np.ascontiguousarray(known, np.int64)
 
-    def part(i: int) -> None:
-        kernel.orbits(rows, known, i, min(i + _CHUNK, n), TOLERANCE, out, count, seg_time, seg_code)
+    def run(first: int, last: int, *into: Array) -> None:
+        kernel.orbits(rows, known, first, last, TOLERANCE, *into)
 
-    done = 0
-    for _ in shared(part, range(0, n, _CHUNK), workers):
-        done = min(done + _CHUNK, n)
-        if progress is not None:
-            progress(done, n)
-    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
-    raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
-    raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
-    raw |= {"limit": raw["displacement"] / np.maximum(raw["window"], 1), "wide_max": raw["v_max"], "wide_min": raw["v_min"]}
-    return {**raw, "seg_time": seg_time, "seg_code": seg_code}
+    raw = exact.shared_rows(run, n, _CHUNK, (*exact.FOUND, *_WAYS), workers, progress)
+    return raw | {"limit": raw["displacement"] / np.maximum(raw["window"], 1), "wide_max": raw["v_max"], "wide_min": raw["v_min"]}
 
 
 def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
     arcs = reduced(todo.model)
-    rows, driven = exact._rows(arcs, np.zeros(todo.cases))
+    rows, driven = exact.rows_of(arcs, np.zeros(todo.cases))
     easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
-    rows[~easy, :] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    rows[~easy] = exact.AT_REST
     raw = orbit_rows(rows, None, todo.workers, todo.progress)
     hard = np.flatnonzero(~easy | (raw["status"] != _FOUND))
     if not len(hard):  # half a dozen segments of the 32 that there is room for
         most = max(int(raw["seg_count"].max(initial=0)), 1)
         raw |= {name: np.ascontiguousarray(raw[name][:, :most]) for name in ("seg_time", "seg_code")}
-    _scale(raw, np.where(driven, arcs.drive, 1.0), arcs.omega, arcs.period)
+    exact.scale(raw, arcs, driven)
+    raw["seg_time"] = raw["seg_time"] * arcs.period[:, None]
     if len(hard):
         _wait_for(raw, hard, todo)
     return exact.summary(todo, raw), {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
@@ -111,15 +101,6 @@ def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """The same period after period from the start that was asked for; beside the summary the ways [m] and v_end [m/s]."""
     raw = exact.batch(todo)
     return exact.summary(todo, raw), {**ways_from(raw, reduced(todo.model), todo.workers), "v_end": raw["v_end"]}
-
-
-def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> None:
-    """From the units of the kernel to metres and seconds."""
-    for name in ("displacement", "limit", *_WAYS):
-        raw[name] = raw[name] * (drive / omega**2)
-    for name in ("v_max", "v_min", "wide_max", "wide_min"):
-        raw[name] = raw[name] * (drive / omega)
-    raw["seg_time"] = raw["seg_time"] * period[:, None]
 
 
 def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
@@ -134,9 +115,9 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
 
 def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
     """The ways forwards and backwards of the motions in which runs of `exact.solve_batch` ended [m]; NaN where that was none."""
-    rows, _ = exact._rows(arcs, raw["v_end"])
+    rows, _ = exact.rows_of(arcs, raw["v_end"])
     settled = (raw["status"] <= _FOUND) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
-    rows[~settled] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    rows[~settled] = exact.AT_REST
     ways = orbit_rows(rows, np.where(settled, raw["period"], 0), workers)
     metres = np.where(arcs.drive > 0, arcs.drive, np.nan) / arcs.omega**2
     return {name: np.where(settled & (ways["status"] == _FOUND), ways[name] * metres, np.nan) for name in _WAYS}

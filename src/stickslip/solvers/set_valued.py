@@ -32,8 +32,12 @@ _SLICE = 0.05  # seconds between looks at the keyboard
 _COST = 3e-7  # seconds per drive period and case, generous
 _ROOM = 1 << 16  # arcs recorded in one slice
 _COLUMNS = ("r_plus", "r_minus", "s_plus", "s_minus", "gamma", "w")
-_IN_METRES = ("displacement", "x_end", "limit")
-_IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", "wide_min")
+#: What a kernel finds of each case, by name; those that are lengths, and those that are velocities.
+FOUND = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error")
+_LENGTHS = ("displacement", "x_end", "limit", "forward_way", "backward_way")
+_VELOCITIES = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", "wide_min")
+#: A row of a body at rest, in place of one that a kernel cannot take.
+AT_REST = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
 
 
 def solve(todo: Request) -> Trajectory | Summary:
@@ -67,13 +71,11 @@ def _kernel() -> Any:
     return load(coulomb_text("coulomb_harmonic_runs"), "coulomb_harmonic", "Coulomb × Harmonic")
 
 
-def _rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
+def rows_of(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
     """Dimensionless rows of the kernel, and which cases have a drive to measure against."""
-    level = abs(np.stack([arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, v0 * arcs.omega]))
-    driven = arcs.drive > TINY * np.max(level, axis=0)
-    a = np.where(driven, arcs.drive, 1.0)
-    columns = (arcs.resist_plus / a, arcs.resist_minus / a, arcs.hold_plus / a, arcs.hold_minus / a, arcs.along / a, v0 * arcs.omega / a)
-    return np.ascontiguousarray(np.stack(columns, axis=1)), driven
+    rows = np.stack([arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, arcs.along, v0 * arcs.omega], axis=1)
+    driven = arcs.drive > TINY * np.max(abs(rows[:, [0, 1, 2, 3, 5]]), axis=1)
+    return rows / np.where(driven, arcs.drive, 1.0)[:, None], driven
 
 
 def solve_rows(
@@ -90,27 +92,46 @@ def solve_rows(
     Returns the raw results of `solve_batch` in units of the kernel: w for velocities, w times radians for displacements.
     With ``skip=False`` every period is run, also after the strobe point has come back to the last bit.
     """
-    n = len(rows)
-    out, count = np.empty((n, 11)), np.zeros((n, 4), np.int64)
-    seg_time, seg_code = np.zeros((n, SEGMENTS)), np.zeros((n, SEGMENTS), np.int8)
-    auto, kernel = settle == "auto", _kernel()
-    whole = (periods, 0 if auto else int(settle), auto, skip, tolerance, out, count, seg_time, seg_code)
+    n, auto, kernel = len(rows), settle == "auto", _kernel()
     size = max(1, min(int(_SLICE / (_COST * periods)) + 1, -(-n // (8 * workers if workers > 1 else 1))))
-    starts = range(0, n, size)
 
-    def part(i: int) -> int:
-        kernel.run(rows, i, min(i + size, n), *whole)
-        return min(i + size, n) - i
+    def run(first: int, last: int, *into: Array) -> None:
+        kernel.run(rows, first, last, periods, 0 if auto else int(settle), auto, skip, tolerance, *into)
+
+    return shared_rows(run, n, size, (*FOUND, "x_end", "v_end", "limit", "wide_max", "wide_min"), workers, progress)
+
+
+def shared_rows(
+    run: Callable[..., None], cases: int, size: int, names: tuple[str, ...], workers: int, progress: Progress | None
+) -> dict[str, Array]:
+    """What a kernel finds of cases that threads share, `size` at a time: its numbers by name, how each case ended, its segments.
+
+    `run` takes the first case, the one after the last, and the arrays to be filled in.
+    """
+    out, count = np.empty((cases, len(names))), np.zeros((cases, 4), np.int64)
+    seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), np.int8)
+
+    def part(first: int) -> int:
+        last = min(first + size, cases)
+        run(first, last, out, count, seg_time, seg_code)
+        return last - first
 
     done = 0
-    for _, finished in shared(part, starts, workers):
+    for _, finished in shared(part, range(0, cases, size), workers):
         done += finished
         if progress is not None:
-            progress(done, n)
-    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end", "limit", "wide_max", "wide_min")
+            progress(done, cases)
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
+
+
+def scale(raw: dict[str, Array], arcs: Arcs, driven: Array) -> None:
+    """Take lengths and velocities from the units of a kernel to metres and seconds."""
+    a = np.where(driven, arcs.drive, 1.0)
+    for names, units in ((_LENGTHS, a / arcs.omega**2), (_VELOCITIES, a / arcs.omega)):
+        for name in raw.keys() & names:
+            raw[name] = raw[name] * units
 
 
 def solve_batch(
@@ -160,17 +181,15 @@ def solve_batch(
     """
     arcs = reduced(model) if arcs is None else arcs
     x0, v0 = _start(model, start)
-    rows, driven = _rows(arcs, v0)
+    rows, driven = rows_of(arcs, v0)
     good = np.isfinite(rows).all(axis=1)
-    rows[~(good & driven)] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    rows[~(good & driven)] = AT_REST
     raw = solve_rows(rows, periods, settle, workers, progress)
-    a = np.where(driven, arcs.drive, 1.0)
-    for name in (*_IN_METRES, *_IN_METRES_PER_SECOND):
-        raw[name] = raw[name] * (a / arcs.omega ** (2 if name in _IN_METRES else 1))
+    scale(raw, arcs, driven)
     for i in np.flatnonzero(good & ~driven):
         undriven.fill(raw, int(i), arcs, v0[i], periods, settle)
     raw["x_end"] = raw["x_end"] + x0
-    for name in (*_IN_METRES, *_IN_METRES_PER_SECOND, "margin_force"):
+    for name in raw.keys() & (*_LENGTHS, *_VELOCITIES, "margin_force"):
         raw[name][~good] = np.nan
     raw["status"][~good], raw["seg_count"][~good], raw["period"][~good] = 5, 0, 0
     return raw
@@ -211,7 +230,7 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
     """
     numbers = reduced(model)
     (x0,), (v0,) = _start(model, start)
-    rows, driven = _rows(numbers, np.array([v0]))
+    rows, driven = rows_of(numbers, np.array([v0]))
     if not np.isfinite(rows).all():
         raise SolveError(
             f"the numbers of this case are not all finite: {dict(zip(_COLUMNS, rows[0].tolist(), strict=True))}; check the law's numbers"
