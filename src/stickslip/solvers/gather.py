@@ -12,7 +12,6 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
-from stickslip.solvers.lane_tables import of_cases
 from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
@@ -55,7 +54,7 @@ _LATER = 1 << 18
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk, in any order."""
     cases = todo.cases
-    T, tolerance, shape = of_cases(todo.span, cases), mean_tolerance(method, todo.rtol), todo.labels.shape
+    T, tolerance, shape = todo.span, mean_tolerance(method, todo.rtol), todo.labels.shape
     columns: dict[str, Any] = {}
     coded: dict[str, dict[int, CodedWords]] = {}
     for (first, last), raw in parts:

@@ -16,11 +16,6 @@ from stickslip.machine_adapter import MachineAdapter, machine_of
 Array = Any
 
 
-def of_cases(value: Any, cases: int) -> Array:
-    """A number for each case, where one for all may be given."""
-    return value if np.shape(value) == (cases,) else np.broadcast_to(value, (cases,))
-
-
 class CaseTable:
     """Rows of numbers, starts (way, the states, the memories), and what to add to the lanes' states to get velocities.
 
@@ -56,7 +51,7 @@ class CaseTable:
     ):
         cases, own, machine = len(start), numbers_by_name(model, which), machine or machine_of(model)
         flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
-        self.span = of_cases(span, cases)
+        self.span = np.broadcast_to(span, (cases,))
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import platform
 import sys
 from collections.abc import Callable
@@ -20,6 +21,7 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import MachineAdapter, is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
+from stickslip.solvers.methods import METHODS
 from stickslip.typed_numbers import in_seconds
 from stickslip.variables import VARIABLES, unit_of
 
@@ -45,7 +47,7 @@ class Request:
     progress: Callable[[int, int], None] | None
     options: dict[str, Any]
     duration: float | None  # [s], where it was given
-    span: Any  # time of one period [s]: the model's, or the duration if it has none; an array (cases,) for a summary of a periodic model
+    span: Any  # (cases,): time of one period [s]: the model's, or the duration if it has none
     observe: tuple[tuple[str, Observable], ...] = ()
     numbers: dict[str, Any] = field(default_factory=dict)  # of the model
 
@@ -103,13 +105,13 @@ def request(
     observed = checked("solve", observe, VARIABLES)
     if observed and keep == "trajectory":
         raise InputError("solve", ["observe makes columns of a batch, and this is one run; type run.at(t) for its columns at any time"])
-    periods = int(periods)
+    periods, span = int(periods), spread(float(duration) if model.period is None else model.period, labels)
     _check_size(keep, periods, int(samples))
     settled = periods // 2 if settle is None or auto else int(settle)
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
-        None if duration is None else float(duration), _span(model, labels, keep, duration), observed, numbers,
+        None if duration is None else float(duration), span, observed, numbers,
     )  # fmt: skip
 
 
@@ -134,12 +136,6 @@ def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: An
         problems.add(f"duration is for one {name} and this is a batch of shape {labels.shape}; type periods=200, or solve one case")
         return 1
     return max(int(np.ceil(duration / float(model.period) * (1 - 1e-12))), 1)
-
-
-def _span(model: Any, labels: Labels, keep: str, duration: Any) -> Any:
-    if model.period is None:
-        return float(duration)
-    return float(model.period) if keep == "trajectory" else spread(model.period, labels)
 
 
 #: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).
@@ -169,30 +165,14 @@ def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
 
 
 def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
-    from stickslip.solvers.methods import METHODS
-
     check_keep(keep, labels, problems)
     if not is_one_of(method, METHODS):
         problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
     known = ("steps",) if is_one_of(method, ("rk4",)) else ()
     for name in options:
         if name not in known:
-            arguments = (
-                "duration",
-                "periods",
-                "settle",
-                "rtol",
-                "start",
-                "workers",
-                "keep",
-                "samples",
-                "method",
-                "slip_ratio",
-                "dwell",
-                "progress",
-                *known,
-            )
-            problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, arguments)}")
+            arguments = [each for each in inspect.signature(request).parameters if each not in ("model", "options")]
+            problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, [*arguments, *known])}")
 
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:

@@ -16,7 +16,7 @@ from stickslip.layout import StateLayout
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.pool import shared
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.lane_tables import CaseTable, of_cases
+from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
@@ -100,7 +100,7 @@ def budget_of(model: Any, periods: int, machine: MachineAdapter | None = None) -
 
 def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
     """Raw results chunk by chunk; threads share the chunks."""
-    bounds, span = _bounds(todo.cases, todo.workers), of_cases(todo.span, todo.cases)
+    bounds = _bounds(todo.cases, todo.workers)
     begun = [0] * len(bounds)
 
     def work(i: int) -> Raw:
@@ -112,7 +112,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
                 todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
-        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases, machine=todo.machine)
+        table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine)
         return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
     for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1):
