@@ -23,7 +23,7 @@ from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
 from stickslip.status import Status
-from stickslip.steadiness import is_steady
+from stickslip.steadiness import is_steady, outcome_of
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
@@ -205,12 +205,11 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         asked += count
         if march.done < asked:
             return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done}
-        found = strobes.reduced(march.model, march.strobes, todo.settle, todo.method, todo.rtol)
-        period = found["period"]
-        if todo.auto and period:  # the mean over one motion period, if it is that of the steady motion
-            found = strobes.reduced(march.model, march.strobes, march.done - period, todo.method, todo.rtol)
-            if is_steady(march.model, found, todo.method, todo.rtol):
-                break
+        period, limit = outcome_of(march.model, march.strobes, todo.method, todo.rtol)
+        repeats = todo.auto and period > 0  # the mean is then over one motion period, if it is that of the steady motion
+        found = strobes.over_window(march.strobes[:, 0], march.done - period if repeats else todo.settle, period, limit)
+        if repeats and is_steady(march.model, found, todo.method, todo.rtol):
+            break
     done, wide = march.done, march.extremes
     count, seg_time, seg_code = _last(todo, march, period or 1)
     return {

@@ -10,8 +10,9 @@ from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.forces import slip_ratio_of
 from stickslip.friction.law_adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
-from stickslip.steadiness import outcome_of, window_count
+from stickslip.steadiness import window_count
 
+_LOOKS = 5000  # in a drive period
 #: Results of a case that could not be solved.
 NOTHING: dict[str, Any] = {
     "displacement": np.nan, "window": 1.0, "period": 0, "limit": np.nan, "periods_run": 0, "status": 4, "v_min": np.nan, "v_max": np.nan,
@@ -27,15 +28,16 @@ def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x
     return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)
 
 
-def reduced(model: Any, strobe: Any, settle: int, method: str, rtol: float) -> dict[str, Any]:
-    """Period number, the displacement that is approached, and the displacement over the window: from (periods + 1, 1 + states), x first."""
-    return over_window(strobe[:, 0], settle, *outcome_of(model, strobe, method, rtol))
-
-
 def over_window(x: Any, settle: int, period: int, limit: float) -> dict[str, Any]:
-    """The same from positions at the strobe points, where period number and limit are known."""
+    """The displacement over the window, from positions at the strobe points; with period number and the displacement approached."""
     count = window_count(len(x) - 1, settle, period)
     return {"period": period, "limit": limit, "displacement": float(x[-1] - x[-1 - count]), "window": float(count)}
+
+
+def looks(end: float, periods: int, T: float) -> Any:
+    """Instants at which the last drive periods before `end` are sampled."""
+    count = _LOOKS * periods
+    return end - periods * T * (1 - (np.arange(count) + 0.5) / count)
 
 
 def margin_force(model: Any) -> float:

@@ -9,6 +9,7 @@ which ends where the offered force reaches break-away. It takes every law, every
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from stickslip.batch import cases_of
@@ -29,11 +30,11 @@ __all__ = ["NAMES", "solve"]
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked, case by case."""
-    method = "dop853" if todo.method == "auto" else todo.method
+    todo = replace(todo, method="dop853") if todo.method == "auto" else todo
     if todo.keep == "summary":
-        return gather(todo, method, _parts(todo))
+        return gather(todo, todo.method, _parts(todo))
     pieces, counts, status = march(todo, _case(todo, 0), 0)
-    return trajectory(todo, method, pieces, counts, status)
+    return trajectory(todo, todo.method, pieces, counts, status)
 
 
 def _case(todo: Request, i: int) -> Any:

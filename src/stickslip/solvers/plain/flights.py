@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from stickslip.solvers.plain.plain_equations import Equations, Mode
-
-_SHORT = 1e-8  # of a period: rebounds that end within it are one event
+from stickslip.solvers.plain.plain_equations import SHORT, Equations, Mode
 
 
 def begun_aloft(e: Equations, t: float, y: Any) -> frozenset[int]:
@@ -34,7 +32,7 @@ def landed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> tuple[Any, Mod
     mass, side, speed = e.masses[c], mode.sides[i], -float(y[gap + 1])
     w, load = e.slips(t, e.state(y)[1])[i], e.loads(t, y)[i]
     rebound = e_n * max(speed, 0.0)
-    over = load > 0.0 and 2.0 * rebound * mass <= _SHORT * e.scale_of_time * load * (1.0 - e_n)
+    over = load > 0.0 and 2.0 * rebound * mass <= SHORT * e.scale_of_time * load * (1.0 - e_n)
     rebound = 0.0 if over else rebound  # one that stays lands without it: the load makes up for the rebounds
     impulse = mass * (max(speed, 0.0) + rebound)
     lost = min(abs(w), _coefficient(e, i, side, w) * impulse / mass)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from stickslip.solvers.plain.deciding import ROUNDING
-from stickslip.solvers.plain.plain_equations import Equations, Mode, held
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
 
@@ -36,9 +36,9 @@ def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
         if side
     ]  # fmt: skip
     found += [_of_load(e, y, mode, i, load) for i, load in enumerate(loads)]
-    for i in range(e.k):
+    for i, load in enumerate(e.kept_positive(loads)):
         if e.laws[i].switching:
-            found += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(_switches(e, y, i, mode, w[i], loads[i]))]
+            found += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]
     found += _limits(e, t, y, mode)
     small = e.noise_of_gaps(q)
     found += [
@@ -54,11 +54,6 @@ def _of_load(e: Equations, y: Any, mode: Mode, i: int, load: float) -> Guard:
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
     return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)
-
-
-def _switches(e: Equations, y: Any, i: int, mode: Mode, w: float, load: float) -> Any:
-    pressed = max(load, 1e-12 * e.first_loads[i], 1e-300)
-    return e.laws[i].switches(held(w, mode.sides[i]), e.z(y, i), pressed, mode.memory[i])
 
 
 def _limits(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:

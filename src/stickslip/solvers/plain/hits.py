@@ -8,10 +8,9 @@ import numpy as np
 
 from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
-from stickslip.solvers.plain.plain_equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import SHORT, Equations, Mode
 
 _MOST = 100  # hits, one handing on the next, at one instant
-_SHORT = 1e-8  # of a period: rebounds that end within it are one event
 
 
 def touching(e: Equations, t: float, y: Any, fired: list[int]) -> list[int]:
@@ -61,7 +60,7 @@ def closing(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> dict
     found: dict[int, float] = {}
     for i in rows:
         loss, push, speed = 1.0 - float(e.stops[i - e.k].restitution), -accelerations[i], max(rates[i], 0.0)
-        soon = speed <= (_SHORT * e.scale_of_time) * push * loss / 2 or speed * speed <= 2 * push * small
+        soon = speed <= (SHORT * e.scale_of_time) * push * loss / 2 or speed * speed <= 2 * push * small
         if push > 0 and soon and (loss > 0 or speed == 0):
             found[i] = t + (2 * speed / (push * loss) if loss > 0 else 0.0)
     return found

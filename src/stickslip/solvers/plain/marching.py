@@ -48,7 +48,7 @@ def marched(todo: Request, model: Any, case: int) -> Run:
     """The run of one case."""
     equations = Equations(model)
     run = Run(todo, equations, todo.start[case])
-    end = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0]) * todo.periods
+    end = float(todo.span[case]) * todo.periods
     end = end if todo.duration is None else min(end, todo.duration)
     known = _known(model, end)
     for i, (first, last) in enumerate(itertools.pairwise(known)):
@@ -109,6 +109,9 @@ class Run:
         whole = iter([int(m) for m in values])
         return tuple(tuple(itertools.islice(whole, law.modes)) for law in self.equations.laws)
 
+    def _slips(self) -> list[float]:
+        return self.equations.slips(self.t, self.equations.state(self.y)[1])
+
     # ---- instants that are known ----
     def throw(self, jump: Jumps, sample: bool = False) -> None:
         """An impulse, a sample, or an instant at which something that is prescribed changes: slips may jump, positions stay."""
@@ -116,7 +119,7 @@ class Run:
         self.y[e.n : 2 * e.n] += jump
         if sample:
             self.y = e.sampled(self.t, self.y)
-        w = e.slips(self.t, e.state(self.y)[1])
+        w = self._slips()
         sides = {i: 1 if w[i] > 0 else -1 for i, side in enumerate(before.sides[: e.k]) if self._jumped(i, side, w[i], any(jump))}
         for i in sides:
             if e.dynamic[i]:
@@ -223,7 +226,9 @@ class Run:
 
     def _switch(self, i: int, k: int) -> None:
         """One switch of a law's memory."""
-        _, memory, z = self.equations.switches(self.t, self.y, i, self.mode)[k]
+        e = self.equations
+        load = e.pressed(e.time(self.t), e.state(self.y)[0], self.mode)[i]
+        _, memory, z = e.switches(self.y, i, self.mode, self._slips()[i], load)[k]
         self._remember(i, memory, z)
 
     def _pass_zero(self, i: int) -> None:
@@ -248,13 +253,13 @@ class Run:
     # ---- stops ----
     def _bounce(self, fired: list[int], touched: list[int] | None = None) -> None:
         """Hits: velocities jump, contacts whose slips do are free, and a stop that is pressed and hardly rebounds is closed."""
-        e, before = self.equations, e_slips(self)
+        e, before = self.equations, self._slips()
         rows = hits.touching(e, self.t, self.y, fired) if e.stops else []
         self.y, met = hits.rebound(e, self.t, self.y, rows)
         if not met and not fired:
             return
         self.hits += [Hit(self.t, e.stops[i - e.k].name, velocity) for i, velocity in met.items()]
-        after = e_slips(self)
+        after = self._slips()
         freed = {
             i: 1 if after[i] > 0 else -1 for i, side in enumerate(self.mode.sides[: e.k])
             if abs(after[i] - before[i]) > 1e-14 * e.scale_of_velocity and after[i] != 0.0
@@ -272,8 +277,3 @@ class Run:
         if closed:
             self.hits += [Hit(when, self.equations.stops[i - self.equations.k].name, 0.0) for i, when in closed.items()]
             self._choose(list(closed))
-
-
-def e_slips(run: Run) -> list[float]:
-    """Slips of a run's state."""
-    return run.equations.slips(run.t, run.equations.state(run.y)[1])

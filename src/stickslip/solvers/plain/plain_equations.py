@@ -23,6 +23,7 @@ from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
 from stickslip.solvers.plain.resting import Group, group_of
 
+SHORT = 1e-8  # of a period: rebounds that end within it are one event
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
@@ -175,8 +176,11 @@ class Equations:
 
     def pressed(self, t: float, q: Floats, mode: Mode) -> Floats:
         """Normal forces, positive also a moment after a contact is lost: a step looks beyond its end."""
-        found = self.pressing(mode.kinks[1], t, q)
-        return [max(load, 1e-12 * first, TINY) for load, first in zip(found, self.first_loads, strict=True)]
+        return self.kept_positive(self.pressing(mode.kinks[1], t, q))
+
+    def kept_positive(self, loads: Floats) -> Floats:
+        """Loads that are not less than next to nothing."""
+        return [max(load, 1e-12 * first, TINY) for load, first in zip(loads, self.first_loads, strict=True)]
 
     def limits(self, loads: Floats) -> list[tuple[float, float]]:
         """Static friction limits in each row [N]; a contact under a dynamic law never rests."""
@@ -298,13 +302,9 @@ class Equations:
         return y
 
     # ---- memories and conditions ----
-    def switches(self, t: float, y: Any, i: int, mode: Mode) -> Switches:
-        """A law's switches: (guard, new memory, new inner states or None)."""
-        if not self.laws[i].switching:
-            return []
-        q, u = self.state(y)
-        w = float(self.mechanics.slips(self.time(t), u)[i])
-        return self.laws[i].switches(held(w, mode.sides[i]), self.z(y, i), self.pressed(self.time(t), q, mode)[i], mode.memory[i])
+    def switches(self, y: Any, i: int, mode: Mode, w: float, load: float) -> Switches:
+        """The switches of a law, at its slip and load: (guard, new memory, new inner states or None)."""
+        return self.laws[i].switches(held(w, mode.sides[i]), self.z(y, i), load, mode.memory[i])
 
     def passed_zero(self, t: float, y: Any, i: int, mode: Mode) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Inner states and memory after the switches that wait for the slip velocity to pass zero."""

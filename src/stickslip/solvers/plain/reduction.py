@@ -11,29 +11,26 @@ from stickslip.machine_adapter import machine_of
 from stickslip.solvers import strobes
 from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
+from stickslip.steadiness import outcome_of
 from stickslip.trajectory import Trajectory
-
-_LOOKS = 5000  # per period
 
 
 def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
     """Raw results of one case."""
-    T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
+    T = float(todo.span[case])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
     if not machine_of(model).is_single:
         return reduced_parts(todo, run.parted)
     strobe = _strobe(run)
-    found = strobes.reduced(model, strobe, todo.settle, todo.method, todo.rtol)
-    period = found["period"]
-    if todo.auto and period:
-        found = strobes.reduced(model, strobe, todo.periods - period, todo.method, todo.rtol)
-    count = _LOOKS * (period or 1)
-    t = pieces.t[-1] - (period or 1) * T * (1 - (np.arange(count) + 0.5) / count)
+    period, limit = outcome_of(model, strobe, todo.method, todo.rtol)
+    settle = todo.periods - period if todo.auto and period else todo.settle
+    found = strobes.over_window(strobe[:, 0], settle, period, limit)
+    t = strobes.looks(pieces.t[-1], period or 1, T)
     index = run._index(t)
     x, v, z = run._states_at(t, index)
     mode, memory = run._modes[index].astype(int), tuple(pieces.memory[index].T)
     codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
-    number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
+    number, seg_time, seg_code = strobes.segments_of(np.full(len(t), (period or 1) * T / len(t)), codes)
     return {
         **found, "periods_run": todo.periods, "status": 0,
         "v_min": v.min(), "v_max": v.max(), **_wide(run, T * found["window"], v),

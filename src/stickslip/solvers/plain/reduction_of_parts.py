@@ -14,7 +14,6 @@ from stickslip.steadiness import repetition_of, window_count
 from stickslip.trajectory import Trajectory
 
 Array = Any
-_LOOKS = 5000  # per period
 
 
 def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
@@ -34,8 +33,8 @@ def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
 
 def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
     """What the parts did in the last drive periods."""
-    end, span = float(run.pieces.t[-1]), periods * float(np.ravel(todo.span)[0] if run.model.period is None else run.model.period)
-    t = end - span * (1 - (np.arange(_LOOKS * periods) + 0.5) / (_LOOKS * periods))
+    end, T = float(run.pieces.t[-1]), float(todo.span[0] if run.model.period is None else run.model.period)
+    t, span = strobes.looks(end, periods, T), periods * T
     at, machine = run.at(t), machine_of(run.model)
     v, slip, step = at["v"], at["slip"], span / len(t)
     segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]

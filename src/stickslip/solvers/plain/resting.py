@@ -23,6 +23,7 @@ class Group(Protocol):
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
         """Forces that keep the rows at rest [N]."""
+        return self.project(beta)
 
     def project(self, w: Sequence[float]) -> Sequence[float]:
         """Impulses that take off what rounding left of the slips [N s]."""
@@ -45,9 +46,6 @@ class Group(Protocol):
 class _Single(Group):
     rows: list[int]
     mass: float
-
-    def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
-        return [self.mass * beta[0]]
 
     def project(self, w: Sequence[float]) -> Sequence[float]:
         return [self.mass * w[0]]
@@ -86,26 +84,15 @@ class _Box(Group):
     rows: list[int]
     inverse: Any
 
-    def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
-        return (self.inverse @ np.asarray(beta)).tolist()
-
     def project(self, w: Sequence[float]) -> Sequence[float]:
         return (self.inverse @ np.asarray(w)).tolist()
 
 
 @dataclass(frozen=True)
-class _Dependent(Group):
+class _Dependent(_Box):
     """Rows of which some follow from others: their forces are not unique, and the smallest will do, for all give the same motion."""
 
-    rows: list[int]
     G: Any
-    inverse: Any
-
-    def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
-        return self.project(beta)
-
-    def project(self, w: Sequence[float]) -> Sequence[float]:
-        return (self.inverse @ np.asarray(w)).tolist()
 
     def margins(self, R: Sequence[float], limits: Bounds) -> list[tuple[int | None, int, float, float]]:
         low, high = (np.array([limits[i][n] for i in self.rows]) for n in (0, 1))
@@ -122,4 +109,4 @@ def group_of(rows: list[int], G: Any, effective: list[float]) -> Group:
         return _Common(rows, effective[rows[0]], np.sign(part[0]).tolist())
     if np.linalg.cond(part) < _SINGULAR:
         return _Box(rows, np.linalg.inv(part))
-    return _Dependent(rows, part, np.linalg.pinv(part, rcond=1 / _SINGULAR, hermitian=True))
+    return _Dependent(rows, np.linalg.pinv(part, rcond=1 / _SINGULAR, hermitian=True), part)

@@ -177,7 +177,7 @@ def _later(right: Any, t: float, y: Any, moment: float) -> Any:
 def _solver(todo: Request, e: Equations, right: Any, t: float, y: Any, end: float, first: float | None = None) -> Any:
     import scipy.integrate
 
-    method = getattr(scipy.integrate, NAMES.get(todo.method, "DOP853"))
+    method = getattr(scipy.integrate, NAMES[todo.method])
     options = {} if first is None else {"first_step": first}
     return method(
         right, t, y, end, rtol=max(todo.rtol, 3e-14), atol=0.01 * todo.rtol * e.sizes(t, y), max_step=0.1 * e.scale_of_time, **options
@@ -206,7 +206,7 @@ def _landed(todo: Request, equations: Equations, step: _Step, event: tuple[float
     done.t, k = event
     if done.t - step.start <= 4 * np.spacing(abs(step.start)):
         done.t, done.y = step.start, step.before
-    elif NAMES.get(todo.method, "DOP853") in _ONE_STEP:
+    elif NAMES[todo.method] in _ONE_STEP:
         _land(todo, equations, step, done, k)
     else:
         done.y = step.dense(done.t)
