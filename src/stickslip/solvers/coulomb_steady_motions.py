@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.batch import some_of
 from stickslip.solvers import set_valued as exact
-from stickslip.solvers.closed_arcs import Arcs, handles, reduced
+from stickslip.solvers.closed_arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
@@ -26,10 +26,8 @@ _WAYS = ("forward_way", "backward_way")
 
 
 def applies(todo: Request) -> bool:
-    """Whether a request is for the periodic motions of a model with constant sliding friction, from rest."""
-    return (
-        todo.auto and todo.keep == "summary" and todo.method in ("auto", "exact") and not todo.start.any() and handles(todo.model) is None
-    )
+    """Whether a request of a model with closed arcs is for the motions in which it ends from rest."""
+    return todo.auto and not todo.start.any()
 
 
 def _kernel() -> Any:

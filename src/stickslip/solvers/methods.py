@@ -45,6 +45,19 @@ class Method(Protocol):
         """Solve as asked, one case or many."""
 
 
+class Stepping(Protocol):
+    """What the methods that march cases side by side have in common."""
+
+    def steps(self, todo: Request) -> tuple[Series | Tableau | None, float]:
+        """The steps that a request takes (None: Taylor steps of set-valued laws), and the tolerance to which they are held."""
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Step by step."""
+        from stickslip.solvers import stepping
+
+        return stepping.run(todo, *self.steps(todo))
+
+
 def _of_laws(model: Any, dynamic: bool) -> str | None:
     """Why a compiled method for laws of one sort does not take a machine."""
     machine = machine_of(model)
@@ -79,7 +92,7 @@ class ClosedArcs:
 
 
 @dataclass(frozen=True)
-class TaylorSteps:
+class TaylorSteps(Stepping):
     """Every other set-valued law, and machines of several bodies: polynomials of order 16, exact to rounding."""
 
     title: str = "Taylor steps"
@@ -90,16 +103,15 @@ class TaylorSteps:
         """Laws that rest exactly."""
         return _of_laws(model, dynamic=False)
 
-    def run(self, todo: Request) -> Trajectory | Summary:
-        """Step by step, to the zeros of the guards."""
-        from stickslip.solvers import stepping
+    def steps(self, todo: Request) -> tuple[None, float]:
+        """Those of set-valued laws, to the zeros of the guards."""
         from stickslip.solvers.set_valued import REPEAT
 
-        return stepping.run(todo, None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10)
+        return None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10
 
 
 @dataclass(frozen=True)
-class Rosenbrock:
+class Rosenbrock(Stepping):
     """Laws with inner states, which are stiff: those of `TABLEAUX`, by tolerance unless one is named."""
 
     title: str = "Rosenbrock steps"
@@ -110,21 +122,15 @@ class Rosenbrock:
         """Laws with inner states."""
         return _of_laws(model, dynamic=True)
 
-    def run(self, todo: Request) -> Trajectory | Summary:
-        """Steps held to the tolerance."""
-        from stickslip.solvers import stepping
-
-        return stepping.run(todo, *self.steps(todo))
-
     def steps(self, todo: Request) -> tuple[Tableau, float]:
-        """The tableau that a request takes, and the tolerance to which its steps are held."""
-        from stickslip.solvers import rosenbrock
+        """The tableau that is asked for, or the one that is cheaper."""
+        from stickslip.solvers.rosenbrock import SAFETY, tableau
 
-        return rosenbrock.method(todo)
+        return TABLEAUX.get(todo.method) or tableau(todo.model, todo.rtol), SAFETY * todo.rtol
 
 
 @dataclass(frozen=True)
-class TaylorSeries:
+class TaylorSeries(Stepping):
     """One body on one contact under a law with one inner state: series of order 8, 12 or 18, on the slow manifold while it slips."""
 
     title: str = "Taylor series"
@@ -137,14 +143,8 @@ class TaylorSeries:
 
         return _of_laws(model, dynamic=True) or lacks(model)
 
-    def run(self, todo: Request) -> Trajectory | Summary:
-        """Steps held to the tolerance."""
-        from stickslip.solvers import stepping
-
-        return stepping.run(todo, *self.steps(todo))
-
     def steps(self, todo: Request) -> tuple[Series, float]:
-        """The series that a request takes, and the tolerance to which their steps are held."""
+        """The series of the order that the tolerance asks for."""
         from stickslip.solvers import series
 
         return series.method(todo.rtol)
@@ -199,15 +199,26 @@ class Judge:
 
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
 #: In the order in which they are asked.
-ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), *(_DYNAMIC := (TaylorSeries(), Rosenbrock())), RungeKutta(), Judge())
+ALL: tuple[Method, ...] = (
+    ClosedArcs(),
+    *(_STEPPING := (TaylorSteps(), TaylorSeries(), Rosenbrock())),
+    *(_ALONE := (RungeKutta(), Judge())),
+)
 #: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Taylor series where they know the law, or Rodas4 or
 #: Rodas5P by tolerance.
 METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
+#: Names of those that solve one case after the other.
+SLOW = tuple(name for method in _ALONE for name in method.names if name != "auto")
 
 
-def steps_of(todo: Request) -> tuple[Series | Tableau, float]:
-    """The steps that a request under laws with inner states takes, and the tolerance to which they are held."""
-    return next(each.steps(todo) for each in _DYNAMIC if todo.method in each.names and _refusal(each, todo.model) is None)
+def takes_closed_arcs(name: str, model: Any) -> bool:
+    """Whether a method of this name solves a machine by closed arcs."""
+    return name in ClosedArcs.names and ClosedArcs().accepts(model) is None
+
+
+def steps_of(todo: Request) -> tuple[Series | Tableau | None, float]:
+    """The steps that a request takes which is not for closed arcs, and the tolerance to which they are held."""
+    return next(each.steps(todo) for each in _STEPPING if todo.method in each.names and _refusal(each, todo.model) is None)
 
 
 _refusals: Remembered[str | None] = Remembered()

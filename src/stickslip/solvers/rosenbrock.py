@@ -6,18 +6,12 @@ from typing import Any
 
 from stickslip.engine import tableaux
 from stickslip.machine_adapter import machine_of
-from stickslip.solvers.request import Request
 
 #: From these tolerances on the fourth-order method is cheaper: for one contact (benchmarks/work_precision.py), and for several, which
 #: spend more of their steps near reversals, where the order counts (docs/decisions/2026-11-23-cost-of-a-chain.md).
 LOOSE, LOOSE_OF_SEVERAL = 1e-4, 2e-4
 #: The steps are held to a part of the tolerance asked for, so that energy closes to it and no case is an outlier.
 SAFETY = 0.5
-
-
-def method(todo: Request) -> tuple[tableaux.Tableau, float]:
-    """The method that a request takes, and the tolerance to which its steps are held."""
-    return tableaux.TABLEAUX.get(todo.method) or tableau(todo.model, todo.rtol), SAFETY * todo.rtol
 
 
 def tableau(model: Any, rtol: float) -> tableaux.Tableau:

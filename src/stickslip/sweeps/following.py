@@ -15,7 +15,7 @@ from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
-from stickslip.solvers import coulomb_steady_motions as orbits, set_valued as exact, stepping
+from stickslip.solvers import coulomb_steady_motions as orbits, stepping
 from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.methods import steps_of
 from stickslip.solvers.request import Request, request
@@ -34,10 +34,8 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
     why = unfollowed(robot, todo.method)
     if why is not None:
         raise InputError("sweep", [why])
-    if law_of(robot).dynamic:
-        return _stepped(todo, *steps_of(todo))
     if handles(robot) is not None:
-        return _stepped(todo, None, exact.REPEAT / 10)
+        return _stepped(todo, *steps_of(todo))
     summary, more = orbits.solve_waiting(todo)
     return summary, more | _named({"v": more["v_end"]})
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,7 @@ from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import checked, parted
+from stickslip.solvers.methods import SLOW
 from stickslip.sweeps.models_of_points import groups_of, refusals
 from stickslip.sweeps.result_columns import COLUMNS, part_columns
 from stickslip.sweeps.space import Space, space_of
@@ -142,7 +143,7 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     if plan.observed and along is not None:
         raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
     _check_options(plan)
-    return Plan(make, space, options, starts, along, int(tile) if tile else _tile(plan))
+    return replace(plan, tile=int(tile) if tile else _tile(plan))
 
 
 _ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard", "client", "retries", "tile", "continue_along")
@@ -152,10 +153,7 @@ def _tile(plan: Plan) -> int:
     """A size that depends on the study alone, so that it can be resumed with other workers."""
     if plan.along:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
-    slow = plan.sample is not None and (
-        plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853")
-        or not all(law.compiles for law in machine_of(plan.sample).laws)
-    )
+    slow = plan.sample is not None and (plan.options["method"] in SLOW or not all(law.compiles for law in machine_of(plan.sample).laws))
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 
 

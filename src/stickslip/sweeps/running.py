@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
 from stickslip.pool import shared
+from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.sweeps.labelling import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
@@ -176,7 +178,7 @@ def carried_out(
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
     """The dataset of all columns of a plan. An error that every case makes is raised."""
     if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
-        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, _tile_in_memory(plan, workers))
+        plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
         _put(whole, plan.bounds(k), columns)
@@ -193,9 +195,7 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
 
 def _tile_in_memory(plan: Plan, workers: int) -> int:
     """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
-    from stickslip.solvers.closed_arcs import handles
-
-    if plan.options["method"] in ("auto", "exact") and plan.sample is not None and handles(plan.sample) is None:
+    if plan.sample is not None and takes_closed_arcs(plan.options["method"], plan.sample):
         return 32768 if plan.cases >= 8 * 32768 else 16384
     return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
 

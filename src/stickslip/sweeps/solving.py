@@ -21,6 +21,7 @@ from stickslip.part_notes import notes_of_cases
 from stickslip.pool import Cancelled
 from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts
 from stickslip.solvers.closed_arcs import handles, reduced
+from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
 from stickslip.status import Status
 from stickslip.sweeps.models_of_points import Group, groups_of, starts_at
@@ -180,13 +181,10 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
     from stickslip.solvers import solve
 
     asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
-    if options["duration"] is None and not asked["observe"] and options["method"] in ("auto", "exact"):
-        todo = request(robot, samples=400, options={}, **asked)
-        if orbits.applies(todo):
-            return orbits.solve(todo)
-        if handles(robot) is None:
-            return orbits.solve_waiting(todo)
-    return solve(robot, **asked), {}
+    if options["duration"] is not None or asked["observe"] or not takes_closed_arcs(options["method"], robot):
+        return solve(robot, **asked), {}
+    todo = request(robot, samples=400, options={}, **asked)
+    return orbits.solve(todo) if orbits.applies(todo) else orbits.solve_waiting(todo)
 
 
 def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:

@@ -363,8 +363,7 @@ def has_arcs(model: Any) -> bool:
     """Whether the motion is made of closed arcs."""
     from stickslip.solvers.closed_arcs import handles
 
-    machine = machine_of(model)
-    return machine.is_single and not machine.has_inner_states and handles(model) is None
+    return handles(model) is None
 
 
 def coordinates_of_flow(flow: Any) -> Coordinates:
