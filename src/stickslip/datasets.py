@@ -112,9 +112,17 @@ def attributes(run: Any) -> dict[str, Any]:
     return attrs
 
 
-def _described(name: str, model: Any = None) -> dict[str, str]:
-    variable = VARIABLES[name]
-    return {"units": unit_of(name, model) or "1", "long_name": variable.long_name, "symbol": variable.symbol}
+#: What the codes of columns say.
+CODES = {"status": STATUS, "steadiness": STEADINESS}
+
+
+def described(name: str, model: Any = None) -> dict[str, str]:
+    """Units, long name and symbol of a column, and what its codes say; nothing of one that is not ours."""
+    if name not in VARIABLES:
+        return {}
+    told = {"units": unit_of(name, model) or "1", "long_name": VARIABLES[name].long_name, "symbol": VARIABLES[name].symbol}
+    codes = {"flag_meanings": "; ".join(f"{code}: {said}" for code, said in CODES[name].items())} if name in CODES else {}
+    return told | codes
 
 
 def trajectory_dataset(run: Any) -> Any:
@@ -134,8 +142,8 @@ def trajectory_dataset(run: Any) -> Any:
     import xarray as xr
 
     columns, names = trajectory_columns(run), names_of(run)
-    data = {name: (dims_of(name, column, names), column, _described(name, run.model)) for name, column in columns.items() if name != "t"}
-    coords = {"time": ("time", columns["t"], _described("t")), **{dim: (dim, of) for dim, of in names.items()}}
+    data = {name: (dims_of(name, column, names), column, described(name, run.model)) for name, column in columns.items() if name != "t"}
+    coords = {"time": ("time", columns["t"], described("t")), **{dim: (dim, of) for dim, of in names.items()}}
     return xr.Dataset(data, coords=coords, attrs=attributes(run))
 
 
@@ -148,14 +156,12 @@ def summary_dataset(many: Any) -> Any:
     coords = {k: v if isinstance(v, tuple) else ((k,), v) for k, v in (labels.coords or {}).items()}
     if labels.dims is None and many.model is not None:
         coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
-    told = {name: _described(name, many.model) if name in VARIABLES else {} for name in many.columns}
     parts = {} if many.model is None else machine_of(many.model).part_names
     coords |= {dim: ((dim,), list(names)) for dim, names in parts.items()}
-    data = {name: (_dims_of_case(name, dims, parts), np.asarray(column), told[name]) for name, column in many.columns.items()}
-    if "steadiness" in data:
-        told["steadiness"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STEADINESS.items())
-    if "status" in data:
-        told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STATUS.items())
+    data = {
+        name: (_dims_of_case(name, dims, parts), np.asarray(column), described(name, many.model))
+        for name, column in many.columns.items()
+    }  # fmt: skip
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any
 
 
 class Status(IntEnum):
@@ -41,3 +42,17 @@ class Status(IntEnum):
 
 #: What a status code says, of all that there are.
 STATUS: dict[int, str] = {int(status): status.sentence for status in Status}
+
+
+def counted(codes: Any, said: dict[int, str] = STATUS) -> dict[str, int]:
+    """How many there are of each code, by what it says.
+
+    Examples
+    --------
+    >>> counted([0, 6, 0])
+    {'finished': 2, 'contact lost: the load fell to zero': 1}
+    """
+    import numpy as np
+
+    found, counts = np.unique(codes, return_counts=True)
+    return {said.get(code, f"status {code}"): count for code, count in zip(found.tolist(), counts.tolist(), strict=True)}

@@ -12,7 +12,7 @@ from stickslip.errors import did_you_mean
 from stickslip.mechanics import declares_parts
 from stickslip.part_notes import notes_of_cases
 from stickslip.sealing import seal, sealed
-from stickslip.status import STATUS
+from stickslip.status import counted
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 from stickslip.variables import VARIABLES
 
@@ -114,14 +114,12 @@ class Summary:
     @property
     def status_counts(self) -> dict[str, int]:
         """How many cases ended with each sentence."""
-        codes, counts = np.unique(np.asarray(self.columns["status"]), return_counts=True)
-        return {STATUS.get(int(c), f"status {c}"): int(n) for c, n in zip(codes, counts, strict=True)}
+        return counted(self.columns["status"])
 
     @property
     def steadiness_counts(self) -> dict[str, int]:
         """How many cases are steady, have not settled, or do not repeat."""
-        codes, counts = np.unique(np.asarray(self.columns.get("steadiness", [])), return_counts=True)
-        return {STEADINESS[int(c)]: int(n) for c, n in zip(codes, counts, strict=True)}
+        return counted(self.columns.get("steadiness", []), STEADINESS)
 
     @property
     def notes(self) -> list[str]:

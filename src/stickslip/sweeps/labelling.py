@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.contracts import Array
+from stickslip.datasets import described
 from stickslip.errors import InputError
 from stickslip.fields import field_description
 from stickslip.jsontext import plain
@@ -21,7 +22,8 @@ from stickslip.quantities import axis_in
 from stickslip.solvers.request import versions
 from stickslip.sweeps.models_of_points import shared_numbers
 from stickslip.sweeps.planning import Plan
-from stickslip.sweeps.result_columns import COLUMNS, base_of, described, dim_of, stacked
+from stickslip.sweeps.result_columns import COLUMNS, base_of, dim_of, stacked
+from stickslip.sweeps.solving import kept_columns
 from stickslip.sweeps.space import Column
 from stickslip.variables import VARIABLES, unit_of
 
@@ -101,8 +103,6 @@ def _robot_of(make: Any) -> dict[str, str]:
 
 def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: dict[str, int]) -> Any:
     """The columns, flat in the order of the results, as an `xarray.Dataset`."""
-    from stickslip.sweeps.solving import kept_columns
-
     kept = {}
     for name in kept_columns(plan):
         values, dim = stacked(name, columns, plan.parts), dim_of(name, plan.parts)
@@ -157,7 +157,7 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
     units = json.loads(attributes.get("units", "{}"))
     own = {name: {"units": units[base_of(name)]} if base_of(name) in units else {} for name in columns}
-    data = {name: (dims, values, described(name) | own[name] | unitless) for name, (dims, values) in columns.items()}
+    data = {name: (dims, values, described(base_of(name)) | own[name] | unitless) for name, (dims, values) in columns.items()}
     known = json.loads(attributes.get("described", "{}"))
     coords = {name: (column.dims, _label(column.values), _told(name, known)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.callbacks import progress_callback
 from stickslip.pool import Cancelled
-from stickslip.status import STATUS
+from stickslip.status import STATUS, counted
 
 PAUSE = 0.1  # between two reports [s]
 
@@ -106,8 +106,7 @@ class Watch:
         """A tile is ready."""
         self._begun.pop(tile, None)
         self._finished += len(status)
-        codes = zip(*(each.tolist() for each in np.unique(status, return_counts=True)), strict=True)
-        self._statuses.update({STATUS.get(code, f"status {code}"): n for code, n in codes})
+        self._statuses.update(counted(status))
         self._tell(PAUSE if self._finished < self.cases else 0.0)
 
     def now(self) -> Progress:

@@ -174,12 +174,11 @@ class _Refined:
         """The cells whose corners differ; corners of such cells that were only filled are computed first, until nothing new turns up."""
         while True:
             kind = self.kind[np.ix_(*lines)]
-            corners = (kind[:-1, :-1], kind[1:, :-1], kind[:-1, 1:], kind[1:, 1:])
-            changing = np.logical_or.reduce([c != corners[0] for c in corners[1:]])
+            corners = np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[:-1, 1:], np.s_[1:, 1:]
+            changing = np.logical_or.reduce([kind[corner] != kind[corners[0]] for corner in corners[1:]])
             need = np.zeros(kind.shape, bool)
-            for a in (slice(None, -1), slice(1, None)):
-                for b in (slice(None, -1), slice(1, None)):
-                    need[a, b] |= changing
+            for corner in corners:
+                need[corner] |= changing
             need &= ~self.known[np.ix_(*lines)]
             if not need.any() or self.watch.stopped:
                 return changing

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.contracts import Array
+from stickslip.datasets import CODES, described
 from stickslip.errors import InputError
-from stickslip.status import STATUS, Status
-from stickslip.steadiness import STEADINESS, UNKNOWN
+from stickslip.status import Status
+from stickslip.steadiness import UNKNOWN
 from stickslip.variables import VARIABLES
 
 #: What the names of end states begin with, beside the columns of cases that others start from.
 END = "end."
-_CODES = {"status": STATUS, "steadiness": STEADINESS}
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
 #: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters. What a machine of several parts
@@ -157,6 +157,11 @@ def coded(name: str, values: Array) -> Array:
     return values.astype(COLUMNS.get(name, values.dtype))
 
 
+def unwritten(name: str, count: int = 1) -> Array:
+    """A column of cases that have no result yet, as it is written to a file."""
+    return coded(name, _unknown(name, count))
+
+
 def words(name: str, values: Array) -> Array:
     """A column from a file as it is in memory; the opposite of `coded`.
 
@@ -211,8 +216,8 @@ def flags(name: str) -> dict[str, Any]:
     name = base_of(name)
     if name == "motion_type":
         return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
-    if name in _CODES:
-        codes = _CODES[name]
+    if name in CODES:
+        codes = CODES[name]
         return {
             "flag_values": np.array(list(codes), np.int8),
             "flag_meanings": " ".join(text.replace(":", "").replace(" ", "_") for text in codes.values()),
@@ -220,13 +225,7 @@ def flags(name: str) -> dict[str, Any]:
     return {}
 
 
-def described(name: str) -> dict[str, Any]:
-    """Units, long name and symbol of a column; nothing of one that is not ours."""
-    name = base_of(name)
-    variable = VARIABLES.get(name)
-    if variable is None:
-        return {}
-    told: dict[str, Any] = {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
-    if name in _CODES:
-        told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in _CODES[name].items())
-    return told
+def attributes_in_files(name: str) -> dict[str, Any]:
+    """Units and names of a column, and a word for each of its codes."""
+    codes = flags(name)
+    return {about: told for about, told in described(base_of(name)).items() if about not in codes} | codes

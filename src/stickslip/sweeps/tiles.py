@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.sweeps.manifest import has_checksums
-from stickslip.sweeps.result_columns import coded, described, empty, flags, words
+from stickslip.sweeps.result_columns import attributes_in_files, coded, empty, unwritten, words
 from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 
 TILES = "tiles"
@@ -68,11 +68,9 @@ def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, 
 def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
     """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
     variables: dict[str, Any] = {"case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})}
-    blank = empty(count, names)
     for name in names:
-        values = coded(name, blank[name])
-        attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
-        variables[name] = (("case", "character")[: values.ndim], values, {**attrs, **flags(name)})
+        values = unwritten(name, count)
+        variables[name] = (("case", "character")[: values.ndim], values, attributes_in_files(name))
     return written(variables, {"stickslip_content": "tile of a study", "study": study})
 
 
@@ -93,7 +91,7 @@ def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> d
 
 
 def _decoded(name: str, variable: Any, count: int) -> Array:
-    like = coded(name, empty(1, [name])[name])
+    like = unwritten(name)
     if variable.shape != (count, *like.shape[1:]) or variable.dtype != like.dtype:
         raise Damaged(f"{name} has shape {variable.shape} and type {variable.dtype}")
     return words(name, variable[...])

@@ -18,7 +18,7 @@ from stickslip.optional import library
 from stickslip.status import STATUS
 from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.opening import open_study
-from stickslip.sweeps.result_columns import COLUMNS, TYPES, characters, coded, described, empty, flags
+from stickslip.sweeps.result_columns import COLUMNS, TYPES, attributes_in_files, characters, coded, unwritten
 from stickslip.workbooks import write_workbook
 
 _ROWS = 65536  # cases at a time
@@ -140,10 +140,10 @@ def _netcdf(data: Any, path: Path) -> None:
 
 def _column(file: Any, name: str, values: Any) -> None:
     """One of our columns, its words as codes."""
-    kind = coded(name, empty(1, [name])[name])
+    kind = unwritten(name)
     more = ("character",) if kind.ndim > 1 else ()
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
-    made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
+    made.attrs.update(attributes_in_files(name))
     made.attrs["units"] = str(values.attrs.get("units", made.attrs["units"]))
     for block in _slabs(values.shape):
         made[block] = coded(name, np.asarray(values[block].values))
@@ -250,7 +250,7 @@ def _csv(data: Any, path: Path) -> None:
 
 
 def _excel(data: Any, path: Path) -> None:
-    count = int(np.prod([data.sizes[d] for d in _dims(data)], dtype=np.int64))
+    count = math.prod(data.sizes[d] for d in _dims(data))
     write_workbook(path, [_explained(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
 
 
