@@ -9,8 +9,8 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-#: What takes the progress of work: (what, done, in all); False stops the work.
-Reported = Callable[[str, int, int], Any]
+#: What takes the progress of work: (what, done, in all), or (done, in all); False stops the work.
+Reported = Callable[..., Any]
 
 PAUSE = 5.0  # between two lines where nobody watches [s]
 

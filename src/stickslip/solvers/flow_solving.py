@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, cases_of, labels_of, spread
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.engine.texts import recurrence
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
-from stickslip.solvers.request import check_keep, versions
+from stickslip.solvers.request import check_duration, check_keep, versions
 from stickslip.status import Status
 from stickslip.summary import Summary
 
@@ -57,7 +57,7 @@ def solve(
     asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options)
     if asked.keep == "trajectory":
         return _run(asked, start)
-    return _summary(asked, progress_callback(progress, "solve"))
+    return _summary(asked, reporting(progress, "solve"))
 
 
 def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> Asked:
@@ -90,14 +90,10 @@ def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, 
     cases = labels.cases
     T = None if flow.period is None else spread(flow.period, labels)
     if duration is not None:
-        if periods is not None:
-            problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
-        if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < 1e12:
-            problems.add(f"duration = {duration!r}; allowed is a positive time; type for example duration=10.0")
-            duration = 1.0
+        duration = float(duration) if check_duration(duration, periods, problems) else 1.0
         if settle not in (None, 0, "auto"):
             problems.add(f"settle = {settle!r} counts periods, and duration= is given; leave settle out, or give periods=")
-        return np.full(cases, float(duration)), np.zeros(cases), None, 0
+        return np.full(cases, duration), np.zeros(cases), None, 0
     if T is None:
         problems.add("the flow has no period, so periods does not say how long to run; type duration=60.0")
         return np.ones(cases), np.zeros(cases), None, 0
@@ -174,8 +170,7 @@ def _summary(asked: Asked, progress: Any) -> Summary:
     found: list[dict[str, Any]] = []
     for k, flow in enumerate(cases_of(asked.flow)):
         found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
-        if progress is not None:
-            progress(k + 1, len(asked.states))
+        progress(k + 1, len(asked.states))
     names = list(found[0])
     columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in names}
     settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, labels_together, spread
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
@@ -44,7 +44,7 @@ class Request:
     method: str
     slip_ratio: float
     dwell: float
-    progress: Callable[[int, int], None] | None
+    progress: Callable[[int, int], Any]  # cases begun, cases
     options: dict[str, Any]
     duration: float | None  # [s], where it was given
     span: Any  # (cases,): time of one period [s]: the model's, or the duration if it has none
@@ -76,13 +76,7 @@ def request(
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
             ],
         )
-    numbers = dict(leaves(model))
-    for name, value in numbers.items():
-        try:
-            number(value)
-        except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
-    problems.check()
+    numbers = _numbers_of(model, problems)
     labels, duration = labels_together(numbers, type(model).__name__), in_seconds(duration, problems)
     periods = _periods(model, labels, periods, settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)
@@ -92,15 +86,11 @@ def request(
     if settle is not None and not auto and (not is_whole(settle) or settle < 0 or (is_whole(periods) and settle >= periods)):
         allowed = f'a whole number from 0 below periods = {periods!r}, None or "auto"'
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
-    if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
-        problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
-    for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
-        if not isinstance(value, (int, float)) or not 0.0 < value < below:
-            problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")
+    _check_thresholds(rtol, slip_ratio, dwell, problems)
     _check_names(labels, keep, method, options, problems)
     states = _start_states(model, labels, start, problems)
     problems.check()
-    progress = progress_callback(progress, "solve")
+    progress = reporting(progress, "solve")
     keep = keep or ("summary" if labels.shape else "trajectory")
     observed = checked("solve", observe, VARIABLES)
     if observed and keep == "trajectory":
@@ -115,6 +105,26 @@ def request(
     )  # fmt: skip
 
 
+def _numbers_of(model: Any, problems: Problems) -> dict[str, Any]:
+    """The numbers of a model by name; `InputError` where one is none."""
+    numbers = dict(leaves(model))
+    for name, value in numbers.items():
+        try:
+            number(value)
+        except ValueError as error:
+            problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
+    problems.check()
+    return numbers
+
+
+def _check_thresholds(rtol: Any, slip_ratio: Any, dwell: Any, problems: Problems) -> None:
+    if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
+        problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
+    for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
+        if not isinstance(value, (int, float)) or not 0.0 < value < below:
+            problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")
+
+
 def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> Any:
     """Periods to run: as given, or as many as the duration begins; 1 for a model that has no period."""
     name, aperiodic = type(model).__name__, model.period is None
@@ -123,10 +133,7 @@ def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: An
             problems.add(f"{name} has no period, so periods does not say how long to run; type duration=60.0 [s]")
             return 1
         return 200 if periods is None else periods
-    if periods is not None:
-        problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
-    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration <= LONGEST:
-        problems.add(f"duration = {duration!r}; allowed is a positive time [s], up to {LONGEST:.0e}; type for example duration=10.0")
+    if not check_duration(duration, periods, problems, " [s]"):
         return 1
     if aperiodic:
         if settle not in (None, 0):
@@ -136,6 +143,16 @@ def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: An
         problems.add(f"duration is for one {name} and this is a batch of shape {labels.shape}; type periods=200, or solve one case")
         return 1
     return max(int(np.ceil(duration / float(model.period) * (1 - 1e-12))), 1)
+
+
+def check_duration(duration: Any, periods: Any, problems: Problems, unit: str = "") -> bool:
+    """Note a duration that is no time, or given beside periods; whether it is a time."""
+    if periods is not None:
+        problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
+    good = not isinstance(duration, bool) and isinstance(duration, (int, float)) and 0.0 < duration <= LONGEST
+    if not good:
+        problems.add(f"duration = {duration!r}; allowed is a positive time{unit}, up to {LONGEST:.0e}; type for example duration=10.0")
+    return good
 
 
 #: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).

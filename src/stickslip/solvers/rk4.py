@@ -188,8 +188,7 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
     def work(i: int) -> dict[str, Any]:
         model = with_row(todo.model, kernel.names, rows[i])
         result = _summary(todo, _March(model, kernel, rows[i], todo.start[i], steps, thinned=False))
-        if todo.progress is not None:
-            todo.progress(i + 1, len(rows))
+        todo.progress(i + 1, len(rows))
         return result
 
     for i, result in shared(work, range(len(rows)), todo.workers):

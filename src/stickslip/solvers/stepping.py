@@ -108,8 +108,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
 
         def tell(count: int) -> None:
             begun[i] = count
-            if todo.progress is not None:
-                todo.progress(sum(begun), todo.cases)
+            todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
         table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine)

@@ -61,5 +61,4 @@ def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:
         except SolveError:
             found = {**_nothing(model), "status": 3}
         yield (i, i + 1), strobes.raw([found])
-        if todo.progress is not None:
-            todo.progress(i + 1, todo.cases)
+        todo.progress(i + 1, todo.cases)
