@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
-from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, typed
+from stickslip.solvers.part_results import OF_TYPE, RawParts, beside, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
@@ -119,14 +119,24 @@ class _Cases:
         """What is about the velocity and the contact of the only body."""
         raw = self.raw
         found: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
-        found["velocity_max"] = lambda: self.known(np.where(self.lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)))
-        found["velocity_min"] = lambda: self.known(np.where(self.lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)))
+        found["velocity_max"] = lambda: self.extreme(raw.v_max, raw.wide_max, np.maximum)
+        found["velocity_min"] = lambda: self.extreme(raw.v_min, raw.wide_min, np.minimum)
         if raw.friction_power is not None:
             found["friction_power"] = lambda: self.known(raw.friction_power)
         return found
 
     def known(self, values: Any) -> Any:
-        return np.where(self.good, values, np.nan)
+        """Values of the cases, or of their parts, where a case was solved."""
+        return np.where(beside(self.good, values), values, np.nan)
+
+    def extreme(self, last: Any, wide: Any, larger: Any) -> Any:
+        """Extremes over the last motion period, or over the window where that does not say all."""
+        return self.known(np.where(beside(self.lasting, last), last, larger(last, wide)))
+
+    def over_time(self, displacement: Any) -> Any:
+        """Mean velocities over the window."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return self.known(displacement / beside(self.raw.window * self.T, displacement))
 
     @cached_property
     def good(self) -> Any:
@@ -134,8 +144,7 @@ class _Cases:
 
     @cached_property
     def velocity(self) -> Any:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return self.known(self.raw.displacement / (self.raw.window * self.T))
+        return self.over_time(self.raw.displacement)
 
     @cached_property
     def approached(self) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def _filled(
             if name not in parts:
                 problems.add(f"start[{what!r}] has no {name!r}; {did_you_mean(str(name), parts)}")
                 continue
-            first = sum(count for other, count in parts.items() if list(parts).index(other) < list(parts).index(name))
+            first = sum(itertools.islice(parts.values(), list(parts).index(name)))
             _put(f"{what}[{name!r}]", own, table[:, first : first + parts[name]], labels, problems, unit)
         return table
     _put(what, value, table, labels, problems, unit)

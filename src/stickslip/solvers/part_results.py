@@ -68,36 +68,31 @@ def typed(
     return found | {name: np.where(good, found[name], np.nan) for name in _FRACTIONS}
 
 
+def beside(few: Array, values: Array) -> Array:
+    """One value for each case, in as many dimensions as others have."""
+    return few.reshape(-1, *[1] * (np.ndim(values) - 1))
+
+
 def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
     """What computes the columns with an axis of bodies, contacts or stops, by name; of what a machine has not there are none.
 
-    `cases` knows what is of a case as a whole: raw results, T [s], which are good and whose last period says all (see `gather`).
+    `cases` knows what is of a case as a whole: raw results, T [s], and what is known of them (see `gather`).
     """
     raw: RawParts = cases.raw.parts
     counts = {"body": raw.displacement.shape[1], "contact": raw.seg_count.shape[1], "stop": raw.hits.shape[1]}
     type_of_each = cache(lambda: _types(cases, raw))
 
-    def known(values: Callable[[], Array]) -> Callable[[], Array]:
-        def found() -> Array:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                return np.where(cases.good[:, None], values(), np.nan)
-
-        return found
-
-    def extreme(last: Array, wide: Array, larger: Any) -> Callable[[], Array]:
-        return known(lambda: np.where(cases.lasting[:, None], last, larger(last, wide)))
-
     found: dict[str, Callable[[], Any]] = {name: partial(lambda name: type_of_each()[name], name) for name in OF_TYPE}
     found |= {
-        "body_velocity": known(lambda: raw.displacement / (cases.raw.window * cases.T)[:, None]),
-        "body_displacement": known(lambda: raw.displacement),
-        "velocity_max": extreme(raw.v_max, raw.wide_max, np.maximum),
-        "velocity_min": extreme(raw.v_min, raw.wide_min, np.minimum),
-        "slip_max": known(lambda: raw.slip_max),
-        "slip_min": known(lambda: raw.slip_min),
-        "friction_power": known(lambda: raw.friction_work / (cases.T * np.maximum(cases.raw.period, 1))[:, None]),
-        "impulse_max": known(lambda: raw.impulse_max),
-        "stop_force_max": known(lambda: raw.stop_force_max),
+        "body_velocity": lambda: cases.over_time(raw.displacement),
+        "body_displacement": lambda: cases.known(raw.displacement),
+        "velocity_max": lambda: cases.extreme(raw.v_max, raw.wide_max, np.maximum),
+        "velocity_min": lambda: cases.extreme(raw.v_min, raw.wide_min, np.minimum),
+        "slip_max": lambda: cases.known(raw.slip_max),
+        "slip_min": lambda: cases.known(raw.slip_min),
+        "friction_power": lambda: cases.known(raw.friction_work / (cases.T * np.maximum(cases.raw.period, 1))[:, None]),
+        "impulse_max": lambda: cases.known(raw.impulse_max),
+        "stop_force_max": lambda: cases.known(raw.stop_force_max),
         "hits": lambda: np.where(cases.good[:, None] & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32),
     }
     return {name: make for name, make in found.items() if counts[_dim(name)] > 0}

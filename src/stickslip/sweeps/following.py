@@ -18,6 +18,7 @@ from stickslip.position import knows_position
 from stickslip.solvers import coulomb_steady_motions as orbits, stepping
 from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.methods import steps_of
+from stickslip.solvers.part_results import beside
 from stickslip.solvers.request import Request, request
 from stickslip.status import Status
 from stickslip.summary import Summary
@@ -101,7 +102,7 @@ def _one_step(
             if name in columns:
                 columns[name][group.at] = values
             elif name.startswith(END):
-                _keep(after, name.removeprefix(END), group.at, np.where(_beside(found["status"] <= 1, values), values, np.nan), len(points))
+                _keep(after, name.removeprefix(END), group.at, np.where(beside(found["status"] <= 1, values), values, np.nan), len(points))
     return columns, after
 
 
@@ -117,11 +118,6 @@ def _start(given: dict[str, Any], ends: dict[Any, Array], at: Array) -> dict[str
     for (name, _), values in ends.items():
         mine = values[at]
         if np.isfinite(mine).any():
-            usual = np.broadcast_to(_beside(np.asarray(given.get(name, 0.0), float), mine), mine.shape)
+            usual = np.broadcast_to(beside(np.asarray(given.get(name, 0.0), float), mine), mine.shape)
             start[name] = np.where(np.isfinite(mine), mine, usual)
     return start
-
-
-def _beside(few: Array, values: Array) -> Array:
-    """One value for each case, in as many dimensions as others have."""
-    return few.reshape(-1, *[1] * (values.ndim - 1))

@@ -109,7 +109,8 @@ def chosen(
         if not e.dynamic[i] and i not in mode.aloft and (side == 0 or i in touched or (i < e.k and abs(w[i]) <= noise[i]))
     ]  # fmt: skip
     turned = [i for i in touched if e.dynamic[i]]
-    y = _settled(e, t, y, mode, [*zero, *turned])
+    if came := [*zero, *turned]:
+        y = e.at_rest(t, y, mode.moved(dict.fromkeys(came, 0)))
     rested = [mode.sides[i] == 0 for i in zero]
     forced, resting = dict(forced or {}), mode.moved(dict.fromkeys(zero, 0))
     problem = _Problem(zero, np.array([[e.G[i][j] for j in zero] for i in zero]).reshape(len(zero), len(zero)), rested)
@@ -121,10 +122,6 @@ def chosen(
             break
         forced |= freed
     return y, resting.moved({i: _reversed(e, t, y, resting, i) for i in turned})
-
-
-def _settled(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> Any:
-    return e.at_rest(t, y, mode.moved(dict.fromkeys(rows, 0))) if rows else y
 
 
 def _reversed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> int:
