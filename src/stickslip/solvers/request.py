@@ -7,7 +7,7 @@ import platform
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -263,15 +263,10 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
 
 def versions() -> dict[str, str]:
     """Versions of what computes: of Numba where it is at work."""
-    return _versions("numba" in sys.modules)
-
-
-@cache
-def _versions(with_numba: bool) -> dict[str, str]:
     import stickslip
 
-    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    return versions | ({"numba": sys.modules["numba"].__version__} if with_numba else {})
+    found = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    return found | ({"numba": sys.modules["numba"].__version__} if "numba" in sys.modules else {})
 
 
 def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:

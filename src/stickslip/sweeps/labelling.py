@@ -37,19 +37,20 @@ def maker_of(make: Any) -> str:
 
 def provenance_of(plan: Plan) -> dict[str, Any]:
     """Versions, settings and kinds: what it takes to make these results again."""
+    known = versions() | {name: _version(name) for name in ("numba", "scipy", "xarray")}
     settings = {name: value for name, value in plan.options.items() if name != "observe"}
     settings |= {"continue_along": plan.along} if plan.along else {}
     settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
     kinds = {} if plan.sample is None else {"law": machine_of(plan.sample).law_names, "model": type(plan.sample).__name__}
-    return {"versions": _versions(), "settings": settings, "kinds": kinds, **plan.space.attributes}
+    return {"versions": known, "settings": settings, "kinds": kinds, **plan.space.attributes}
 
 
 @cache
-def _versions() -> dict[str, str]:
-    """Versions of what computes and labels; looked up once, because that takes longer than a small sweep."""
+def _version(library: str) -> str:
+    """Version of a library that may not be loaded; looked up once, because that takes longer than a small sweep."""
     from importlib.metadata import version
 
-    return versions() | {name: version(name) for name in ("numba", "scipy", "xarray")}
+    return version(library)
 
 
 def labels_of(plan: Plan) -> dict[str, Column]:
