@@ -28,9 +28,8 @@ class Part:
         self.coefficients[:, -1] += np.asarray(values) - self.coefficients.sum(axis=1)
 
 
-def part_of(e: Equations, dense: Any, start: float, end: float, before: Any, after: Any, mode: Mode) -> Part:
-    """A step, or the beginning of one up to `end`, as polynomials; its ends are the integrator's own states."""
-    degree = _degree(dense)
+def part_of(e: Equations, dense: Any, degree: int, start: float, end: float, before: Any, after: Any, mode: Mode) -> Part:
+    """A step, or the beginning of one up to `end`, as polynomials of a degree; its ends are the integrator's own states."""
     theta = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree + 1) / degree)
     times = start + (end - start) * theta
     states = [before, *(dense(t) for t in times[1:-1]), after]
@@ -39,18 +38,6 @@ def part_of(e: Equations, dense: Any, start: float, end: float, before: Any, aft
     coefficients[:, 0] = values[0]
     coefficients[:, -1] += values[-1] - coefficients.sum(axis=1)
     return Part(start, float(before[0]), coefficients, mode.sides[: e.k], tuple(m for own in mode.memory for m in own))
-
-
-def _degree(piece: Any) -> int:
-    """Degree of an interpolant of scipy's: Radau's is cubic, DOP853's of degree 7, the multistep methods say their order."""
-    order = getattr(piece, "order", None)
-    if order is None:
-        order = (
-            len(piece.p) - 1
-            if hasattr(piece, "p") and np.ndim(piece.p)
-            else {"RadauDenseOutput": 3, "Dop853DenseOutput": 7}.get(type(piece).__name__, 7)
-        )
-    return max(int(order), 1)
 
 
 def joined(parts: list[Part], end: float, equations: Equations) -> PolynomialPieces:

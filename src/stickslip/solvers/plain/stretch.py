@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +18,10 @@ from stickslip.solvers.request import Request
 from stickslip.status import Status
 
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
+#: Degree of the polynomials between the steps of a method; those of a multistep method have that of the step's order.
+_DEGREES: dict[str, Callable[[Any], int]] = {
+    "radau": lambda dense: 3, "dop853": lambda dense: 7, "bdf": lambda dense: dense.order, "lsoda": lambda dense: len(dense.p) - 1,
+}  # fmt: skip
 _ONE_STEP = ("DOP853", "Radau")  # these begin a step anew without loss, so that an event is landed on by a step of its own
 _LOOKS, _MOST_LOOKS = 8, 40  # parts of a step at whose ends guards are looked at
 _GRID = 400  # looks per period at the forces on a contact that rests
@@ -41,15 +46,16 @@ class Stretch:
 class _Step:
     """One step of an integrator with its dense output, and the guards along it."""
 
-    def __init__(self, equations: Equations, solver: Any, before: Any, mode: Mode):
+    def __init__(self, method: str, equations: Equations, solver: Any, before: Any, mode: Mode):
         self.equations, self.mode = equations, mode
         self.start, self.end, self.dense = float(solver.t_old), float(solver.t), solver.dense_output()
+        self.degree = _DEGREES[method](self.dense)
         self.before, self.after = before, solver.y.copy()
 
     def part(self, end: float | None = None) -> Part:
         """The step as dense output, or its beginning up to a time."""
         end, after = (self.end, self.after) if end is None else (end, self.dense(end))
-        return part_of(self.equations, self.dense, self.start, end, self.before, after, self.mode)
+        return part_of(self.equations, self.dense, self.degree, self.start, end, self.before, after, self.mode)
 
     def guards(self, t: float) -> list[float]:
         return [guard.value for guard in guards(self.equations, t, self.dense(t), self.mode)]
@@ -198,7 +204,7 @@ def _advance(todo: Request, equations: Equations, solver: Any, end: float, mode:
         raise SolveError(
             f"scipy's {NAMES.get(todo.method, 'DOP853')} stopped at t = {solver.t:.6g} s of {end:.6g} s: {why}; try another rtol or method"
         )
-    return _Step(equations, solver, before, mode)
+    return _Step(todo.method, equations, solver, before, mode)
 
 
 def _landed(todo: Request, equations: Equations, step: _Step, event: tuple[float, int], done: Stretch) -> Stretch:
