@@ -368,3 +368,16 @@ def test_one_body_with_an_axis_is_analysed_as_one_body(robot_run):
     assert np.array_equal(of_one_contact("test", listed, "it is one").x, robot_run.x)
     assert ss.mean_velocity(listed) == ss.mean_velocity(robot_run) and ss.motion(listed) == ss.motion(robot_run)
     assert listed.notes == robot_run.notes
+
+
+def test_starts_have_the_shape_of_the_batch_also_where_its_last_axis_has_one_value():
+    chain = ss.Chain.example()
+    first, *others = chain.modules
+    batch = chain.replace(modules=(first.replace(body_mass=np.array([[0.06], [0.07]])), *others))
+    v = np.array([[0.01], [0.02]])
+    found = ss.solve(batch, periods=2, start={"v": {"module 1": v}})
+    assert found.shape == (2, 1)
+    for i in range(2):
+        one = chain.replace(modules=(first.replace(body_mass=float(batch.modules[0].body_mass[i, 0])), *others))
+        alone = ss.solve(one, periods=2, start={"v": {"module 1": v[i, 0]}}, keep="summary")
+        assert found.body_velocity[i, 0] == pytest.approx(alone.body_velocity, rel=1e-12)

@@ -83,7 +83,7 @@ def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems,
     try:
         given = number(value, unit)
         array = np.asarray(given, float)
-        if count == 1 and np.shape(array)[-1:] != (1,):
+        if count == 1 and array.ndim <= len(labels.shape):
             into[:, 0] = spread(given, labels)
         else:
             into[:] = np.broadcast_to(array, (*labels.shape, count)).reshape(-1, count)
