@@ -45,6 +45,11 @@ def _hash(mark: str, content: bytes) -> bytes:
     return made.hexdigest().encode()
 
 
+def text_of(attribute: Any) -> str:
+    """An attribute of an HDF5 file as text."""
+    return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
+
+
 def _check(path: Path, mark: str | None) -> None:
     """That a file is as it was written, and holds all its numbers itself; looked at once for each file."""
     about = path.stat()

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.sweeps.result_columns import characters, from_characters
-from stickslip.sweeps.seals import Damaged, read_sealed, sealed
+from stickslip.sweeps.seals import Damaged, read_sealed, sealed, text_of
 from stickslip.sweeps.space import Column
 from stickslip.sweeps.tiles import mark_of, written
 
@@ -57,15 +57,11 @@ def _label(variable: Any, values: Any) -> tuple[str, Column]:
     dims = tuple(_dim(variable, i) for i in range(variable.ndim))
     if "kept_as" in variable.attrs:
         dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
-        values = from_characters(texts, _text(variable.attrs["kept_as"]))
-    return _text(variable.attrs["coordinate"]), Column(dims, values)
+        values = from_characters(texts, text_of(variable.attrs["kept_as"]))
+    return text_of(variable.attrs["coordinate"]), Column(dims, values)
 
 
 def _dim(variable: Any, i: int) -> str:
     """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
     scales = variable.dims[i]
     return str(scales[0].name if len(scales) else variable.name).lstrip("/")
-
-
-def _text(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)

@@ -15,7 +15,7 @@ from stickslip.contracts import Array
 from stickslip.errors import InputError
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.result_columns import attributes_in_files, coded, empty, unwritten, words
-from stickslip.sweeps.seals import Damaged, read_sealed, sealed
+from stickslip.sweeps.seals import Damaged, read_sealed, sealed, text_of
 
 TILES = "tiles"
 
@@ -80,8 +80,7 @@ def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> d
     first, last = _cases(manifest, k)
 
     def columns(file: Any) -> dict[str, Array]:
-        study = file.attrs.get("study", b"")
-        if (study.decode() if isinstance(study, bytes) else str(study)) != manifest["study"]:
+        if text_of(file.attrs.get("study", "")) != manifest["study"]:
             raise Damaged("it is of another study")
         if int(file.attrs["tile"]) != k or int(file["case"].shape[0]) != last - first or (last > first and int(file["case"][0]) != first):
             raise Damaged(f"it is tile {int(file.attrs['tile'])} under the name of another")
