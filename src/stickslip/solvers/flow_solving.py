@@ -16,13 +16,18 @@ from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
-from stickslip.solvers.request import check_duration, check_keep, versions
+from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.status import Status
 from stickslip.summary import Summary
 
 Array = Any
 _LONGEST = 32  # periods after which a motion may repeat
 _SAME = 1e-8  # of its size: strobe points this close are one
+#: Arguments that are of machines alone, with the values that say nothing.
+_OF_MACHINES = {
+    "slip_ratio": 0.75, "dwell": 0.03, "observe": None, "continue_along": None, "out": None, "resume": False, "shard": None, "tile": None,
+    "client": None, "retries": 3,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +57,34 @@ def solve(
     progress: Any,
     duration: Any,
     options: dict[str, Any],
+    rtol: Any,
+    workers: Any,
+    of_machines: dict[str, Any],
 ) -> Any:
     """A `FlowRun` of one case, or the `Summary` of a batch."""
-    asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options)
+    problems = Problems("solve")
+    check_others(rtol, workers, of_machines, problems)
+    asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options, problems)
     if asked.keep == "trajectory":
         return _run(asked, start)
     return _summary(asked, reporting(progress, "solve"))
 
 
-def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> Asked:
-    """Check the arguments of `solve`; everything wrong with them is reported at once."""
-    problems = Problems("solve")
+def check_others(rtol: Any, workers: Any, of_machines: dict[str, Any], problems: Problems) -> None:
+    """What does not change the motion of a flow: its steps are exact to rounding, and nothing in it rubs."""
+    check_rtol(rtol, problems)
+    problems.whole("workers", workers, 1, example=2)
+    for name in [name for name, value in of_machines.items() if value is not _OF_MACHINES[name] and value != _OF_MACHINES[name]]:
+        why = ", whose sweeps are kept in memory" if name in ("out", "resume", "shard") else ""
+        problems.add(f"{name} is not known of a flow{why}; leave it out")
+
+
+def asked_of(
+    flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any,
+    problems: Problems | None = None,
+) -> Asked:  # fmt: skip
+    """Check the arguments of `solve`; everything wrong with them is reported at once, after the problems that there are."""
+    problems = Problems("solve") if problems is None else problems
     labels, mode = labels_of(flow), options.get("mode", next(iter(flow.fields)))
     for name in options:
         if name != "mode":

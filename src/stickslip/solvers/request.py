@@ -117,9 +117,14 @@ def _numbers_of(model: Any, problems: Problems) -> dict[str, Any]:
     return numbers
 
 
-def _check_thresholds(rtol: Any, slip_ratio: Any, dwell: Any, problems: Problems) -> None:
+def check_rtol(rtol: Any, problems: Problems) -> None:
+    """Add a sentence if a relative tolerance is none that the methods can hold."""
     if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
         problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
+
+
+def _check_thresholds(rtol: Any, slip_ratio: Any, dwell: Any, problems: Problems) -> None:
+    check_rtol(rtol, problems)
     for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
         if not isinstance(value, (int, float)) or not 0.0 < value < below:
             problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")

@@ -12,26 +12,23 @@ from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.jsontext import plain
 from stickslip.pool import shared
-from stickslip.solvers.flow_solving import asked_of, columns_of
+from stickslip.solvers.flow_solving import asked_of, check_others, columns_of
 from stickslip.status import STATUS, Status
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Space, space_of
 
 _START = "start."
-#: Arguments of `sweep` that are of machines, with the values that say nothing.
-_OF_MACHINES = {"continue_along": None, "out": None, "resume": False, "shard": None, "client": None}
 
 
 def sweep_of_flow(
-    flow: Any, designs: Sequence[Any], axes: dict[str, Any], workers: int, progress: Any, others: dict[str, Any], **arguments: Any
-) -> Any:
+    flow: Any, designs: Sequence[Any], axes: dict[str, Any], rtol: float, workers: int, progress: Any, of_machines: dict[str, Any],
+    **arguments: Any,
+) -> Any:  # fmt: skip
     """The dataset: of every case what `solve` says of it with ``keep="summary"``."""
     import xarray as xr
 
     problems = Problems("sweep")
-    problems.whole("workers", workers, 1, example=2)
-    for name in [name for name, nothing in _OF_MACHINES.items() if others.get(name, nothing) is not nothing]:
-        problems.add(f"{name} is not known of a flow, whose sweeps are kept in memory; leave it out")
+    check_others(rtol, workers, of_machines, problems)
     problems.check()
     space = space_of(flow, designs, axes)
     case = _cases(flow, space, arguments)

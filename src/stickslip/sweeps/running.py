@@ -120,9 +120,10 @@ def sweep(
         from stickslip.sweeps.flow_sweeps import sweep_of_flow
 
         periods = None if duration is not None and periods == 200 else periods  # type: ignore[assignment]
-        how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "client": client}
+        how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "tile": tile, "client": client}
+        how |= {"retries": retries, "slip_ratio": slip_ratio, "dwell": dwell, "observe": observe}
         asked = {"periods": periods, "settle": settle, "start": start, "method": method, "duration": duration}
-        return sweep_of_flow(make, designs, axes, workers, progress, how, **asked, keep=None, samples=400, options={})
+        return sweep_of_flow(make, designs, axes, rtol, workers, progress, how, **asked, keep=None, samples=400, options={})
     options = {
         "periods": periods,
         "duration": duration,
