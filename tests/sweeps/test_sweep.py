@@ -398,3 +398,9 @@ def test_every_number_of_every_preset_can_be_an_axis():
 
     taken = {*COLUMNS, *_ARGUMENTS} - {"alpha_plus", "alpha_minus"}  # of the dimensionless robot axis and result are the same number
     assert not {(name, each) for name, preset in PRESETS.items() for each in inspect.signature(preset).parameters if each in taken}
+
+
+def test_a_wrong_argument_is_told_although_the_first_points_make_no_robot():
+    amplitudes = np.append(np.full(30, np.nan), [3e-4, 6e-4])
+    with pytest.raises(ss.InputError, match="method = 'rk5' is not known"):
+        ss.sweep(ss.presets.piezo_rig, amplitude=amplitudes, tilt_deg=1.7, method="rk5")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -115,8 +116,9 @@ class Plan:
 
     @cached_property
     def sample(self) -> Any:
-        """The first robot that can be made; None if there is none."""
-        tried = (groups_of(self.make, self.space, self.points(k).ravel()[:1024], None)[0] for k in range(min(self.tiles, 4)))
+        """The first robot that can be made, of the first points; None if there is none."""
+        parts = itertools.pairwise(np.minimum([0, *4 ** np.arange(7)], self.space.cases))
+        tried = (groups_of(self.make, self.space, np.arange(*part), None)[0] for part in parts)
         return next((groups[0].robot for groups in tried if groups), None)
 
 
