@@ -132,8 +132,20 @@ def period(rec: Any, frequency: float | None = None) -> int | None:
     return period_number_of((t - t[0]) * frequency_of(rec, frequency), v)
 
 
+def scaled(v: Any) -> Any:
+    """The same curve with values of up to 1: by a power of two, which changes no digit, so that the squares of all numbers are numbers.
+
+    Examples
+    --------
+    >>> scaled(np.array([-3e200, 1.5e200])) * 2.0**666 == [-3e200, 1.5e200]
+    array([ True,  True])
+    """
+    return np.ldexp(v, -int(np.frexp(np.fmax.reduce(abs(v), initial=0.0))[1]))
+
+
 def period_number_of(place: Any, v: Any) -> int | None:
     """The period number of a velocity at these places, counted in drive periods."""
+    v = scaled(v)
     longest = min(LONGEST, int((place[-1] - place[0]) // 2))
     left = {p: _left(place, v, p) for p in range(1, longest + 1)}
     if not left:

@@ -9,14 +9,13 @@ import numpy as np
 from stickslip.errors import InputError, is_one_of, is_whole
 from stickslip.records import tones
 from stickslip.records.given import given_frequency
-from stickslip.records.measures import period_number_of, velocity_of
+from stickslip.records.measures import period_number_of, scaled, velocity_of
 from stickslip.records.tones import Frequency
 
 _FEWEST = 6  # drive periods in a record that can be judged
 _TWICE = 2.5  # mean square in a period over the usual one
 _SURE = 4.0  # standard errors of the mean over a period
 _FAINT = 1e-3  # part of the range below which a difference is none
-_HUGE = 1e150  # the square of what is beyond it is no number
 
 
 def settling_periods(rec: Any, frequency: float) -> int:
@@ -31,7 +30,7 @@ def settling_periods(rec: Any, frequency: float) -> int:
     6
     """
     t, v = velocity_of(rec)
-    place = (t - t[0]) * frequency
+    v, place = scaled(v), (t - t[0]) * frequency
     periods = int(place[-1] + 1e-6 + frequency * (t[-1] - t[0]) / max(len(t) - 1, 1))
     if periods < _FEWEST:
         return 0
@@ -50,7 +49,7 @@ def settling_periods(rec: Any, frequency: float) -> int:
     rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
     number = np.maximum(held, 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
-    usual = float(np.median(size[periods // 2 :][seen[periods // 2 :]])) + min(_FAINT * float(np.ptp(v)), _HUGE) ** 2
+    usual = float(np.median(size[periods // 2 :][seen[periods // 2 :]])) + (_FAINT * float(np.ptp(v))) ** 2
     calm = np.flatnonzero(seen & (size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
     first = int(calm[0]) if len(calm) else periods
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
