@@ -262,7 +262,7 @@ def test_every_law_goes_over_the_bench(name):
     low, high = (found.numbers[key] for key in ("slow_backward", "slow_forward"))
     assert math.isfinite(low) and math.isfinite(high) and min(low, high) >= 0
     assert found.numbers["loss"] > 0 and math.isfinite(found.numbers["drift"]) and math.isfinite(found.numbers["peak_velocity"])
-    assert found.numbers["loss_share"] < 1.001  # a Stribeck curve takes a little more where it slides slower
+    assert found.numbers["loss_share"] < 1.05  # friction that falls with the speed takes more where it slides slower: of a rock 1.7 %
     for experiment in found.experiments:
         assert all(q.value == q.value or experiment.remark or q.key in ("stick_slip_period", "loss_exponent") for q in experiment.numbers)
     ss.plot.bench(found)
