@@ -273,6 +273,26 @@ def endure(monkeypatch, caplog, count, seed):
     assert answers["problems"] > 0.3 * 6 * count / 10 and answers["curves"] > 0 and {200, 400, 403, 404} <= set(statuses)
 
 
+def test_an_address_that_is_not_text_is_refused():
+    """Servers before the application need not have looked at it."""
+    said = []
+
+    async def send(event):
+        said.append(event)
+
+    headers = [(b"host", f"127.0.0.1:{PORT}".encode()), (b"cookie", COOKIE.encode())]
+    scope = {
+        "type": "http",
+        "method": "GET",
+        "path": "/drive/a.mat",
+        "headers": headers,
+        "query_string": b"x=\x8d",
+        "server": ("127.0.0.1", PORT),
+    }
+    asyncio.run(server.application("127.0.0.1", TOKEN, 2)(scope, None, send))
+    assert said[0]["status"] == 400 and b"not text in UTF-8" in said[1]["body"]
+
+
 def test_nonsense_is_answered_in_our_words(monkeypatch, caplog):
     endure(monkeypatch, caplog, 500, seed=1)
 

@@ -69,6 +69,8 @@ class Guard:
             return await self.inner(scope, receive, send)
         if (refused := self._refused(scope)) is not None:
             return await _refuse(refused, 403, scope, receive, send)
+        if not _is_text(scope["query_string"]):  # what routes requests would raise an error
+            return await _refuse("the address of this request is not text in UTF-8", 400, scope, receive, send)
         client = tuple(scope.get("client") or ()) or None
         if not self.connections.admit(client, scope["type"] == "http"):
             return await _refuse("too many pages are open at your address; close some", 503, scope, receive, send)
@@ -123,6 +125,14 @@ class Guard:
             await send(event)
 
         return marked if scope["type"] == "http" else send
+
+
+def _is_text(query: bytes) -> bool:
+    """Whether the query of an address can be read."""
+    try:
+        return isinstance(query.decode(), str)
+    except UnicodeDecodeError:
+        return False
 
 
 async def _refuse(why: str, status: int, scope: Any, receive: Any, send: Any) -> None:
