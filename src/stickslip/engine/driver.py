@@ -60,6 +60,9 @@ _COLUMNS = (
     "F_LOOKED", "SAMPLE_AT", "F_SOON", "F_MARKS", "F_LIM", "F_SORT", "F_TAIL", "F_HIGH", "F_LOW", "LASTING",
 )  # fmt: skip
 
+#: Of these the places of a lane's fields.
+FIELDS = tuple(name for name in _COLUMNS if name.startswith("F_"))
+
 #: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among
 #: what a step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
 #: velocity; the states that signals are made of. The table says where each begins.

@@ -280,47 +280,11 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {
-        "F_B": "b0",
-        "F_ON": "on0",
-        "F_M": "m1",
-        "F_K": "k0_0",
-        "F_MODE": "mode0",
-        "F_CLK": "clk0",
-        "F_G": "g0_0",
-        "F_CLEAR": "clear0",
+        "F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g0_0", "F_CLEAR": "clear0",
         "F_HELD": "side" if eq.labels else "held0",
-        "F_FIRED": "fired",
-        "F_LOOKED": "looked",
-    }
-    alone = (
-        "t",
-        "h",
-        "tend",
-        "x",
-        "le",
-        "lh",
-        "grow",
-        "stat",
-        "nacc",
-        "nrej",
-        "ratio",
-        "acc",
-        "t0",
-        "hh",
-        "x0",
-        "side",
-        "last",
-        "top",
-        "soon",
-        "marks",
-        "lim",
-        "sort",
-        "tail",
-        "high",
-        "low",
-    )
-    fields = firsts | {f"F_{f.upper()}": f for f in alone}
-    return named | {name: offsets.get(field, offsets.get(f"{field}_0", -1)) for name, field in fields.items()}, tuple(scale_at)
+    }  # fmt: skip
+    fields = {name: name.removeprefix("F_").lower() for name in driver.FIELDS} | firsts
+    return {name: offsets.get(field, offsets.get(f"{field}_0", -1)) for name, field in fields.items()} | named, tuple(scale_at)
 
 
 def watched(eq: System, step: Step) -> Sequence[int]:
