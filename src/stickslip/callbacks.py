@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -12,7 +13,8 @@ from stickslip.errors import InputError
 #: What takes the progress of work: (what, done, in all), or (done, in all); False stops the work.
 Reported = Callable[..., Any]
 
-PAUSE = 5.0  # between two lines where nobody watches [s]
+PAUSE = 5.0  # before the first line where nobody watches [s]; the others come ever more rarely
+WIDTH = 24  # of a bar
 
 
 def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
@@ -63,22 +65,34 @@ def reporting(progress: Any, what: str) -> Reported:
 
 def _is_watched(out: Any) -> bool:
     """Whether a line may be written over itself: on a terminal, and below the cell of a notebook, which is none."""
-    return bool(out.isatty()) or type(out).__module__.startswith("ipykernel.")
+    return (bool(out.isatty()) and os.environ.get("TERM") != "dumb") or type(out).__module__.startswith("ipykernel.")
 
 
 class Line:
-    """How far the work is, in one line: written over itself on a terminal and in a notebook, from time to time in a log."""
+    """How far the work is, in one line: a bar, written over itself on a terminal and in a notebook; in a log a line from time to time.
 
-    def __init__(self, out: Any = None):
-        self.out, self._last, self._next = out or sys.stderr, 0, time.monotonic() + PAUSE
+    Parameters
+    ----------
+    of : str
+        What is counted, if callbacks are told numbers alone.
+    out : file, optional
+        Where it is written; stderr, if nothing else is said.
+    """
+
+    def __init__(self, of: str = "", out: Any = None):
+        self.of, self.out, self._last, self._began, self._next = of, out or sys.stderr, 0, time.monotonic(), PAUSE
 
     def __call__(self, *state: Any) -> None:
         """Take what a callback is told: one object with a ``line()``, or (done, whole), or (what, done, whole)."""
         *names, done, whole = state if len(state) > 1 else (state[0].done, state[0].cases)
-        text = state[0].line() if len(state) == 1 else f"{': '.join(map(str, names)) + ', ' if names else ''}{done} of {whole}"
+        of = ": ".join(map(str, names)) or self.of
+        text = state[0].line() if len(state) == 1 else f"{of + ', ' if of else ''}{done} of {whole}"
+        seconds = time.monotonic() - self._began
         if _is_watched(self.out):
+            full = int(WIDTH * done / max(whole, 1))
+            text = f"[{'#' * full}{'.' * (WIDTH - full)}] {text}"
             print(f"\r{text:<{self._last}}", end="\n" if done >= whole else "", file=self.out, flush=True)
-            self._last = len(text)
-        elif time.monotonic() >= self._next:
-            self._next = time.monotonic() + PAUSE
+            self._last = 0 if done >= whole else len(text)
+        elif seconds >= self._next:
+            self._next = max(self._next + 1.0, 1.5 * seconds)
             print(text, file=self.out, flush=True)

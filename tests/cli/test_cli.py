@@ -437,10 +437,14 @@ def test_compiling_is_announced_on_stderr_only(tmp_path):
     assert done.returncode == 0 and strict(done.stdout)["method"] == "rk4" and "compiling Coulomb" in done.stderr
 
 
-def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path):
+@pytest.mark.parametrize("method", ["rk4", "auto"])
+def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path, method):
     (tmp_path / "file").touch()
-    done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache"))
-    assert done.returncode == 0 and "cannot be written; compiling" in done.stderr and strict(done.stdout)["method"] == "rk4"
+    done = process(
+        "run", *ROBOT[:-1], "law=lugre", "periods=20", f"method={method}", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache")
+    )
+    assert done.returncode == 0 and "cannot be written; compiling" in done.stderr, done.stderr
+    assert strict(done.stdout)["method"] == {"rk4": "rk4", "auto": "Taylor12"}[method]
 
 
 def test_a_map_says_its_law_and_whether_the_fastest_point_is_on_its_edge(capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import json
 from dataclasses import dataclass, field
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.callbacks import Line
 from stickslip.maths import exp, where
 from stickslip.sweeps import folder
 from stickslip.tables import document_of
@@ -260,19 +262,35 @@ def test_progress_means_one_thing_everywhere(capsys):
         says(lambda call=call: call("yes"), "progress = 'yes'")
 
 
-def test_a_bar_of_progress_is_one_line():
-    import io
-
-    from stickslip.callbacks import Line
-
+def test_a_bar_of_progress_is_one_line(monkeypatch):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
 
-    out = Terminal()
-    line = Line(out)
+    monkeypatch.setenv("TERM", "xterm")
+    line = Line("starts", out=(out := Terminal()))
     line(1, 2), line("drawing", 1, 2), line(ss.Progress(done=2, cases=2))
-    assert out.getvalue().count("\n") == 1 and "1 of 2" in out.getvalue() and "drawing, 1 of 2" in out.getvalue()
+    said = out.getvalue()
+    assert said.count("\r") == 3 and said.count("\n") == 1 and said.endswith("\n")
+    assert f"[{'#' * 12}{'.' * 12}] starts, 1 of 2" in said and "drawing, 1 of 2" in said and f"[{'#' * 24}] 100 %" in said
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_log_has_a_line_of_progress_ever_more_rarely(monkeypatch, terminal):
+    now = 0.0
+
+    class Log(io.StringIO):
+        def isatty(self):
+            return terminal
+
+    monkeypatch.setenv("TERM", "dumb")
+    monkeypatch.setattr("time.monotonic", lambda: now)
+    line, told = Line(out=(out := Log())), []
+    for second in range(1, 60):
+        now = float(second)
+        line(second, 60)
+        told += [second] * (len(out.getvalue().splitlines()) - len(told))
+    assert told == [5, 8, 12, 18, 27, 41] and out.getvalue().startswith("5 of 60\n8 of 60\n")
 
 
 def masked():

@@ -14,7 +14,6 @@ import xarray as xr
 
 import stickslip as ss
 from stickslip.sweeps import sweep
-from stickslip.sweeps.progress import Bar, Lines
 
 RIG = ss.presets.piezo_rig
 AMPLITUDES = np.array([3e-4, 4e-4, 5e-4, 6e-4, 8e-4])
@@ -374,20 +373,6 @@ def test_progress_counts_and_may_stop(every_report):
     sweep(RIG, amplitude=[4e-4, 5e-4, np.nan], tilt_deg=1.7, law="coulomb", progress=whole.append)
     assert whole[-1].done == whole[-1].cases == 3 and whole[-1].statuses["bad input for this case"] == 1
     assert "1 bad input" in whole[-1].line()
-
-
-def test_a_bar_and_plain_lines():
-    import io
-
-    bar, lines = io.StringIO(), io.StringIO()
-    for done in (0, 50, 100):
-        Bar(out=bar)(ss.Progress(done, 100, seconds=10.0 * done / 100))
-        Lines(out=lines, first=4.0)(ss.Progress(done, 100, seconds=10.0 * done / 100))
-    assert bar.getvalue().count("\r") == 3 and bar.getvalue().endswith("\n") and "[" + "#" * 24 + "]" in bar.getvalue()
-    assert lines.getvalue().splitlines() == [
-        "50 %, 50 of 100 cases, 10 per second, 5 s left",
-        "100 %, 100 of 100 cases, 10 per second, 0 s left",
-    ]
 
 
 def test_every_number_of_every_preset_can_be_an_axis():

@@ -9,7 +9,7 @@ from stickslip.cli import show
 from stickslip.cli.arguments import several, subject
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.resuming import remembered
-from stickslip.cli.sweep import out_file, watcher
+from stickslip.cli.sweep import out_file
 from stickslip.errors import InputError
 
 _ROWS = 40  # of the table of special points that are printed
@@ -34,7 +34,7 @@ def act(asked: Any) -> Outcome:
     print(told, file=sys.stderr)
     with remembered(asked, file):
         kept = {"out": asked.out, "resume": asked.resume} if asked.out and file is None else {}
-        found = atlas(study.make, progress=watcher(), **kept, **job)
+        found = atlas(study.make, progress=True, **kept, **job)
     draws = ((asked.figure, found.plot), (asked.report, lambda: atlas_page(found, f"Atlas of {study.name}", asked.typed)))
     return Outcome(lambda: _record(study, found), lambda: _text(study, found), draws, file or asked.out, found.map if file else None)
 

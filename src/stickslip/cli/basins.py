@@ -9,7 +9,6 @@ from stickslip.cli import show
 from stickslip.cli.arguments import subject, units_of, values
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found as in_file
-from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError, Problems
 
 _NAME = re.compile(r"x|v|z\d*|memory\d*|phase")
@@ -33,7 +32,7 @@ def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: which start goes where."""
     from stickslip.dynamics.attractors.basins import basins
 
-    found = basins(study.robot(), progress=watcher(), **study.options, **starts)
+    found = basins(study.robot(), progress=True, **study.options, **starts)
     attractors = [
         {"period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval} for a in found.attractors
     ]
@@ -55,7 +54,7 @@ def _along(asked: Any, study: Any, ranges: list[str], starts: dict[str, Any]) ->
     parameter = ranges[0]
     rest = {name: given for name, given in study.arguments.items() if name != parameter}
     along = {"parameter": parameter, "values": study.arguments[parameter], "starts": starts}
-    found = attractors(study.make, progress=watcher(), **along, **study.options, **rest)
+    found = attractors(study.make, progress=True, **along, **study.options, **rest)
     columns = {str(name): found[name].values for name in found.data_vars}
     record = {"robot": study.name, "axes": {n: found[n].values for n in ("attractor", parameter)}, "columns": columns}
     return Outcome(record, _lives(study.name, parameter, found), ((asked.figure, lambda: plot.attractors(found)),), asked.out, found)

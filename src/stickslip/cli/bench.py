@@ -23,13 +23,7 @@ def act(asked: Any) -> Outcome:
 
     from stickslip.benching import bench
 
-    tell = show.progress("experiments")
-    done = bench(
-        laws if len(laws) > 1 else laws[0],
-        experiments=asked.only,
-        progress=None if tell is None else lambda what, done, whole: tell(done, whole),
-        **own,
-    )
+    done = bench(laws if len(laws) > 1 else laws[0], experiments=asked.only, progress=True, **own)
     written = [str(path) for path in (_drawn(done, asked.figure),) if path is not None]
     return Outcome({**done.to_dict(), "written": written}, "\n".join([done.table, *(f"written: {path}" for path in written)]))
 

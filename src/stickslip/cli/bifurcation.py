@@ -7,7 +7,6 @@ from typing import Any
 
 from stickslip.cli.arguments import Subject, several, subject
 from stickslip.cli.outputs import Outcome
-from stickslip.cli.sweep import watcher
 
 
 def act(asked: Any) -> Outcome:
@@ -20,7 +19,7 @@ def act(asked: Any) -> Outcome:
     from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation
 
     options = {**study.options, **fixed}
-    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=watcher(), **options)
+    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=True, **options)
     branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
     record, text = _record(study, parameter, diagram, branches), _text(study, parameter, diagram, branches)
     return Outcome(record, text, ((asked.figure, lambda: _drawn(diagram, branches, asked.observable)),), asked.out, diagram)

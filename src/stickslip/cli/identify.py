@@ -6,7 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli import recorded, show
+from stickslip.callbacks import Line
+from stickslip.cli import recorded
 from stickslip.cli.arguments import ends, settings
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
@@ -25,7 +26,7 @@ def act(asked: Any) -> Outcome:
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
-        fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
+        fit = identify(records, make, free=job["free"], progress=Line("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if asked.report is not None:

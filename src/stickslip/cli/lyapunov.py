@@ -8,7 +8,6 @@ from stickslip.cli import show
 from stickslip.cli.arguments import subject, value
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found as in_file
-from stickslip.cli.sweep import watcher
 
 
 def act(asked: Any) -> Outcome:
@@ -30,7 +29,7 @@ def _one(asked: Any) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
-    found = verdict(study.robot(), progress=watcher(), **settle, **study.options)
+    found = verdict(study.robot(), progress=True, **settle, **study.options)
     l = found.exponents  # noqa: E741
     record = {
         "robot": study.title(), "kind": found.kind, "period": found.period, "why": found.why, "spectrum": l.spectrum, "errors": l.errors,
@@ -80,7 +79,7 @@ def _map(asked: Any) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
-    found = chaos_map(study.make, progress=watcher(), **settle, **study.options, **study.arguments)
+    found = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
     axes = [str(d) for d in found.period.dims]
     record = {
         "robot": study.name, "axes": {name: found[name].values for name in axes},

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.resuming import remembered
-from stickslip.cli.sweep import axes_of, out_file, run_options, unsettled, watcher
+from stickslip.cli.sweep import axes_of, out_file, run_options, unsettled
 from stickslip.errors import InputError, as_path, did_you_mean
 
 
@@ -60,7 +60,7 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     if asked.x is not None and asked.x not in axes:
         raise InputError("--x", [f"{asked.x!r} is not an axis of this map; {did_you_mean(asked.x, axes)}"])
     options = run_options(asked, file)
-    grid = map(study.make, refine=asked.refine, progress=watcher(), **{**study.options, **options}, **study.arguments)
+    grid = map(study.make, refine=asked.refine, progress=True, **{**study.options, **options}, **study.arguments)
     if file is not None:
         export(grid, file)
     return grid, study.name

@@ -81,17 +81,6 @@ def print_json(record: Any) -> None:
     print(json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False))
 
 
-def progress(what: str) -> Callable[[int, int], None] | None:
-    """A counter on stderr, if a person looks at it."""
-    if not is_watched():
-        return None
-
-    def tell(done: int, whole: int) -> None:
-        print(f"\r{done}/{whole} {what}", end="\n" if done >= whole else "", file=sys.stderr, flush=True)
-
-    return tell
-
-
 def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
     """Tells on stderr what is being done: on one line that is written over for a person, else one line for each kind of thing.
 

@@ -29,7 +29,7 @@ def act(asked: Any) -> Outcome:
     options = run_options(asked, file)
     try:
         with remembered(asked, file):
-            grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
+            grid = sweep(study.make, *designs, progress=True, **{**study.options, **options}, **study.arguments)
     except KeyboardInterrupt:
         if "out" in options:
             raise StickslipError(f"interrupted; what is finished is in {asked.out}: type stickslip resume {asked.out} to go on") from None
@@ -106,13 +106,6 @@ def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
 
         found["client"] = connected(asked.dask)
     return {name: v for name, v in found.items() if v}
-
-
-def watcher() -> Any:
-    """A bar for a person at a terminal, else a line from time to time."""
-    from stickslip.sweeps.progress import Bar, Lines
-
-    return Bar() if show.is_watched() else Lines()
 
 
 # ---- what is told ----

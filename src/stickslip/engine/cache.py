@@ -151,18 +151,16 @@ def _compiled(path: Path) -> bool:
 
 def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
     name = f"stickslip_kernel_{key}"
-    if path is None:
-        module = types.ModuleType(name)
-        with _numba_as_asked(source):
-            exec(compile("CACHE = False\n" + source, f"<{key}>", "exec"), module.__dict__)
-        return module
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # Numba pickles functions by module name
+    spec = None if path is None else importlib.util.spec_from_file_location(name, path)
+    module = types.ModuleType(name) if spec is None else importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # Numba pickles functions by module name, and classes look for their module there
     try:
         with _numba_as_asked(source):
-            spec.loader.exec_module(module)
+            if spec is None:
+                exec(compile("CACHE = False\n" + source, f"<{key}>", "exec"), module.__dict__)
+            else:
+                assert spec.loader is not None
+                spec.loader.exec_module(module)
     except BaseException:
         sys.modules.pop(name, None)
         raise

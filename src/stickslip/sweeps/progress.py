@@ -1,8 +1,7 @@
-"""How far a sweep is: for a bar, for lines in a log, for a callback that may also stop it."""
+"""How far a sweep is, for a callback that may also stop it."""
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from collections import Counter
@@ -123,31 +122,3 @@ class Watch:
             self._told = time.monotonic()
             if self.callback(self.now()) is False:
                 self.stopped = True
-
-
-class Bar:
-    """A bar on a terminal, written over itself."""
-
-    def __init__(self, width: int = 24, out: Any = None):
-        self.width, self.out, self._last = width, out or sys.stderr, 0
-
-    def __call__(self, now: Progress) -> None:
-        """Draw it."""
-        full = int(self.width * now.done / max(now.cases, 1))
-        text = f"[{'#' * full}{'.' * (self.width - full)}] {now.line()}"
-        end = "\n" if now.done >= now.cases else ""
-        print(f"\r{text:<{self._last}}", end=end, file=self.out, flush=True)
-        self._last = 0 if end else len(text)
-
-
-class Lines:
-    """A plain line from time to time, where nobody watches: at first every few seconds, then ever more rarely."""
-
-    def __init__(self, out: Any = None, first: float = 5.0):
-        self.out, self._next = out or sys.stderr, first
-
-    def __call__(self, now: Progress) -> None:
-        """Print it, if it is time."""
-        if now.seconds >= self._next:
-            self._next = max(self._next + 1.0, now.seconds * 1.5)
-            print(now.line(), file=self.out, flush=True)
