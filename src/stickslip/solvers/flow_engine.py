@@ -49,7 +49,7 @@ class Followed:
     mode: Any
     time: float
     growth: Array | None
-    forgets: bool
+    rank_deficient: bool
     steps: int
 
 
@@ -140,11 +140,11 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
     nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
     nodes[-1] = nodes[-1] if early else begin + duration
-    M, forgets = _growth(results, n, kernel.states) if growth else (None, False)
+    M, rank_deficient = _growth(results, n, kernel.states) if growth else (None, False)
     coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
     state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
     return Followed(
-        nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, forgets,
+        nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, rank_deficient,
         int(whole.accepted[0]),
     )  # fmt: skip
 
@@ -156,13 +156,13 @@ def _growth(results: list[Any], n: int, states: int) -> tuple[Array, bool]:
     """
     M = np.array([result.end[0, 1 + n : 1 + 2 * n] for result in results]).T
     passed = [_switches(result, n, states) for result in results]
-    forgets, touched = False, not np.isfinite(M).all() or len({len(each) for each in passed}) > 1
+    rank_deficient, touched = False, not np.isfinite(M).all() or len({len(each) for each in passed}) > 1
     for each in zip(*passed, strict=False):
         before, after, rates = (np.array(part) for part in zip(*each, strict=True))
-        forgets = forgets or bool((after[:, :n] == 0.0).all(axis=0).any())
+        rank_deficient = rank_deficient or bool((after[:, :n] == 0.0).all(axis=0).any())
         if np.isfinite(after).all():
             touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before).max())
-    return np.full((n, n), np.nan) if touched else M + 0.0, forgets
+    return np.full((n, n), np.nan) if touched else M + 0.0, rank_deficient
 
 
 def _switches(result: Any, n: int, states: int) -> list[tuple[Array, Array, Array]]:

@@ -224,7 +224,7 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: 
     notes = ("it is an equilibrium: nothing moves, and it repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(_touches(done))
-    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes, flow)
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.rank_deficient, free), size, done, notes, flow)
 
 
 def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
@@ -313,7 +313,9 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
     y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
     done = passage(flow, y, mode, periods * float(flow.period))
     notes = () if np.isfinite(done.monodromy).all() else (_touches(done),)
-    return FlowOrbit(y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.forgets), residual, done, notes, flow)
+    return FlowOrbit(
+        y, mode, periods * float(flow.period), multipliers_of(done.monodromy, done.rank_deficient), residual, done, notes, flow
+    )
 
 
 @explains_arguments

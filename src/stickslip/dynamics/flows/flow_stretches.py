@@ -41,7 +41,7 @@ class Passage:
         Its switches: instant, mode before, mode after.
     monodromy : array
         The derivative of the end by the start; nan where the flow touches a guard without crossing it, where there is none.
-    forgets : bool
+    rank_deficient : bool
         Whether a switch wiped out a direction.
     lowest, highest : array
         Of each coordinate, also between the integrator's steps.
@@ -56,7 +56,7 @@ class Passage:
     time: float
     events: Sequence[tuple[float, Any, Any]]
     monodromy: Array
-    forgets: bool
+    rank_deficient: bool
     lowest: Array
     highest: Array
     method: str = "exact"
@@ -114,11 +114,11 @@ def passage(
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
-        end, last, t, events, M, forgets, low, high = judged(plain, y, mode, float(duration), float(begin), rtol, switches)
-        return Passage(end, last, t, events, M, forgets, low, high, "dop853", why)
+        end, last, t, events, M, rank_deficient, low, high = judged(plain, y, mode, float(duration), float(begin), rtol, switches)
+        return Passage(end, last, t, events, M, rank_deficient, low, high, "dop853", why)
     done = followed(flow, y, mode, float(duration), float(begin), switches)
     low, high = extremes(done.coefficients, np.vstack([y, done.passed, done.state]))
-    return Passage(done.state, done.mode, done.time, done.events, done.growth, done.forgets, low, high)
+    return Passage(done.state, done.mode, done.time, done.events, done.growth, done.rank_deficient, low, high)
 
 
 def started(

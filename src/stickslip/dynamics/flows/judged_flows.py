@@ -58,7 +58,7 @@ class _Crossing:
 
 def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: float, switches: int | None) -> tuple[Any, ...]:
     """State, mode and time at the end, the switches, the derivative of the end by the start, whether a direction was lost, and extremes."""
-    t, end, M, forgets = float(begin), float(begin) + float(duration), np.eye(len(y)), False
+    t, end, M, rank_deficient = float(begin), float(begin) + float(duration), np.eye(len(y)), False
     events: list[tuple[float, Any, Any]] = []
     low, high, crossing, seen = y.copy(), y.copy(), None, {(mode, y.tobytes())}
     while switches is None or len(events) < switches:
@@ -80,8 +80,8 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
         events.append((t, mode, after))
         low, high, mode = np.minimum(low, y), np.maximum(high, y), after
         _stop_accumulating(events, (mode, y.tobytes()), seen, float(duration), switches)
-        M, forgets = S @ crossing.before, forgets or not S.any(axis=1).all()
-    return y, mode, t, events, M, forgets, low, high
+        M, rank_deficient = S @ crossing.before, rank_deficient or not S.any(axis=1).all()
+    return y, mode, t, events, M, rank_deficient, low, high
 
 
 def _crossed(flow: Any, mode: Any, hit: int, t: float, y: Array, M: Array) -> _Crossing:

@@ -116,12 +116,12 @@ def stability_of(multipliers: Array) -> str:
     return "stable" if np.all(sizes < 1.0 - NEUTRAL) else "unstable" if np.any(sizes > 1.0 + NEUTRAL) else "neutral"
 
 
-def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
+def multipliers_of(M: Array, rank_loss: int, autonomous: bool = False) -> Array:
     """The eigenvalues of a monodromy matrix, the largest first; real where all are.
 
     Parameters
     ----------
-    forgets : int
+    rank_loss : int
         How many directions are wiped out at one instant on the way: so many of the smallest eigenvalues are 0, and not what rounding makes
         of them. The rank is as much lower; contacts that rest one after the other count once.
     autonomous : bool
@@ -133,8 +133,8 @@ def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
     if autonomous:
         found = np.delete(found, int(np.argmin(abs(found - 1.0))))
     found = found[np.argsort(-abs(found), kind="stable")]
-    if forgets and len(found):
-        found[-int(forgets) :] = 0.0
+    if rank_loss and len(found):
+        found[-int(rank_loss) :] = 0.0
     return found.real if np.all(found.imag == 0) else found
 
 
