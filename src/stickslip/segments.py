@@ -182,7 +182,7 @@ def type_of(
     period : array (cases,) of int
         Period number of each case; 0 where none was found (the type is then judged on the one drive period given).
     margin_force : array (cases,)
-        How close the offered force came to break-away, relative; inf if it has no meaning.
+        Smallest relative distance of the net applied force from break-away; inf if it has no meaning.
     net : array (cases,)
         Net motion over the period, in any unit: only its sign counts.
     moving : array (cases,) of bool

@@ -155,9 +155,9 @@ def _bisected(watched: Watched, low: Array, high: Array, index: Array, above_low
     return 0.5 * (low + high)
 
 
-# ---- set-valued laws: how close was the offered force to break-away? ----
+# ---- set-valued laws: distance of the net applied force from break-away ----
 def _force_margin(watched: Watched, edges: Array, index: Array) -> float:
-    """Smallest relative distance to break-away, at reversals without rest and at extremes of the offered force during rest."""
+    """Smallest relative distance to break-away, at reversals without rest and at extremes of the net applied force during rest."""
     mode = watched.modes[index]
     reversals = edges[1:-1][(mode[1:] * mode[:-1]) == -1]
     cyclic = mode[0] * mode[-1] == -1
@@ -178,7 +178,7 @@ def _force_margin(watched: Watched, edges: Array, index: Array) -> float:
 
 
 def _extremes(watched: Watched, start: float, end: float) -> Array:
-    """Times inside a rest at which the offered force has an extreme (parabolas, sharpened twice)."""
+    """Times inside a rest at which the net applied force has an extreme (parabolas, sharpened twice)."""
     t = np.linspace(start, end, 257)
     F = watched.offered(t)
     rise = np.sign(np.diff(F))

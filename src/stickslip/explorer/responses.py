@@ -1,4 +1,4 @@
-"""What a page is answered: curves with the figures of merit, or what lies around them. Stopped when nobody waits any more."""
+"""Responses to a page: curves with the figures of merit, or maps around them; cancelled when a newer request supersedes them."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) 
 
 
 def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
-    """What ends a run when nobody waits for it any more."""
+    """The callback that ends a run when its result is no longer needed."""
 
     def tell(done: int, whole: int) -> None:
         if stop is not None and stop():
@@ -72,7 +72,7 @@ def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
 
 # ---- curves ----
 def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: Stop | None = None) -> Any:
-    """The run of one law, ended when nobody waits for it any more."""
+    """The run of one law, cancelled when its result is no longer needed."""
     made = state.robot(law) if robot is None else robot
     periods = affordable(made, FINE if fine else COARSE)
     return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=_stopped_by(stop))

@@ -1,4 +1,4 @@
-"""What lies around a robot: a map over two parameters, a strip along one. Stopped when nobody waits any more."""
+"""The surroundings of a robot: a map over two parameters, or a strip along one; cancelled when a newer request supersedes them."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
 
 
 def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
-    """The ways forwards and backwards of the motions in which runs of `exact.solve_batch` ended [m]; NaN where that was none."""
+    """Distances travelled forwards and backwards in the motions that runs of `exact.solve_batch` reached [m]; NaN if they reached none."""
     rows, _ = exact.rows_of(arcs, raw["v_end"])
     settled = (raw["status"] <= _FOUND) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
     rows[~settled] = exact.AT_REST

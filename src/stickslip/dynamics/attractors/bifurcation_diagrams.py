@@ -1,4 +1,4 @@
-"""Bifurcation diagrams by brute force: what a robot does after settling, at every value of a parameter, upwards and downwards."""
+"""Brute-force bifurcation diagrams: the attractor after transients for each value of a parameter, upwards and downwards."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
 """A motion under a set-valued law as a sequence of arcs whose switch times are the unknowns.
 
-Each arc slides forwards, slides backwards or is at rest. A slide ends where v = 0, rest ends where the offered force meets the
+Each arc slides forwards, slides backwards or is at rest. A slide ends where v = 0, rest ends where the net applied force meets the
 break-away force. Whether the sequence is a motion at all is told by its margins, all of which must be positive:
 
-- hold: where a slide ends in rest, the offered force lies within the break-away forces;
+- hold: where a slide ends in rest, the net applied force lies within the break-away forces;
 - reverse: where a slide turns over without rest, it lies beyond them;
-- rest: during rest the offered force stays within them;
+- rest: during rest the net applied force stays within them;
 - graze: within a slide v does not come down to zero.
 
 A border of motion types is a margin that vanishes: one more equation, for one parameter that is free.
@@ -74,7 +74,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
 
 
 def gap(model: Any, t: Array, side: int) -> Array:
-    """How far the offered force is beyond the break-away force of one side, in units of the drive's force: positive within."""
+    """How far the net applied force is beyond the break-away force of one side, in units of the drive's force: positive within."""
     t = np.asarray(t, float)
     limits = law_of(model).breakaway(normal_load(model, t, 0.0 * t))
     return side * (limits[1 if side > 0 else 0] - offered_force(model, t, 0.0 * t)) / _force(model)
@@ -121,7 +121,7 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
 
 
 def misses(model: Any, sequence: Sequence, times: Array) -> Array:
-    """One equation for each switch: v = 0 where a slide ends, the offered force at its limit where rest ends."""
+    """One equation for each switch: v = 0 where a slide ends, the net applied force at its limit where rest ends."""
     T, ends = float(model.period), sequence.ends(times)
     found = np.empty(len(times))
     for i, mode in enumerate(sequence.modes if len(times) else ()):

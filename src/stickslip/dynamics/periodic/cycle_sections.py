@@ -57,7 +57,7 @@ class Section:
         return np.hstack([np.insert(free, self.index, fixed, axis=1), held])
 
     def ends(self, model: Any, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
-        """The states after the durations, seen from the spring's far end; no numbers where a duration is none."""
+        """States after the durations, relative to the spring's far end; NaN where a duration is not positive."""
         T = U[:, -1] * unit
         good = np.isfinite(T) & (T > 0)
         ends = flow_map(model, self.states(model, at, U, memory), np.where(good, T, 1.0), rtol).state.copy()

@@ -1,4 +1,4 @@
-"""A robot whose drive is somewhere else in its period when it starts, and with it all that keeps the drive's time."""
+"""A robot started at another drive phase."""
 
 from __future__ import annotations
 

@@ -188,5 +188,5 @@ def one_period(q, last, w):
 
 @njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)
 def one_arc(q, last, phase, w, s, c):
-    """The same, compiled once for those who are in no hurry."""
+    """The same, not inlined."""
     return arc(q, last, phase, w, s, c)

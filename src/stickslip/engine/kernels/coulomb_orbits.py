@@ -35,7 +35,7 @@ def never_resting(row):
 
 @njit("Tuple((f8, f8, f8, b1))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)
 def travels(q, last, phase, w, s, c):
-    """To the end of the drive period: w there, the ways forwards and backwards; False if it has too many arcs."""
+    """Run to the end of the drive period: w there, and the distances travelled forwards and backwards; False if there are too many arcs."""
     ahead, back = 0.0, 0.0
     for _ in range(STEPS):
         phase, w, s, c, moved, mode = one_arc(q, last, phase, w, s, c)
@@ -64,8 +64,8 @@ def strobe_point(row, q, last):
 def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 
-    out: displacement over the motion period, its drive periods, largest and smallest w, margin, misfit of the strobe point, way
-    forwards, way backwards. count: status (REPEATS, or BUDGET: left to the mode machine), period, periods run, segments.
+    out: displacement over the motion period, its drive periods, largest and smallest w, margin, misfit of the strobe point, distance
+    travelled forwards, and backwards. count: status (REPEATS, or BUDGET: left to the mode machine), period, periods run, segments.
     """
     q, last = np.empty(CONSTANTS), np.empty(2)
     for i in range(i0, i1):

@@ -3,7 +3,7 @@
 Every stretch is integrated on one side of the contact's velocity and with the law's memories held, and ends where that velocity comes
 back to zero, where a memory switches, where the load falls to zero, or at an instant that is known beforehand (a break or an impulse
 of the drive). So no step crosses the kink of a dynamic law or the jump of a set-valued one. A set-valued law has a third mode, stuck,
-which ends where the offered force reaches break-away. It takes every law, every drive and every mechanism.
+which ends where the net applied force reaches break-away. It takes every law, every drive and every mechanism.
 """
 
 from __future__ import annotations
