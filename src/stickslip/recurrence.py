@@ -146,7 +146,7 @@ def period_number(points: Any, last: int, count: int, longest: int, scale: Any, 
 
 
 def approach(points: Any, last: int, count: int, longest: int, scale: Any) -> int:
-    """Smallest p such that points p apart come steadily nearer to each other, or part; 0 for a motion that does neither.
+    """Smallest p such that points p apart come steadily nearer to each other, or part, all p of them; 0 for a motion that does neither.
 
     Of fewer than six points nothing is said but that it has not settled: 1.
     """
@@ -155,12 +155,13 @@ def approach(points: Any, last: int, count: int, longest: int, scale: Any) -> in
         if looks < 5:
             return 1 if p == 1 else 0
         falling, rising = True, True
-        new = apart(points, last, p, 1, scale)
-        for k in range(1, looks // 2 + 2):
-            old = apart(points, last - k * p, p, 1, scale)
-            falling = falling and new <= old * (1.0 + 1e-6)
-            rising = rising and new >= old * (1.0 - 1e-6)
-            new = old
+        for j in range(p):  # each on its own: of a chaotic motion one distance, or the largest of p, falls or grows by chance
+            new = apart(points, last - j, 1, p, scale)
+            for k in range(1, looks // 2 + 2):
+                old = apart(points, last - j - k * p, 1, p, scale)
+                falling = falling and new <= old * (1.0 + 1e-6)
+                rising = rising and new >= old * (1.0 - 1e-6)
+                new = old
         if falling or rising:
             return p
     return 0

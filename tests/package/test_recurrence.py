@@ -137,3 +137,24 @@ def test_period_one_beside_its_flip_along_the_friction():
     assert ss.solve(robot, periods=500, keep="summary").period == 1
     state = [ss.solve(robot, periods=150).strobe_v[-1], float(ss.solve(robot, periods=150).strobe_z[-1])]
     assert repetition(robot, state).period in (None, 1)
+
+
+@pytest.mark.parametrize("count", [20, 40, 47, 100])
+def test_chaos_approaches_nothing(count):
+    """Of the logistic map and of random numbers: of the largest of p distances 24 % fell or grew by chance five times in a row."""
+    rng, found = np.random.default_rng(3), []
+    for k in range(400):
+        x = rng.uniform(0.05, 0.95, count + 1)
+        for i in range(count if k % 2 else 0):
+            x[i + 1] = 4.0 * x[i] * (1.0 - x[i])
+        found.append(recurrence.approach(np.column_stack([np.arange(count + 1.0), x]), count, count, recurrence.LONGEST, np.ones(1)))
+    assert np.count_nonzero(found) <= 4
+
+
+@pytest.mark.parametrize("p", [1, 2, 3, 5])
+@pytest.mark.parametrize("rate", [0.97, -0.9, 1.02])
+def test_a_motion_that_closes_in_on_a_cycle_approaches_it(p, rate):
+    n = np.arange(48)
+    x = np.cos(2.0 * np.pi * n / p + 0.3) + 0.1 * rate ** (n // p)
+    found = recurrence.approach(np.column_stack([n * 1.0, x]), 47, 47, recurrence.LONGEST, np.ones(1))
+    assert found == p
