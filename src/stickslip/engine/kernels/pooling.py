@@ -114,39 +114,53 @@ def find_varied(W, D):
             POOL[VARIED, POOL[VARIED, 0]] = j
 
 
+@njit(int64(f1, int64, i1), **OPTIONS)
+def cases_at_work(S, W, D):
+    """How many places have a case; at the start of a job they are given the first ones, and the first of these the lanes."""
+    N, POOL = N_of(W), POOL_of(W)
+    begin, places, active = POOL.shape[1], N.shape[0], 0
+    for place in range(places):
+        if N[place, CASE] >= 0:
+            active += 1
+    if active > 0:
+        return active
+    for lane in range(D[LANES]):
+        POOL[IN_LANE, lane] = -1
+        S[begin + lane + D[F_TEND]] = 1e30
+    find_varied(W, D)
+    for place in range(places - 1, -1, -1):
+        lane = place if place < D[LANES] else 0
+        if next_case(place, S[begin + lane - place :], W, D):
+            active += 1
+            keep_constants(place, lane, S, W, D)
+            POOL[IN_LANE, lane] = place
+            S[begin + lane + D[F_SOON]] = 0.0
+            if place >= D[LANES]:
+                put_away(place, lane, 0, S, W, D)
+    return active
+
+
+@njit(UniTuple(int64, 2)(f1, int64, i1), **OPTIONS)
+def idle_lanes(S, W, D):
+    """Bits of the lanes whose case wants the other sort of step, and of the lanes without a case."""
+    POOL = POOL_of(W)
+    misfits, empty = 0, 0
+    for lane in range(D[LANES]):
+        if POOL[IN_LANE, lane] < 0:
+            empty |= 1 << lane
+        elif np.int64(S[POOL.shape[1] + D[F_SOON] + lane]) != POOL[SORT, 0]:
+            misfits |= 1 << lane
+    return misfits, empty
+
+
 @njit(int64(f1, int64, int64, i1), **CALLED, **BORROWING)
 def advance_pooled(S, calls, W, D):
     """As `advance`, with a row of N, K, RING and XS for each place, and as many numbers before the lanes in S as there are places."""
     N, POOL = N_of(W), POOL_of(W)
     rtol, budget = LIMITS_of(W)[RTOL], LIMITS_of(W)[BUDGET_OF_STEPS]
-    L, places = D[LANES], N.shape[0]
-    begin = POOL.shape[1]
-    active = 0
-    for place in range(places):
-        if N[place, CASE] >= 0:
-            active += 1
-    if active == 0:
-        for lane in range(L):
-            POOL[IN_LANE, lane] = -1
-            S[begin + lane + D[F_TEND]] = 1e30
-        find_varied(W, D)
-        for place in range(places - 1, -1, -1):
-            lane = place if place < L else 0
-            V = S[begin + lane - place :]
-            if next_case(place, V, W, D):
-                active += 1
-                keep_constants(place, lane, S, W, D)
-                POOL[IN_LANE, lane] = place
-                S[begin + lane + D[F_SOON]] = 0.0
-                if place >= L:
-                    put_away(place, lane, 0, S, W, D)
+    L, begin, active = D[LANES], POOL.shape[1], cases_at_work(S, W, D)
     steps, soon = S[begin:], begin + D[F_SOON]
-    misfits, empty = 0, 0  # bits of lanes whose case wants the other sort of step, and of lanes without a case
-    for lane in range(L):
-        if POOL[IN_LANE, lane] < 0:
-            empty |= 1 << lane
-        elif np.int64(S[soon + lane]) != POOL[SORT, 0]:
-            misfits |= 1 << lane
+    misfits, empty = idle_lanes(S, W, D)
     for _ in range(calls):
         if active == 0:
             return 0
