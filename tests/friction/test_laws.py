@@ -229,6 +229,13 @@ def test_dynamics_bench_and_sums_begin_where_the_law_says():
     assert adapted(ss.LuGre.example() + ss.Viscous.example()).start(0.7) == (0.0,)
 
 
+def test_a_sum_is_called_what_its_parts_are_called():
+    law = ss.Viscous.example() + ss.Coulomb.example() + ss.Viscous.example()
+    assert adapted(law).name == "Viscous + Coulomb + Viscous"
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=ss.Dahl.example() + ss.Viscous.example())
+    assert ss.solve(robot, periods=2).provenance["kinds"]["law"] == "Dahl + Viscous"
+
+
 @pytest.mark.parametrize("law", [law for law in EVERY.values() if adapted(law).dynamic and adapted(law).states])
 def test_a_sum_says_of_inner_states_what_the_law_alone_says(law):
     alone, both = adapted(law), adapted(law + ss.Viscous(0.0, 0.0))

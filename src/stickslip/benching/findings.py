@@ -12,6 +12,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Drawn, drawn_on
 from stickslip.fields import leaves
+from stickslip.friction.law_adapter import adapted
 from stickslip.sealing import sealed
 
 
@@ -158,9 +159,7 @@ class Bench(_Tabled):
     @property
     def name(self) -> str:
         """Name of the law."""
-        kind = type(self.law)
-        parts = [type(getattr(self.law, part)).__name__ for part in ("first", "second") if hasattr(self.law, part)]
-        return " + ".join(parts) if len(parts) == 2 else kind.__name__
+        return adapted(self.law).name
 
     @explains_arguments
     def __getitem__(self, key: str) -> Experiment:

@@ -34,7 +34,7 @@ def label(model: Any) -> str:
     if not machine_of(model).is_single:
         laws = [law.name for law in machine_of(model).mechanics.laws]
         return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, str(len(laws))])
-    parts = [type(model.friction).__name__, type(model).__name__ if drive is None else machine_of(model).drive_name]
+    parts = [machine_of(model).law_names, type(model).__name__ if drive is None else machine_of(model).drive_name]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
     return " × ".join(parts)

@@ -22,6 +22,7 @@ from stickslip.explorer.requests import DEFAULT, MOST_HARMONICS, State
 from stickslip.explorer.sliders import PARAMETERS
 from stickslip.fields import leaves
 from stickslip.friction import LAWS
+from stickslip.friction.law_adapter import adapted
 from stickslip.tracks import Incline, Level, VaryingFriction
 
 Values = dict[str, Any]
@@ -56,7 +57,7 @@ def state_of(robot: Any) -> State:
     drive, driven, shape = _drive(robot.drive, problems)
     law = next((name for name in FRICTION if LAWS[name] is type(robot.friction)), None)
     if law is None or law == "tabulated":
-        kind = type(robot.friction).__name__
+        kind = adapted(robot.friction).name
         problems.add(f"the page has no control for the friction law {kind}; it has {', '.join(n for n in FRICTION if n != 'tabulated')}")
     problems.check()
     assert law is not None

@@ -197,8 +197,9 @@ class LawAdapter:
 
     @property
     def name(self) -> str:
-        """Name of its class."""
-        return type(self.law).__name__
+        """What the law calls itself in its `title`, as sums do; else the name of its class."""
+        title = getattr(self.law, "title", None)
+        return title if isinstance(title, str) else type(self.law).__name__
 
     def _static(self, side: str) -> Any:
         """Static friction coefficient of a law that names one, else the kinetic one, else None."""

@@ -56,6 +56,11 @@ class Sum(Law):
         return Stribeck.example() + Viscous.example()
 
     @property
+    def title(self) -> str:
+        """The names of the parts: "Dahl + Viscous"."""
+        return f"{adapted(self.first).name} + {adapted(self.second).name}"
+
+    @property
     def approximation(self) -> str:
         """The defects of the parts; empty if there are none."""
         return "; ".join(filter(None, (getattr(part, "approximation", "") for part in (self.first, self.second))))

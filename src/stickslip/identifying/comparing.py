@@ -224,7 +224,7 @@ def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
     for label, law in pairs:
         model = _with_law(robot, law, problems)
         if model is not None:
-            name = label or type(model.friction).__name__
+            name = label or law_of(model).name
             found[name if name not in found else f"{name} ({len(found) + 1})"] = model
     if not pairs:
         problems.add('laws is empty; type for example laws=["coulomb", "lugre"]')

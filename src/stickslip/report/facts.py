@@ -86,7 +86,7 @@ def _of_bench(run: Any) -> list[tuple[str, str]]:
 
     balance, counts = energy(run), Counter(e.kind for e in run.events)
     return [
-        ("mechanism", f"{type(run.model).__name__} with {type(run.model.friction).__name__} friction"),
+        ("mechanism", f"{type(run.model).__name__} with {machine_of(run.model).law_names} friction"),
         ("mean velocity", millimetres(mean_velocity(run))),
         ("parts of the time", ", ".join(f"{name} {100 * share:.1f} %" for name, share in shares(run).items())),
         ("events", ", ".join(f"{name} {n}" for name, n in counts.items()) or "none"),

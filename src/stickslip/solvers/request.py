@@ -228,7 +228,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
                 table[:, columns[name]] = np.broadcast_to(values, (*labels.shape, several)).reshape(cases, several)
             elif columns[name] or np.any(values != 0.0):
                 if not columns[name]:
-                    problems.add(f"start has z = {value!r}, but {type(model.friction).__name__} has no inner state; leave z out")
+                    problems.add(f"start has z = {value!r}, but {law_of(model).name} has no inner state; leave z out")
                     continue
                 table[:, columns[name][0]] = spread(value, labels)
         except (TypeError, ValueError) as error:
