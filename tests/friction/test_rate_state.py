@@ -34,7 +34,7 @@ def test_a_step_of_the_speed_raises_friction_at_once_and_lowers_it_over_the_slip
     assert law.steady(r * ROCK.v0, 2.0) == pytest.approx(2.0 * (0.6 - 0.005 * math.log(r)), abs=1e-13)
 
 
-@pytest.mark.parametrize("evolution", ["aging", "slip"])
+@pytest.mark.parametrize("evolution", ["aging", pytest.param("slip", marks=pytest.mark.slow)])
 def test_a_slider_is_stable_above_its_critical_stiffness_and_not_below(evolution):
     law, load = ROCK.replace(evolution=evolution), 1e6
     for part in (0.8, 1.25):
@@ -79,7 +79,7 @@ def earthquakes_by_scipy(law, k, m, V, load, end, start):
     return solve_ivp(slope, (0.0, end), start, events=fast, **options).t_events[0]
 
 
-@pytest.mark.parametrize("evolution", ["aging", "slip"])
+@pytest.mark.parametrize("evolution", [pytest.param("aging", marks=pytest.mark.slow), "slip"])
 def test_earthquakes_below_the_critical_stiffness_recur_as_scipy_says(evolution):
     law, load, V = ROCK.replace(evolution=evolution), 1.0, 1e-6
     k = 0.3 * law.critical_stiffness(load)

@@ -120,7 +120,7 @@ def agree_with_plain_python(robot, periods=6, v=0.0):
     assert [run.strobe_v[-1], ends.state[0, 0]] == pytest.approx([plain.strobe_v[-1]] * 2, abs=CLOSE * scale)
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
 @given(**TERMS)
 def test_a_robot_with_extra_terms_moves_as_plain_python_says(**terms):
     agree_with_plain_python(changed(**terms))

@@ -256,7 +256,7 @@ def test_one_case_and_a_batch_tell_the_same():
         assert (raw["x_end"][i], raw["v_end"][i]) == pytest.approx((x[0], v[0]), abs=1e-15)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.floats(0.1, 10), st.floats(0.1, 10))
 def test_a_change_of_units_changes_only_units(mass, time):
     robot = rig(2.7, 6.032e-4)

@@ -76,7 +76,7 @@ def test_words_are_flags_in_the_files(whole):
     assert told == ss.open_study(whole).motion_type.values[1, 19].tolist() and "III" in told
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_killed_and_resumed_it_is_the_same(whole, tmp_path, workers):
     """kill -9 a few times on the way, at different moments."""
     study, rng = tmp_path / "study", np.random.default_rng(workers)
