@@ -1,4 +1,4 @@
-"""What a public function takes, read off its annotations, so that a value of another kind is told in words wherever it goes wrong."""
+"""Arguments of public functions, checked against their annotations; a value of another kind is reported in a sentence."""
 
 from __future__ import annotations
 

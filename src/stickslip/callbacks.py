@@ -1,4 +1,4 @@
-"""What a caller may give as `progress`: a function, or True for a line on the terminal or in the notebook."""
+"""The `progress` argument: a function, or True for a line on the terminal or in the notebook."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the parts of a model are asked for. A class of your own needs these methods and no base class.
+"""Protocols of the parts of a model. A user-defined class needs these methods and no base class.
 
 Velocities are in m/s, forces in N, times in s. Every number may be an array of cases, or a symbol while equations are traced.
 """

@@ -1,4 +1,4 @@
-"""What a machine's controllers hold beside its bodies: states that grow with time, and numbers that are set at known instants."""
+"""States of a machine's controllers: integrated states, and numbers set at sampling instants."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dense output: the pieces of which a trajectory is made, as arrays that can be evaluated anywhere and kept in a file."""
+"""Dense output: the pieces of a trajectory as arrays that can be evaluated at any time and stored in a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors that say what was given, what is allowed and what to type."""
+"""Errors that state the value given, the values allowed and the text to type."""
 
 from __future__ import annotations
 

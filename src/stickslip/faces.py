@@ -1,4 +1,4 @@
-"""What results show in a notebook: what they are, their numbers rounded to what is known, remarks, and their figure."""
+"""Results in a notebook: title, numbers rounded to their significant digits, remarks and figure."""
 
 from __future__ import annotations
 

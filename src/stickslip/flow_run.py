@@ -1,4 +1,4 @@
-"""What happened in one run of a switching flow: its states, modes and switches, and the dense output behind them."""
+"""The result of one run of a switching flow: states, modes, switches and dense output."""
 
 from __future__ import annotations
 

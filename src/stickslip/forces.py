@@ -1,4 +1,4 @@
-"""The forces on a moving body at given instants: what friction does, what it would have to do to hold the body."""
+"""Forces on a moving body at given instants: the friction force, and the force that would hold the body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What data say about the parameters of a fit: the covariance, and the directions in which they say nothing."""
+"""Information about the parameters of a fit: the covariance, and the undetermined directions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What JSON can hold."""
+"""Conversion to strict JSON."""
 
 from __future__ import annotations
 

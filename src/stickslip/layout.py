@@ -1,4 +1,4 @@
-"""What the numbers of a run's states are: which of them belong to which body, and which to which contact."""
+"""Layout of the states of a run: which belong to which body, and which to which contact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot, a mechanism or a machine of a user's own may leave out, with its one default."""
+"""Optional parts of a robot, a mechanism or a user-defined machine, with one default for each."""
 
 from __future__ import annotations
 

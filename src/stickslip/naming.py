@@ -1,4 +1,4 @@
-"""What the axes of a sweep are called: what the maker's own description of a number says."""
+"""Names of the axes of a sweep, from the maker's own description of its numbers."""
 
 from __future__ import annotations
 

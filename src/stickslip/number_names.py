@@ -1,4 +1,4 @@
-"""Which numbers of a machine are meant by what was typed."""
+"""Resolves typed names to the numbers of a machine."""
 
 from __future__ import annotations
 

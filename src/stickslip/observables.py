@@ -1,4 +1,4 @@
-"""A user's own columns of a batch: a function of the state, and what is made of it over the motion period."""
+"""User-defined columns of a batch: a function of the state, and its reduction over the motion period."""
 
 from __future__ import annotations
 

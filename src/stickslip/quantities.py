@@ -1,4 +1,4 @@
-"""One description of a number, in the metadata of its field: symbol, unit, words, what is allowed, an example, and the reach of its slider.
+"""The description of a number, in its field's metadata: symbol, unit, words, bounds, example, and slider range.
 
 Error messages, axes, the explorer, the equations, the command line and the notation page's test read it there and nowhere else.
 """

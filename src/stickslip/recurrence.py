@@ -1,4 +1,4 @@
-"""Whether the strobe points of a motion repeat, and what they approach: one test, for single runs and, compiled, for batches.
+"""Whether the strobe points of a motion repeat, and their limit: one test for single runs and, compiled, for batches.
 
 Strobe points are rows of x and the state, one for each drive period, in an array that is written round and round: point n stands
 in row n modulo its length. Near a flip points 2p apart agree long before points p apart do, and beside a fold every point agrees

@@ -1,4 +1,4 @@
-"""The vibration-driven robot: what it is, and its equations of motion."""
+"""The vibration-driven robot and its equations of motion."""
 
 from __future__ import annotations
 

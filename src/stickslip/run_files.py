@@ -1,4 +1,4 @@
-"""What a run gives to other programs: data frames, CSV, Excel and MATLAB files, datasets, and files that `stickslip.load` reads back."""
+"""Export of a run: data frames, CSV, Excel and MATLAB files, datasets, and files that `stickslip.load` reads back."""
 
 from __future__ import annotations
 

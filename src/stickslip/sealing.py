@@ -1,4 +1,4 @@
-"""Frozen records whose arrays are frozen too: what is written into one of them changes no result."""
+"""Frozen records with frozen arrays: writing into an array cannot change a result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out of a batch: one number per case and result, no trajectories."""
+"""The result of a batch: one number for each case and column, without trajectories."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happened in one run: every column, every event, and the dense output behind them."""
+"""The result of one run: every column, every event, and the dense output."""
 
 from __future__ import annotations
 

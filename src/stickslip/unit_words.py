@@ -1,4 +1,4 @@
-"""Units that are words, or symbols without prefixes: what they are in SI, with the powers of m, kg, s, A and rad."""
+"""Units that are words, or symbols without prefixes: their SI values with the powers of m, kg, s, A and rad."""
 
 from __future__ import annotations
 

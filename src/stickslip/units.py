@@ -1,4 +1,4 @@
-"""Units as people and files write them: what they are in SI, and what kind of quantity they measure. Nothing is guessed."""
+"""Units as people and files write them: their SI values and the kind of quantity. Nothing is guessed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file may unpack to: one that declares, or hides, far more numbers than it has bytes is refused before they are made."""
+"""Limits on unpacking: a file that declares, or hides, far more numbers than it has bytes is refused beforehand."""
 
 from __future__ import annotations
 

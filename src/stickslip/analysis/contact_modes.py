@@ -1,4 +1,4 @@
-"""What each contact of a run does over a span of time: sticks, slides forwards or backwards; and when stops are touched."""
+"""Modes of each contact of a run over a span of time (sticking, sliding forwards or backwards), and the closed stops."""
 
 from __future__ import annotations
 

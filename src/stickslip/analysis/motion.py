@@ -1,4 +1,4 @@
-"""What kind of motion a run ends in: rest, presliding, types I to IV, or other."""
+"""Motion types of runs: rest, presliding, types I to IV, or other."""
 
 from __future__ import annotations
 

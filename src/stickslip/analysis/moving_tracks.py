@@ -1,4 +1,4 @@
-"""What builders of stages and conveyors ask: the step in each cycle, how strongly a track throws, and the hops of what it throws."""
+"""Measures of stages and conveyors: step per cycle, throw index, and hops of the conveyed body."""
 
 from __future__ import annotations
 

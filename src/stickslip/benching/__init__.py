@@ -1,4 +1,4 @@
-"""The bench: what a law does, alone."""
+"""The bench: standard experiments on a friction law alone."""
 
 from stickslip.benching.experiments_run import EXPERIMENTS, bench
 from stickslip.benching.findings import Bench, Benches, Curve, Experiment, Quantity

@@ -1,4 +1,4 @@
-"""What the bench found: numbers with units, curves, and the tables that show them."""
+"""Results of the bench: numbers with units, curves and tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the experiments on one law have in common: what is typical of the law, and how a mechanism with it is solved."""
+"""The common setup of the experiments on one law: its typical quantities, and solving a mechanism with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``stickslip run`` says of a mechanism that has no period: how long it stuck and slipped, and how often."""
+"""Output of ``stickslip run`` for a mechanism without a period: times of sticking and slipping, and number of slips."""
 
 from __future__ import annotations
 

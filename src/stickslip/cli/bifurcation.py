@@ -1,4 +1,4 @@
-"""``stickslip bifurcation``: what a motion becomes along one number, by brute force and by continuation."""
+"""``stickslip bifurcation``: the attractors along one number, by brute force and by continuation."""
 
 from __future__ import annotations
 

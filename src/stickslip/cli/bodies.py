@@ -1,4 +1,4 @@
-"""What ``stickslip run`` says of a machine that lists its bodies and contacts: how each moves, by name."""
+"""Output of ``stickslip run`` for a machine of several bodies: the motion of each body and contact, by name."""
 
 from __future__ import annotations
 

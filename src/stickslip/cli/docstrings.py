@@ -1,4 +1,4 @@
-"""What a docstring says about the arguments of a class or function, without its markup."""
+"""Descriptions of arguments from the docstring of a class or function, without its markup."""
 
 from __future__ import annotations
 

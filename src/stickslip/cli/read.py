@@ -1,4 +1,4 @@
-"""``stickslip read``: what a measured record holds, and what can be measured on it."""
+"""``stickslip read``: the contents of a measured record, and measurements on it."""
 
 from __future__ import annotations
 

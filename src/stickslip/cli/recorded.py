@@ -1,4 +1,4 @@
-"""What the commands on measured records share: how a record is named on the command line."""
+"""Common arguments of the commands on measured records: how a record is named on the command line."""
 
 from __future__ import annotations
 

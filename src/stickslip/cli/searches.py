@@ -1,4 +1,4 @@
-"""What a search for the best is asked, in words of the command line and in the table [optimise] of a study file."""
+"""Arguments of an optimisation, from words of the command line or the table [optimise] of a study file."""
 
 from __future__ import annotations
 

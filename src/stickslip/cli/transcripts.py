@@ -1,4 +1,4 @@
-"""Examples of every command with what they print, kept as files that a test runs; ``--help`` ends with them."""
+"""Examples of every command with their output, in files that a test runs; ``--help`` ends with them."""
 
 from __future__ import annotations
 

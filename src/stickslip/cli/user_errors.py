@@ -1,4 +1,4 @@
-"""Whose mistake an exception is: ours, or that of the code that a command was told to run."""
+"""Tells our exceptions from those raised by the code that a command was asked to run."""
 
 from __future__ import annotations
 

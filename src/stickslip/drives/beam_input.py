@@ -1,4 +1,4 @@
-"""What may go into a piezo beam: its damping, voltages, frequencies and records, checked with all problems at once."""
+"""Inputs of a piezo beam: damping, voltages, frequencies and records, checked together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to remark on a piezo beam and on how it is driven: limits of the paper's hardware and of linear beam theory."""
+"""Notes on a piezo beam and its drive: limits of the paper's hardware and of linear beam theory."""
 
 from __future__ import annotations
 

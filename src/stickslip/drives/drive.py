@@ -1,4 +1,4 @@
-"""What every drive of ours has: the rest follows from its period and its relative motion."""
+"""Base class of the built-in drives: everything that follows from the period and the relative motion."""
 
 from __future__ import annotations
 

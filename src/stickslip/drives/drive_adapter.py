@@ -1,4 +1,4 @@
-"""What a drive of a user's own may leave out, with its one default."""
+"""Optional methods of a user-defined drive, with one default for each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every force on an inner mass has, and forces added up."""
+"""Base class of the forces on an inner mass, and sums of forces."""
 
 from __future__ import annotations
 

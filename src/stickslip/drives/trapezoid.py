@@ -1,4 +1,4 @@
-"""A trapezoid of velocity with smooth ramps: what a controller makes of the two-phase drive."""
+"""A trapezoidal velocity profile with smooth ramps: the two-phase drive as a controller realises it."""
 
 from __future__ import annotations
 

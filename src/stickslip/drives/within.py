@@ -1,4 +1,4 @@
-"""The drives that a machine has, in whatever part of it."""
+"""The drives of a machine, in any of its parts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A drive around a drive: what is not changed is handed through."""
+"""Base class of drives that change another drive and pass on the rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each contact adds to the equations of a machine: inner states and their rates, or modes with the guards that end them."""
+"""Contributions of each contact to the equations of a machine: inner states with rates, or modes with guards."""
 
 from __future__ import annotations
 

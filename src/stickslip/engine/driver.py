@@ -1,4 +1,4 @@
-"""What all lane kernels share: the driver that fills lanes with cases, steps them and notes what happens; compiled once, for every law.
+"""The driver of all lane kernels: it assigns cases to lanes, steps them and observes them; compiled once, for every law.
 
 A law's own kernel (`lanes.py`) holds only what depends on the law: the numbers of a case, its flags, its step. The driver
 calls these functions at their addresses. It finds its way by the kernel's table: how many states and flags there are,

@@ -1,4 +1,4 @@
-"""The classical Runge-Kutta method with a fixed step, compiled: what a hand-written script does.
+"""The classical Runge-Kutta method with a fixed step, compiled: the method of a hand-written script.
 
 It reads the same traced equations as every other method, but holds nothing fixed: the side of v (and every other condition
 in the law) is decided anew in each stage, from the state of that stage, as a script with ``sign(v)`` does.

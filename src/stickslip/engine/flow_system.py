@@ -1,4 +1,4 @@
-"""A switching flow as a System: its plain Python is called with symbols, and a mode chooses what a step computes with.
+"""A switching flow as a System: its Python functions are called with symbols, and the mode selects the field.
 
 A flow has no contacts. Its mode is a number that a step holds, of which each rate is a choice; a guard is watched in its own mode
 alone. Plain Python may ask: where a field, a guard, a reset or the mode after a switch says ``if``, it is called once for each

@@ -1,4 +1,4 @@
-"""What is made of traced expressions as a whole: their derivative along a direction, and the same expression of other things."""
+"""Operations on traced expressions as a whole: directional derivatives and substitution."""
 
 from __future__ import annotations
 

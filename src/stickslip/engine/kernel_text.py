@@ -1,4 +1,4 @@
-"""What a kernel's file is made of: its top, and functions on plain numbers, each with its types (`functions.py` writes them)."""
+"""Parts of a kernel's file: its header, and functions on plain numbers with their types (`functions.py` compiles them)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a law must be before it is traced: its methods take what the engine gives, and give numbers."""
+"""Checks of a law before it is traced: its methods accept the engine's arguments and return numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a law's kernel has beside its step: numbers of a case, flags, modes and guards at an instant, and the force that is applied."""
+"""Functions of a law's kernel besides its step: constants of a case; flags, modes and guards at an instant; the applied force."""
 
 from __future__ import annotations
 

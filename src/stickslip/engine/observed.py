@@ -1,4 +1,4 @@
-"""What lanes note of a machine in its last motion period: signals made of its traced equations, each with what is made of it on the way.
+"""Signals that lanes record over the last motion period of a machine, from its traced equations, and their reductions.
 
 One body on one contact needs none of them: its step has its velocity, slip ratio and work at hand (``kernels/watching.py``). For all else
 the expressions are evaluated on the dense output of each step in that period (``kernels/reducing.py``).

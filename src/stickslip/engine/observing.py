@@ -1,4 +1,4 @@
-"""A user's observable, called with symbols: what it may ask of the state of a machine, and the signal that comes out."""
+"""User-defined observables, traced with symbols: the state of a machine that they may use, and the resulting signal."""
 
 from __future__ import annotations
 

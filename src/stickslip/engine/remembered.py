@@ -1,4 +1,4 @@
-"""What was found out before, by what it depends on."""
+"""Caches of computed values, by the objects on which they depend."""
 
 from __future__ import annotations
 

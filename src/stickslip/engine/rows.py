@@ -1,4 +1,4 @@
-"""Taylor coefficients of a solution by a loop over the orders: each expression of the graph has one line in it, whatever the order.
+"""Taylor coefficients of a solution by a loop over the orders: one line for each expression of the graph, at any order.
 
 The coefficients follow from one another order by order: those of the states from the slopes, those of a product by Cauchy's rule, those
 of a function from its differential equation (Moore 1966; Jorba and Zou 2005). Beyond the first, the coefficients of a sum, of a multiple

@@ -1,4 +1,4 @@
-"""Whether the inner state of a law can be slaved to the velocity, asked of the traced equations, and what it is then."""
+"""Whether the inner state of a law can be slaved to the velocity, decided from the traced equations; and the slaved equations."""
 
 from __future__ import annotations
 

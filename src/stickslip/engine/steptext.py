@@ -1,4 +1,4 @@
-"""The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
+"""The text of a step in its kernel's file: its lines, the fields that they read and write, and the single call that Numba compiles.
 
 The lines are not read by Numba; `emit.py` turns them into instructions. Of a
 Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,

@@ -1,4 +1,4 @@
-"""Symbols: what a law is called with when the engine wants to know its equation.
+"""Symbols with which the engine calls a law in order to record its equations.
 
 An expression is a node of a graph in which equal expressions are one node, so common subexpressions are shared by
 construction. Nodes know how to differentiate themselves. Conditions on the state become guards: named flags of value

@@ -1,4 +1,4 @@
-"""What a step needs to know of a machine: states with their rates, contacts, guards with what they switch, known instants."""
+"""The description of a machine for a step: states with rates, contacts, guards with their switches, known instants."""
 
 from __future__ import annotations
 

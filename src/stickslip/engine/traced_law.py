@@ -1,4 +1,4 @@
-"""A friction law alone, called with symbols: what it says of force, inner states, memories and rest, as expressions of one graph."""
+"""A friction law alone, called with symbols: its force, inner states, memories and break-away as expressions of one graph."""
 
 from __future__ import annotations
 

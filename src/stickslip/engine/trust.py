@@ -1,4 +1,4 @@
-"""Which folder may hold code that we run: kernels are executed, so whoever can write one could run anything as us."""
+"""Folders that may hold compiled kernels: kernels are executed, so nobody else may be able to write there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the coefficients of a Taylor polynomial cannot foresee, and how a step is kept from going past it.
+"""Features that the coefficients of a Taylor polynomial cannot predict, and how a step is kept from passing over them.
 
 A function such as exp(-(v/v_s)^2) and all its coefficients are below rounding many v_s away from rest, and yet its peak may lie within
 the step. Three things keep a step honest. It ends where the argument of an exponential rises to `FLOOR`, which is found as an

@@ -1,4 +1,4 @@
-"""How long and how many: what one client, or one who is not known yet, may hold of the server."""
+"""Limits on what one client, or an unidentified one, may use of the server: durations and numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Python that gives what is on the page."""
+"""Python code that reproduces the page."""
 
 from __future__ import annotations
 

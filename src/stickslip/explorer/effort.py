@@ -1,4 +1,4 @@
-"""How much work a run will be, told from its numbers before it begins: what would take too long is refused with a sentence."""
+"""Estimate of the work of a run from its numbers, before it begins; too long a run is refused with a sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be taken home: the picture, the columns, a study file, the Python, a report."""
+"""Downloads: the picture, the columns, a study file, the Python code, a report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a page asks for, checked: every choice by name, every number by its bounds; all that is wrong is said at once."""
+"""Requests of a page, checked: choices by name and numbers by their bounds, with all errors reported together."""
 
 from __future__ import annotations
 

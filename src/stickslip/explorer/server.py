@@ -1,4 +1,4 @@
-"""The server of the explorer: one page, its files, a socket for what is dragged, and exports."""
+"""The server of the explorer: one page, its files, a socket for slider values, and exports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages that ask at the same time: the newest request of each wins, and whoever waits longest comes next."""
+"""Sessions of several pages: the newest request of each page counts, and the page that has waited longest is served next."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be dragged: every number of the page once, with its letter, units, the reach of its slider and what is allowed."""
+"""The sliders: every number of the page once, with symbol, units, range and bounds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Uploaded records are read in a process of their own, with a deadline and a limit of memory: what it meets there ends that process alone.
+"""Uploaded records are read in a separate process with a time limit and a memory limit; a failure ends that process alone.
 
 One is ready before the first file comes, so that a file need not wait for imports; one that ended is replaced at once.
 """

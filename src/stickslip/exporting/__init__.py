@@ -1,4 +1,4 @@
-"""What a law is elsewhere: source text of other languages."""
+"""Friction laws as source text of other languages."""
 
 from stickslip.exporting.exporting import LANGUAGES, ExportedLaw, export_law
 

@@ -1,4 +1,4 @@
-"""A friction law as what a joint of MuJoCo can do, dry friction and damping the same both ways, and how wrong that is."""
+"""A friction law as a joint of MuJoCo can represent it (dry friction and damping, equal both ways), with the error of doing so."""
 
 from __future__ import annotations
 

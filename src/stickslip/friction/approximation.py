@@ -1,4 +1,4 @@
-"""What the smoothed laws share: no inner state, a width in velocity, and a sentence on what is wrong with them."""
+"""Common parts of the smoothed laws: no inner state, a width in velocity, and a statement of their error."""
 
 from __future__ import annotations
 

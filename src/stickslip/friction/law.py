@@ -1,4 +1,4 @@
-"""What every built-in law is: a record that can be added to another law and has an example."""
+"""Base class of the built-in laws: a record that can be added to another law and has an example."""
 
 from __future__ import annotations
 

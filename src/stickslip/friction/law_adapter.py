@@ -1,4 +1,4 @@
-"""The only caller of friction laws: one way to ask any of them, whatever it leaves out or writes in its own way.
+"""The only caller of friction laws: one interface to any law, with defaults for optional methods.
 
 A law takes and gives a number for one inner state and a tuple for several; here states are a tuple always. What a law need not have
 (`states`, `modes`, `switches`, `scale`, `start`, `velocity_scale`, `notes`, an argument `applied`) has its default here and nowhere else.

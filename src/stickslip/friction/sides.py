@@ -1,4 +1,4 @@
-"""What several laws share: a coefficient for each direction, the Stribeck curve, and powers that are safe at zero."""
+"""Functions shared by several laws: a coefficient for each direction, the Stribeck curve, and powers that are safe at zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What laws have in common whose friction has a kinetic and a static coefficient for each direction."""
+"""Base classes of laws with a kinetic and a static coefficient for each direction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""HDF5 files from anywhere: what is read lies within the file, and is no more than the file may unpack to."""
+"""Safe reading of HDF5 files of any origin: nothing outside the file is read, and no more than the file may unpack to."""
 
 from stickslip.hdf5.chunks import values
 from stickslip.hdf5.safe_files import attributes, members, opened, place_of

@@ -1,4 +1,4 @@
-"""One clock for channels that were sampled apart: motion and what was applied, evenly spaced."""
+"""A common time base for channels that were sampled separately: motion and input, evenly spaced."""
 
 from __future__ import annotations
 

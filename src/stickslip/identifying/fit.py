@@ -1,4 +1,4 @@
-"""What an identification found: values, how sure they are, and what the residuals say."""
+"""The result of an identification: values, their uncertainty, and an analysis of the residuals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What data determine of numbers that they do not determine one by one: products, ratios and sums that nothing undetermined changes."""
+"""Combinations that data determine although they do not determine the numbers one by one: products, ratios and sums."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fit of mean velocities alone: many speeds against what was set, as one problem, each place a batch of settled runs."""
+"""Fit of mean velocities alone: velocities against settings as one problem, each evaluation a batch of settled runs."""
 
 from __future__ import annotations
 

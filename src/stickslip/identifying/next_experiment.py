@@ -1,4 +1,4 @@
-"""After a fit: which next experiment would determine what the records so far do not."""
+"""After a fit: the next experiment that would determine the parameters that the records so far do not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one model gives for several records, and its derivatives: steady motion of robots."""
+"""Predictions of one model for several records, with their derivatives: steady motion of robots."""
 
 from __future__ import annotations
 

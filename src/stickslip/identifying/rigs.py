@@ -1,4 +1,4 @@
-"""The virtual rig: synthetic records of a known truth, with what a real bench adds to it."""
+"""The virtual rig: synthetic records with known parameters and the imperfections of a real bench."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What data say of the numbers of a fit as a whole distribution: samples of the posterior, and bands of what the model predicts."""
+"""The posterior distribution of the numbers of a fit: samples, and bands of the model's predictions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is measured of a model: its curves or forces as sensors show them, with what is known of sensors and numbers beforehand."""
+"""The least-squares problem of a fit: model curves or forces as sensors show them, and prior knowledge of sensors and numbers."""
 
 from __future__ import annotations
 

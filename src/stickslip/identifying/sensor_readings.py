@@ -1,4 +1,4 @@
-"""What a sensor shows of the values of a model, by its numbers: gain, delay, offset, drift, the inertia of a load cell."""
+"""Sensor readings computed from a model's values: gain, delay, offset, drift, and the inertia of a load cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts.
+"""Sensor effects: offset, drift, gain and delay; for forces also preload and the inertia of moving parts.
 
 Beside them stands the start of a contact whose law has inner states: nobody knows how far these are bent where a record begins.
 """

@@ -1,4 +1,4 @@
-"""What a fit compares with: the numbers of one record over the drive's phase, with their noise."""
+"""The data of a fit: the values of one record over the drive phase, with their noise."""
 
 from __future__ import annotations
 

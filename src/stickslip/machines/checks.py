@@ -1,4 +1,4 @@
-"""Whether the parts of a machine fit together: all that is wrong is said at once."""
+"""Consistency checks of the parts of a machine; all errors are reported together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a study file and a notebook ask of machines: their table in TOML, their shape, their page."""
+"""Machines in study files and notebooks: their TOML table, shape and page."""
 
 from __future__ import annotations
 

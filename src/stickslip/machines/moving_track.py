@@ -1,4 +1,4 @@
-"""A mass on a track that moves as it is told: piezo stick-slip stages and vibratory conveyors."""
+"""A mass on a track with prescribed motion: piezo stick-slip stages and vibratory conveyors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the mechanisms share: checks, the shape of a batch, TOML, and the protocol that solvers ask."""
+"""Base class of the mechanisms: checks, batch shape, TOML, and the protocol of the solvers."""
 
 from __future__ import annotations
 

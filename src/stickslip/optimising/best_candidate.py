@@ -1,4 +1,4 @@
-"""What is told of the best candidate: everything computed anew from the machine alone."""
+"""Report on the best candidate, with everything recomputed from the machine alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What candidates are worth: one batch for each table of unknowns, and the best of all that were tried."""
+"""Evaluation of candidates: one batch for each table of unknowns, and the best candidate so far."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a machine has to keep to: peaks of its drives and results of its motion."""
+"""Constraints on a machine: peaks of its drives and results of its motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quantities whose derivatives are exact: what the tangent along a steady motion, and means over it, say of them."""
+"""Quantities with exact derivatives: computed from the tangent along a steady motion and from means over it."""
 
 from __future__ import annotations
 

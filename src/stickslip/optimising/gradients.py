@@ -1,4 +1,4 @@
-"""Derivatives of what a machine does by its numbers: exact for the mean velocity, differences for what else a run gives."""
+"""Derivatives of a machine's results by its numbers: exact for the mean velocity, differences for other results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search has found, and how far that is from what is possible."""
+"""The result of a search, and its distance from the theoretical limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the quantity does as one number goes from bound to bound and the others stay where the best machine has them."""
+"""The quantity along one number at a time, from bound to bound, with the other numbers at the optimum."""
 
 from __future__ import annotations
 

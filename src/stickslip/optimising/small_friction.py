@@ -1,4 +1,4 @@
-"""How fast a robot could be at most if friction were small: what a drive is measured against."""
+"""The largest possible speed of a robot in the limit of small friction, the reference for drives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may vary: numbers between bounds and waveforms, as one table of unknowns between 0 and 1."""
+"""The unknowns of a search: numbers between bounds and waveforms, as one table with values from 0 to 1."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The amplitudes that the paper leaves out, found again in this very run: which of them reproduce what it prints."""
+"""The amplitudes that the paper omits, determined in each run: those that reproduce its printed values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the report's template asks for."""
+"""The values that the report's template uses."""
 
 from __future__ import annotations
 

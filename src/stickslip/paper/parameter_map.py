@@ -1,4 +1,4 @@
-"""What lies around section 5: period number and largest exponent over amplitude and kinetic coefficient, and where periods double."""
+"""The surroundings of section 5: period number and largest exponent over amplitude and kinetic coefficient, and period doublings."""
 
 from __future__ import annotations
 

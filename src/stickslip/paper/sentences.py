@@ -1,4 +1,4 @@
-"""What the report says: templates in ``sentences.toml``, in the order of the paper, into which the numbers of a run are put."""
+"""Sentences of the report: templates in ``sentences.toml``, in the order of the paper, filled with the numbers of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every contact does: a chart of bars, one row for each contact and each stop."""
+"""Modes of every contact as a chart of bars: one row for each contact and each stop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of what a robot's motion becomes along a parameter: diagrams, basins, exponents, spectra."""
+"""Figures of a robot's dynamics along a parameter: bifurcation diagrams, basins, exponents, spectra."""
 
 from __future__ import annotations
 

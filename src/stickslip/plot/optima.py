@@ -1,4 +1,4 @@
-"""Pictures of optima: what each number does beside the best machine, its drive beside the one that was given, and fronts."""
+"""Figures of optima: each number around the best machine, its drive beside the original one, and Pareto fronts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of measured records: beside what laws give, with what was fitted to them, and what is left over."""
+"""Figures of measured records: with the predictions of laws, with fits, and with residuals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the columns of a table stand over: times, frequencies, or a count of samples."""
+"""The axis of a table's columns: times, frequencies, or sample numbers."""
 
 from __future__ import annotations
 

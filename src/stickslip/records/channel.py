@@ -1,4 +1,4 @@
-"""One channel of a record: numbers over time, as they stand in the file, with what is known about them."""
+"""One channel of a record: numbers over time as in the file, with everything known about them."""
 
 from __future__ import annotations
 

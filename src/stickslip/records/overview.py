@@ -1,4 +1,4 @@
-"""The summary of a record: what was measured, how often, how cleanly."""
+"""The summary of a record: the quantities measured, sampling rates, and quality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a format's reader hands over: columns as they stand in the file, before anything is made of them."""
+"""The output of a format's reader: columns as they are in the file, before any interpretation."""
 
 from __future__ import annotations
 

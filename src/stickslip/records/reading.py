@@ -1,4 +1,4 @@
-"""`read`: from a file of any known format to a `Record`. The format is told from the bytes, not from the name."""
+"""`read`: from a file of any known format to a `Record`. The format is recognised from the content, not from the name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the channels of a record are for, and what a user must know about them."""
+"""Roles of the channels of a record, and what users must know about them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sensitivities: from the volts that a sensor gave to what it measured."""
+"""Sensitivities: from a sensor's voltage to the measured quantity."""
 
 from __future__ import annotations
 

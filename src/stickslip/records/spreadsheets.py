@@ -1,4 +1,4 @@
-"""XLSX: the table on the first sheet. It is a ZIP archive of XML; as either can unpack without end, both are looked at before."""
+"""XLSX: the table on the first sheet. It is a ZIP archive of XML; both are checked before unpacking, as either can be a bomb."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text files: separator, decimal mark, headings and units are found out; what does not fit is said."""
+"""Text files: separator, decimal mark, headings and units are detected; inconsistencies are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What there is to say of a run, each with its unit: of the whole machine, of each body, of each contact, link and stop."""
+"""Facts about a run, each with its unit: of the whole machine, of each body, contact, link and stop."""
 
 from __future__ import annotations
 

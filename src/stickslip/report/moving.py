@@ -1,4 +1,4 @@
-"""The moving picture of a run as plain numbers: where bodies stand and how large they are, what moves, and what each contact does."""
+"""The animation of a run as plain numbers: positions and sizes of bodies, their motion, and the modes of contacts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page about an atlas: regions, borders, special points with their accuracy, branches, and what was not reached."""
+"""A page about an atlas: regions, borders, special points with their accuracy, branches, and parts not reached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page about the best machine that a search found: what it gains and costs, what varied, which limits it reaches, and how it moves."""
+"""A page about the best machine of a search: gains and costs, the numbers varied, active limits, and its motion."""
 
 from __future__ import annotations
 

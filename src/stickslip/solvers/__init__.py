@@ -1,4 +1,4 @@
-"""Solvers: `solve` picks the method and says what it did. Set-valued laws are solved exactly, dynamic laws by Rosenbrock steps."""
+"""Solvers: `solve` chooses the method and names it. Set-valued laws are solved exactly, dynamic laws to a tolerance."""
 
 from __future__ import annotations
 

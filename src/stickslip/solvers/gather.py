@@ -1,4 +1,4 @@
-"""From raw results to what a user gets: one place, whatever the solver."""
+"""From raw results to columns for users, in one place for all solvers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The methods of `solve` as objects: what each is called, which machines it takes, and how it runs them.
+"""The methods of `solve` as objects: their names, the machines that they accept, and how they run them.
 
 A method decides by the equations, never by a class: `accepts` gives None, or the reason in words. The first that accepts runs; if none
 does, the error has what each of them said.

@@ -1,4 +1,4 @@
-"""What a batch solver finds of each body, contact and stop of a machine that lists them, and the columns that are made of it."""
+"""Results of a batch solver for each body, contact and stop of a machine, and the columns computed from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a user asks of a solver, checked once."""
+"""The arguments of `solve`, checked once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Classical Runge-Kutta steps of fixed length: the naive judge, what the paper and every hand-written script does.
+"""Classical Runge-Kutta steps of fixed length: the naive judge, and the method of the paper and of hand-written scripts.
 
 It is here to be compared with, not to be used. For laws with an inner state it solves the plain equations; for set-valued
 laws it follows the usual practice: friction by the sign of v, and a body that rests only where v is 0 to the last bit. So it

@@ -1,4 +1,4 @@
-"""What a study is: the one thing that must be the same for its tiles to belong together."""
+"""The identity of a study, which must be the same for all of its tiles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A study folder as a dataset that reads what is looked at, tile by tile."""
+"""A study folder as a dataset that reads its tiles on access."""
 
 from __future__ import annotations
 

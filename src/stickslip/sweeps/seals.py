@@ -1,4 +1,4 @@
-"""Checksums of the files of a study: of all bytes, and of which part of which study they are.
+"""Checksums of the files of a study: of all bytes, and of the part of the study that each file holds.
 
 A disk that flips a bit, a tile under the number of another and a file of another study are found before anything else reads the file,
 since the HDF5 library may crash on damaged bytes. The checksum stands behind the end of the netCDF4 file, where its readers do not look.

@@ -1,4 +1,4 @@
-"""The tiles of a study as files: written whole, each with its number and checksums, and read only if they are what was written."""
+"""The tiles of a study as files: written atomically with number and checksums, and verified when they are read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the friction of a moved contact costs."""
+"""Dissipated work of a contact under prescribed motion."""
 
 from __future__ import annotations
 

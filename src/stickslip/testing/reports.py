@@ -1,4 +1,4 @@
-"""What a check of a law found."""
+"""The result of checking a law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The value of what a law writes down when it is called with the engine's symbols."""
+"""Numerical values of the expressions that a law returns for the engine's symbols."""
 
 from __future__ import annotations
 

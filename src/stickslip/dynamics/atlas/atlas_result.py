@@ -1,4 +1,4 @@
-"""What an atlas holds: motions over the grid, regions, borders, special points and branches, and what was not reached, in words."""
+"""The result of an atlas: motions over the grid, regions, borders, special points, branches, and the parts that were not reached."""
 
 from __future__ import annotations
 

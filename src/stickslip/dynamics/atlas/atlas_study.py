@@ -1,4 +1,4 @@
-"""The folder of an atlas: what it is of, the points of its grid, and what was followed; each file is there as a whole or not at all."""
+"""The study folder of an atlas: its definition, its grid points and the curves followed; every file is written atomically."""
 
 from __future__ import annotations
 

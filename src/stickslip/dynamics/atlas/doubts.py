@@ -1,4 +1,4 @@
-"""Where an atlas is not sure of its motions, and why: in words, empty where nothing speaks against them."""
+"""Places where an atlas is uncertain of its motions, with the reasons in words; empty where nothing contradicts them."""
 
 from __future__ import annotations
 

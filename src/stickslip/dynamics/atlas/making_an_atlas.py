@@ -1,4 +1,4 @@
-"""`atlas`: motions on a grid, what was missed from neighbours, branches and borders from there, and how long it takes."""
+"""`atlas`: motions on a grid, completed from neighbours, then branches and borders; and an estimate of its time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Coexisting attractors tracked along a parameter: which there are at each value, what each becomes, and its share of the starts."""
+"""Coexisting attractors tracked along a parameter: their number, their fate, and their shares of the starts."""
 
 from __future__ import annotations
 

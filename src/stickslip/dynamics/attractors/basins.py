@@ -1,4 +1,4 @@
-"""Coexisting attractors and what is attracted by which: basins over starts, their shares, and how sure the shares are."""
+"""Coexisting attractors and their basins over a set of starts, with the shares of the starts and their uncertainty."""
 
 from __future__ import annotations
 

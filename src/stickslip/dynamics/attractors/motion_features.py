@@ -1,4 +1,4 @@
-"""By which features settled motions are told apart: period number, means over whole motion periods, mean velocity."""
+"""Features that distinguish attractors: period number, means over whole motion periods, mean velocity."""
 
 from __future__ import annotations
 

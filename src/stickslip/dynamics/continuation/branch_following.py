@@ -1,4 +1,4 @@
-"""Following a branch from point to point: how long the steps are, what is done at a corner, and where it ends."""
+"""Following a branch from point to point: step lengths, corners, and the end of the branch."""
 
 from __future__ import annotations
 

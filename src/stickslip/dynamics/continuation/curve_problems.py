@@ -1,4 +1,4 @@
-"""What a curve of special points solves: equations, one fewer than unknowns, of which the last two are the parameters."""
+"""The equations of curves of special points: one equation fewer than unknowns, the last two of which are the parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stops and guards that a motion just reaches, or just misses: where a branch of motions ends at one, it is said and located."""
+"""Grazing of stops and guards: where a motion just touches one, which ends a branch of smooth motions."""
 
 from __future__ import annotations
 

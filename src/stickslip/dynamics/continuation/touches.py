@@ -1,4 +1,4 @@
-"""What a motion only just misses: dips of slip, gaps, guards and the room of rests, and the room with which a rest or a mode begins.
+"""Near-grazings of a motion: minima of slip, gaps and guards, and margins of rests, with the margins at which a mode begins.
 
 At a grazing, or a border of motion types, one of these numbers is zero. On one side of it they are smooth in the parameters, as long as the
 motion crosses all else with a speed; under a dynamic law an extreme of the slip is so on both sides (di Bernardo, Budd, Champneys and

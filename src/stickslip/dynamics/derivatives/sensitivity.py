@@ -1,4 +1,4 @@
-"""What the numbers of a machine do to its motion: exact derivatives of the mean velocity and of the state, through every switch."""
+"""Sensitivities of a motion to the numbers of a machine: exact derivatives of mean velocity and state, through every switch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a machine's plain functions of its numbers give, and their changes along directions in these numbers."""
+"""Values of a machine's plain functions of its numbers, and their derivatives along directions in these numbers."""
 
 from __future__ import annotations
 

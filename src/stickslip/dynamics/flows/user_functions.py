@@ -1,4 +1,4 @@
-"""Functions of (t, y) that a user wrote: their values and derivatives, or a message that says what is wrong with them and what to type."""
+"""User-defined functions of (t, y): values and derivatives, or a message about the mistake and its correction."""
 
 from __future__ import annotations
 

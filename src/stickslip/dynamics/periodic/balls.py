@@ -1,4 +1,4 @@
-"""Ball arithmetic: numbers with an error bound that is carried along, so that what is said of them is proved.
+"""Ball arithmetic: numbers with a propagated error bound, so that statements about them are proved.
 
 A ball is an `arb` of Arb (F. Johansson, IEEE Trans. Comput. 66 (2017) 1281), which python-flint brings.
 """

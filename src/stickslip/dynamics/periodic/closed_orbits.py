@@ -1,4 +1,4 @@
-"""What periodic orbits and limit cycles have in common: a motion that comes back to its state, and what becomes of disturbances."""
+"""Common parts of periodic orbits and limit cycles: a motion that returns to its state, and the growth of disturbances."""
 
 from __future__ import annotations
 

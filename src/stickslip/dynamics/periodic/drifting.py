@@ -1,4 +1,4 @@
-"""Whether a motion speeds up for ever, so that none repeats: said where Newton's method finds none."""
+"""Detects motions that accelerate for ever, so that none is periodic; asked where Newton's method fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Strobe states from whatever says where a motion starts: a dict, numbers, a run's end, an orbit."""
+"""Strobe states from any description of a start: a dict, numbers, the end of a run, or an orbit."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The stroboscopic map: where a state at t = 0 is after some drive periods, and what is seen at those instants."""
+"""The stroboscopic map: the state after a number of drive periods, sampled once per period."""

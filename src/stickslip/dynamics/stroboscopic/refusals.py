@@ -1,4 +1,4 @@
-"""What the maps of this package take: one model that repeats and whose bodies stay together, and what to type where it does not."""
+"""Which models the maps of this package accept, and the messages for the others."""
 
 from __future__ import annotations
 

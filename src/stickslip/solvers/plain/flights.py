@@ -1,4 +1,4 @@
-"""Contacts that leave what they rub on where their load falls to zero, and land again."""
+"""Contacts that lose contact when their load falls to zero, and land again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ends a mode: numbers that are positive until it happens."""
+"""Guards: numbers that are positive until a mode ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kinks of forces and loads: where a condition on positions or velocities changes, whoever wrote it.
+"""Kinks of forces and loads: where a condition on positions or velocities changes, in built-in and user-defined functions.
 
 A function is called with numbers that remember what they are compared with. The answers are held while an integrator steps, so that it
 sees one smooth branch, and the differences are guards: an elastic stop, a `where` or `maximum` of a user's own, or a plain `if`.
