@@ -11,9 +11,9 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.friction.law_adapter import TINY
 
-#: A velocity at a time since the beginning of a stretch [m/s].
+#: Velocity [m/s] as a function of the time since the beginning of a segment.
 Motion = Callable[[float], float]
-#: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.
+#: Evaluations after which a segment between two switches is passed to a stiff integrator.
 CALLS = 20_000
 
 
@@ -23,7 +23,7 @@ def steady(speed: float) -> Motion:
 
 
 def swing(distance: float, peak: float) -> tuple[float, Motion]:
-    """Half a swing over a distance, at rest at both ends: how long it takes [s], and its velocity."""
+    """Duration [s] and velocity of a half-sine stroke over a distance, at rest at both ends."""
     length, speed = 0.5 * math.pi * abs(distance) / peak, math.copysign(peak, distance)
     return length, lambda t: speed * math.sin(math.pi * t / length)
 
@@ -33,9 +33,9 @@ class _TooStiff(Exception):
 
 
 class Contact:
-    """Where a contact is: its position, states and memories, and the work done on it so far.
+    """The state of a contact: position, inner states, memories, and the work done on it so far.
 
-    Every stretch is integrated from switch to switch of the law's memories, on the law as it is written; within a stretch the velocity
+    Each segment is integrated from switch to switch of the law's memories, with the law as written; within a segment the velocity
     has one sign.
 
     Parameters
@@ -43,7 +43,7 @@ class Contact:
     probe : Probe
         The law under its load.
     work : float
-        A typical work, against which its error is measured [J].
+        A typical work, the scale of its error tolerance [J].
     rtol : float
         Relative tolerance.
     """
@@ -55,14 +55,14 @@ class Contact:
         self._side = 1.0
 
     def force(self, v: float, z: tuple[float, ...] | None = None) -> float:
-        """Friction force at a velocity, on the side on which the contact was moved last [N]."""
+        """Friction force at a velocity, in the direction in which the contact was last moved [N]."""
         return float(self.probe.force(self._held(v), self.z if z is None else z, self.mode))
 
     def _held(self, v: float) -> float:
         return self._side * max(self._side * v, TINY)
 
     def follow(self, length: float, velocity: Motion, samples: int = 0) -> list[tuple[float, float, float, float]]:
-        """Go through one stretch; returns about as many samples of (time, position, velocity, force) as asked for."""
+        """Traverse one segment; returns approximately the requested number of samples of (time, position, velocity, force)."""
         t, found, idle = 0.0, [], 0
         self._side = math.copysign(1.0, velocity(0.5 * length))
         while t < length:
@@ -70,10 +70,10 @@ class Contact:
             if samples:
                 found += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
             before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
-            idle = idle + 1 if run.t[-1] <= t else 0  # stretches in a row that took no time
+            idle = idle + 1 if run.t[-1] <= t else 0  # consecutive steps of zero duration
             if idle > 100:
                 raise SolveError(f"{self.probe.law.name} switches its memories endlessly at one instant; check its switches")
-            before = [max(g, self.probe.load) for g in before] if idle else before  # what has fallen before it could be seen to fall
+            before = [max(g, self.probe.load) for g in before] if idle else before  # guards already at zero count as falling
             t, y = float(run.t[-1]), [float(value) for value in run.y[:, -1]]
             self.z, self.x, self.done, self.turned = tuple(y[:-3]), *y[-3:]
             self.least = min(self.least, float(run.y[-2].min()))
@@ -83,7 +83,7 @@ class Contact:
         return found
 
     def _run(self, t: float, end: float, velocity: Motion, dense: bool, method: str = "LSODA") -> Any:
-        """States, position and work up to the next switch. LSODA may miss that it is too stiff, where rates are next to nothing."""
+        """Integrate states, position and work up to the next switch. LSODA may not detect stiffness where the rates are almost zero."""
         from scipy.integrate import solve_ivp
 
         path = max(abs(velocity(0.5 * end)) * end, 1e-300)
@@ -127,7 +127,7 @@ class Contact:
         return found
 
     def _switch(self, v: float, before: list[float], fell: bool) -> None:
-        """States and memories after the guards that have fallen to zero here, one after another."""
+        """Update states and memories by the guards that have fallen to zero here, one after another."""
         now = [float(g) for g, _, _ in self.probe.switches(v, self.z, self.mode)]
         for k, value in enumerate(before):
             if value > 0 and (now[k] <= 1e-9 * value or (fell and now[k] == min(now))):

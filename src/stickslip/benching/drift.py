@@ -1,4 +1,4 @@
-"""Drift: where a mass goes under a force that never reaches break-away."""
+"""Drift: displacement of a mass under a force that never reaches break-away."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
-#: Constant and swinging part of the force by what the contact holds: Dupont's 0.4 N and 0.2 N of 1.5 N.
+#: Constant and oscillating parts of the force, relative to the holding force of the contact: Dupont's 0.4 N and 0.2 N of 1.5 N.
 BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
-#: Periods run, of which the second half counts.
+#: Number of periods, of which the second half counts, and their length.
 PERIODS, PERIOD = 40, 1.0
 _SAMPLES, _SHOWN = 400, 20
 _RTOL = 1e-9
@@ -42,7 +42,7 @@ def drift(bench: Setup) -> Experiment:
 
 
 def _per_period(run: Any, periods: int, T: float) -> float:
-    """Way from the mean place in the period in the middle to that in the last, by the periods between."""
+    """Displacement per period, between the mean position in the middle period and that in the last one."""
     middle = periods // 2 - 1
     inside = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     first, last = (float(np.mean(run.at((k + inside) * T)["x"])) for k in (middle, periods - 1))

@@ -1,4 +1,4 @@
-"""A column of a run as a figure can show it: no swing falls between two points."""
+"""Reduction of a column of a run for a figure: no oscillation is lost between two points."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ from typing import Any
 
 import numpy as np
 
-_PER_SWING = 12  # points that a swing of the mass on its contact needs: its crest is then met to (pi/12)^2 / 2, 3 % of it
-_MOST = 400_000  # points that are looked at
+_PER_SWING = 12  # points per oscillation of the mass on its contact: the crest is then met to (pi/12)^2 / 2, about 3 %
+_MOST = 400_000  # points that are evaluated
 
 
 def seen(run: Any, column: str, begin: float, end: float, points: int, pace: float) -> tuple[Any, Any]:
-    """Times [s] and values of a column, so that what swings faster than there are points is drawn as a band.
+    """Times [s] and values of a column; oscillations too fast for the number of points appear as a band.
 
-    Where `points` instants are too few for swings of the angular frequency `pace`, the stretch between two of them gives its lowest and
-    its highest value, in the order in which they come.
+    If `points` instants are too few for oscillations of the angular frequency `pace`, each interval gives its lowest and its highest
+    value, in the order in which they occur.
 
     Parameters
     ----------
     run : Trajectory
     column : str
-        What is drawn, such as ``"x"``.
+        Name of the column, such as ``"x"``.
     begin, end : float
-        From when to when [s].
+        Time span [s].
     points : int
-        Stretches that the figure can tell apart.
+        Number of intervals that the figure can resolve.
     pace : float
-        The fastest angular frequency to be seen [rad/s].
+        The highest angular frequency to be resolved [rad/s].
 
     Returns
     -------
     t, values : array
-        Of one length, from `points` + 1 to twice `points`.
+        Of equal length, `points` + 1 or twice `points`.
 
     Examples
     --------

@@ -63,14 +63,14 @@ def bench(
     load : float
         Normal force [N].
     mass : float
-        Mass that is pulled and pushed [kg].
+        Mass that is pulled by the spring or driven by the force [kg].
     stiffness, speed : float, optional
-        Spring [N/m] and speed of its end [m/s] of the stick-slip experiment; if not given, 2 N/m (for a law that is solved in plain
-        Python a twentieth of the contact's stiffness), and 0.05 of force / sqrt(stiffness mass).
+        Spring stiffness [N/m] and speed of its end [m/s] in the stick-slip experiment; if not given, 2 N/m (for a law that is solved
+        in plain Python, one twentieth of the contact stiffness), and 0.05 force / sqrt(stiffness mass).
     experiments : list of str, optional
         Which of `EXPERIMENTS`; all of them if not given.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (current experiment, experiments done, in all).
+        True for a progress line, or a function that is called with (current experiment, experiments done, number of experiments).
 
     Returns
     -------
@@ -114,7 +114,7 @@ def bench(
 
 
 def _laws(given: Iterable[Any]) -> list[Any]:
-    """Laws from laws, classes and names; all that is wrong with them at once."""
+    """Laws from laws, classes and names; all errors are reported together."""
     problems, found = Problems("bench"), []
     for law in given:
         if isinstance(law, str) and law.lower() not in LAWS:
@@ -135,7 +135,7 @@ def _laws(given: Iterable[Any]) -> list[Any]:
 
 
 def _names(given: Iterable[str] | None) -> list[str]:
-    """The experiments to do, in the order of `EXPERIMENTS`."""
+    """The selected experiments, in the order of `EXPERIMENTS`."""
     if given is None:
         return list(EXPERIMENTS)
     asked, problems = [given] if isinstance(given, str) else list(given), Problems("bench")

@@ -25,11 +25,11 @@ class Quantity:
     key : str
         Short name.
     label : str
-        What it is, as a table's heading.
+        Heading in a table.
     value : float or bool
-        SI units; nan where the law has no such number, inf where it has no bound.
+        SI units; nan if the law has no such number, inf if it is unbounded.
     unit : str
-        Unit, empty for a pure number.
+        Unit; empty for a dimensionless number.
     meaning : str
         How it was measured.
     """
@@ -41,7 +41,7 @@ class Quantity:
     meaning: str
 
     def text(self, digits: int = 4) -> str:
-        """The value with its unit, as a person reads it.
+        """The value with its unit, as text.
 
         Examples
         --------
@@ -57,7 +57,7 @@ class Quantity:
 
 @sealed
 class Curve:
-    """One line of a figure: a name and two arrays of one length, in the units of its experiment."""
+    """One line of a figure: a name and two arrays of equal length, in the units of its experiment."""
 
     name: str
     x: Any
@@ -71,15 +71,15 @@ class Experiment:
     Parameters
     ----------
     key, title : str
-        Its name for programs and for people.
+        Short name and title.
     x, y : tuple of str
         Label and unit of the axes.
     curves : tuple of Curve
     numbers : tuple of Quantity
     conditions : dict
-        What was set: name -> (value, unit).
+        Settings: name -> (value, unit).
     remark : str
-        What a reader must know, such as that the law has no memory and the answer is trivial; often empty.
+        A note for the reader, for example that the law has no memory and the result is trivial; often empty.
     logarithmic : str
         The axes that are logarithmic: "", "x" or "xy".
     """
@@ -95,7 +95,7 @@ class Experiment:
     logarithmic: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers and text."""
+        """The experiment as plain numbers and text."""
         return {
             "title": self.title,
             "x": {"label": self.x[0], "unit": self.x[1]},
@@ -107,7 +107,7 @@ class Experiment:
 
 
 class _Tabled(Drawn):
-    """What prints as a table of its rows."""
+    """Base of the results that print as a table of their rows."""
 
     _drawn_by = "bench"
 
@@ -170,7 +170,7 @@ class Bench(_Tabled):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Every measured number with its unit and meaning."""
+        """Each measured number with its unit and meaning."""
         return tuple(q for experiment in self.experiments for q in experiment.numbers)
 
     @property
@@ -192,7 +192,7 @@ class Bench(_Tabled):
         return [*(f"{e.title}: {e.remark}" for e in self.experiments if e.remark), *(f"note: {note}" for note in self.notes)]
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers and text."""
+        """The results as plain numbers and text."""
         return {
             "law": self.name,
             "parameters": {name: float(value) for name, value in leaves(self.law)},
@@ -220,7 +220,7 @@ class Benches(_Tabled):
     Parameters
     ----------
     benches : tuple of Bench
-        In the order asked for; also by number or name: ``found[0]``, ``found["LuGre"]``.
+        In the order requested; also by number or name: ``found[0]``, ``found["LuGre"]``.
 
     Examples
     --------
@@ -261,7 +261,7 @@ class Benches(_Tabled):
         return aligned(rows if len(self.benches) > len(rows[0]) else [tuple(column) for column in zip(*rows, strict=True)])
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers and text."""
+        """The results as plain numbers and text."""
         return {"laws": [found.to_dict() for found in self.benches]}
 
     def __repr__(self) -> str:
@@ -275,11 +275,11 @@ class Benches(_Tabled):
 
 
 def _bare(quantity: Quantity) -> str:
-    """A value without its unit, which the heading has."""
+    """A value without its unit, which is in the heading."""
     return quantity.text(3).removesuffix(quantity.unit).rstrip() if quantity.unit else quantity.text(3)
 
 
 def aligned(rows: list[tuple[str, ...]]) -> str:
-    """Rows of text in columns."""
+    """Rows of text as aligned columns."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)

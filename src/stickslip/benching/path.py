@@ -1,4 +1,4 @@
-"""Friction against displacement: hysteresis with reversal points, and the loss of a cycle."""
+"""Friction against displacement: hysteresis with reversal points, and the loss per cycle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from stickslip.benching.setup import HELD, Setup
 
 #: Turning points of the hysteresis, in units of its reach: an inner loop from 0 to 1/2 and back within the second outer loop.
 TURNS, REACH = (1.0, -1.0, 1.0, 0.0, 0.5, 0.0, -1.0, 1.0), 1.5
-#: Amplitudes of the cycles in typical deflections; the one whose loss stands in the table; the most cycles until they repeat.
+#: Amplitudes of the cycles in typical deflections; the one whose loss is in the table; the maximum number of cycles until they repeat.
 AMPLITUDES, TOLD, CYCLES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0), 10.0, 150
 
 
@@ -50,7 +50,7 @@ def _path_remark(bench: Setup) -> str:
 
 
 def dissipation(bench: Setup) -> Experiment:
-    """Work lost in a steady cycle against its amplitude."""
+    """Work dissipated in a steady cycle against its amplitude."""
     amplitudes = [a * bench.length for a in (AMPLITUDES[1:7] if bench.random else AMPLITUDES)]
     losses = [_loss(bench, a) for a in amplitudes]
     told = amplitudes.index(TOLD * bench.length)
@@ -78,7 +78,7 @@ def _exponent(amplitudes: list[float], losses: list[float]) -> float:
 
 
 def _loss(bench: Setup, amplitude: float) -> float:
-    """Loss of a cycle about x = 0 once cycles repeat."""
+    """Loss of a cycle about x = 0 once the cycles repeat."""
     moved: Contact = bench.contact(amplitude)
     moved.follow(*swing(amplitude, bench.crawl))
     loss = math.inf

@@ -1,4 +1,4 @@
-"""A law under one load, with how large its states and velocities typically are."""
+"""A law under one load, with the typical size of its states and velocities."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from stickslip.friction.law_adapter import adapted
 
 
 class Probe:
-    """A law, the load on it [N], and what is typical of the two."""
+    """A law, the load on it [N], and their typical scales."""
 
     def __init__(self, law: Any, load: Any):
         self.law, self.load = adapted(law), load
@@ -22,7 +22,7 @@ class Probe:
         return self.law.response(v, z, self.load, mode, applied)
 
     def switches(self, v: Any, z: tuple[Any, ...], mode: tuple[int, ...]) -> list[tuple[Any, Any, Any]]:
-        """Guards with the modes and the inner states after them."""
+        """Guards with the memories and the inner states after each switch."""
         return [(guard, after, z if new is None else new) for guard, after, new in self.law.switches(v, z, self.load, mode)]
 
     @property
@@ -33,7 +33,7 @@ class Probe:
 
     @property
     def scale(self) -> tuple[float, ...]:
-        """Typical size of each inner state: the law's own, or where the force is a fifth of the load."""
+        """Typical size of each inner state: the law's own, or the size at which the force is a fifth of the load."""
         own = self.law.scale(self.load)
         if own is not None:
             return tuple(map(float, own))

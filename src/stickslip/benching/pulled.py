@@ -1,4 +1,4 @@
-"""A mass on a spring that is pulled: break-away under a growing force, and stick-slip."""
+"""A mass pulled by a spring: break-away under a growing force, and stick-slip."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import FAST, HELD, Setup, shorter
 from stickslip.mechanisms import PulledMass
 
-#: Force rates in units of the typical force and the bench's own frequency.
+#: Force rates, in units of the typical force times the bench's characteristic frequency.
 RATES = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
-#: The spring of the ramps is so soft that its end moves this many typical deflections until the typical force is reached (and fast).
+#: The spring of the ramps is so soft that its end travels this many typical deflections, and fast, until the typical force is reached.
 SOFT = 1e4
-#: Speed of the pull, a share of force / sqrt(stiffness mass); free oscillations that a run lasts; stillness, a share of the pull's speed.
+#: Pulling speed as a fraction of force / sqrt(stiffness mass); number of cycles in a run; rest threshold as a fraction of that speed.
 PULL, CYCLES, STILL = 0.05, 12, 0.01
 _RTOL = 1e-9
 
@@ -46,7 +46,7 @@ def _breakaway_remark(bench: Setup) -> str:
 
 
 def _breakaway(bench: Setup, rate: float) -> float:
-    """Largest friction force before the mass slides, with a force that rises steadily."""
+    """Largest friction force before the mass slides, under a steadily rising force."""
     stiffness = min(bench.force / (SOFT * bench.length), rate / (20 * FAST * bench.typical_speed))
     pull = PulledMass(mass=bench.mass, stiffness=stiffness, speed=rate / stiffness, friction=bench.law, load=bench.load)
     sliding, duration = FAST * bench.typical_speed, 1.6 * bench.force / rate + math.sqrt(2 * FAST * bench.typical_speed * bench.mass / rate)
@@ -61,7 +61,7 @@ def _breakaway(bench: Setup, rate: float) -> float:
 
 
 def _largest(run: Any, t: Any) -> float:
-    """Largest friction force on a grid of times, and then on finer ones about it."""
+    """Largest friction force on a grid of times, refined around its maximum."""
     R = run.at(t)["friction_force"]
     for _ in range(3):
         k = int(np.argmax(R))
@@ -72,7 +72,7 @@ def _largest(run: Any, t: Any) -> float:
 
 @shorter
 def stick_slip(bench: Setup) -> Experiment:
-    """Stick-slip of a mass that is pulled by a spring."""
+    """Stick-slip of a mass pulled by a spring."""
     stiffness = bench.stiffness or (0.05 * bench.contact_stiffness if bench.short else 2.0)
     speed = bench.speed or PULL * bench.force / math.sqrt(stiffness * bench.mass)
     pull = PulledMass(mass=bench.mass, stiffness=stiffness, speed=speed, friction=bench.law, load=bench.load)
@@ -101,9 +101,9 @@ def stick_slip(bench: Setup) -> Experiment:
 
 
 def _cycle(run: Any, pull: Any, slow: float) -> tuple[float, float, float]:
-    """Period [s], peak velocity [m/s] and share at rest of the last cycles; nan and 0 where the mass slides steadily.
+    """Period [s], peak velocity [m/s] and fraction at rest of the last cycles; NaN and 0 if the mass slides steadily.
 
-    A cycle that only touches v = 0 is still for a short while too, so rest must last three times as long as in such a swing.
+    A cycle that only touches v = 0 is also below the threshold for a short time, so rest must last three times as long as that.
     """
     end, u = float(run.pieces.t[-1]), abs(pull.speed)
     t = np.linspace(0.5 * end, end, 24_001)

@@ -15,11 +15,11 @@ from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
 from stickslip.solvers import solve
 
-#: Quasi-static motions have this share of the typical velocity; several times it is sliding.
+#: Velocities of quasi-static motion and of sliding, in units of the typical velocity.
 SLOW, FAST = 0.01, 3.0
-#: Length on which laws without any are moved [m].
+#: Displacement used for laws without a characteristic length [m].
 LENGTH = 1e-6
-_BOUNDLESS = 1e12  # an applied force that no contact holds [N]
+_BOUNDLESS = 1e12  # an applied force beyond any static friction limit [N]
 HELD = "Rest is a mode of its own here, not a small velocity: "
 
 
@@ -33,11 +33,11 @@ class Setup:
     load : float
         Normal force [N].
     mass : float
-        Mass that is pulled and pushed [kg].
+        Mass that is pulled by the spring or driven by the force [kg].
     stiffness, speed : float or None
-        Spring [N/m] and speed of its end [m/s] of the stick-slip experiment.
+        Spring stiffness [N/m] and speed of its end [m/s] in the stick-slip experiment.
     plain : bool
-        Whether mechanisms are solved in plain Python, and therefore moved less far.
+        Whether mechanisms are solved in plain Python, and therefore over shorter runs.
     """
 
     law: Any
@@ -49,17 +49,17 @@ class Setup:
 
     @cached_property
     def probe(self) -> Probe:
-        """The law called in one way."""
+        """The law with a uniform interface."""
         return Probe(self.law, self.load)
 
     @property
     def random(self) -> bool:
-        """Whether the law cannot be compiled and is moved less far."""
+        """Whether the law cannot be compiled, and is therefore tested over shorter motions."""
         return not self.probe.law.compiles
 
     @property
     def set_valued(self) -> bool:
-        """Whether rest is exact."""
+        """Whether the law is set-valued, so that rest is exact."""
         return not self.probe.law.dynamic
 
     @property
@@ -69,19 +69,19 @@ class Setup:
 
     @property
     def typical_speed(self) -> float:
-        """Velocity over which friction changes [m/s]; of a law that has none, that of the mass ringing on the contact."""
+        """Velocity over which friction changes [m/s]; for a law without one, that of free oscillations on the contact."""
         if self.contact_stiffness > 0 and self.probe.law.velocity_scale() is None:
             return self.pace * self.length
         return self.probe.velocity_scale
 
     @property
     def crawl(self) -> float:
-        """Velocity of quasi-static motions [m/s]; outside the band of a law that asks in it for the other forces."""
+        """Velocity of quasi-static motion [m/s]; outside the band in which a law needs the applied force."""
         return (10.0 if self.probe.law.needs_applied else SLOW) * self.typical_speed
 
     @cached_property
     def length(self) -> float:
-        """Typical pre-sliding deflection, or what the law says is the slip in which its states change [m]."""
+        """Typical pre-sliding deflection, or the slip over which the law's states change as the law declares it [m]."""
         own = self.probe.law.slip_length(self.load)
         if own is not None:
             return float(own)
@@ -89,7 +89,7 @@ class Setup:
 
     @cached_property
     def holds(self) -> tuple[float, float]:
-        """What the contact bears before it slides: (backward, forward) forces [N]."""
+        """Holding forces of the contact before it slides, (backward, forward) [N]."""
         if self.set_valued:
             low, high = self.probe.law.breakaway(self.load)
             return float(low), float(high)
@@ -100,20 +100,20 @@ class Setup:
 
     @cached_property
     def force(self) -> float:
-        """A typical friction force: what it holds forwards, or where it holds nothing what sliding takes [N]."""
+        """A typical friction force: the forward holding force or, if there is none, the sliding friction [N]."""
         held = self.holds[1]
         return held if held > 0 else abs(float(self.probe.force(FAST * self.typical_speed, (), ()))) or 0.1 * self.load
 
     @cached_property
     def fall(self) -> float:
-        """From what it holds forwards to the least that slides, up to thirty times the typical velocity [N]."""
+        """Drop from the forward holding force to the least sliding friction, up to thirty times the typical velocity [N]."""
         held = self.holds[1]
         slides = (self.steady_force(v * self.typical_speed) for v in (1.5, FAST, 10.0, 30.0))
         return max(held - min(slides), 0.0) if held > 0 else 0.0
 
     @cached_property
     def contact_stiffness(self) -> float:
-        """Stiffness at rest [N/m], 0 without inner states."""
+        """Stiffness at rest [N/m]; 0 without inner states."""
         if not self.remembers:
             return 0.0
         probe, small = self.probe, 1e-3 * min(self.probe.scale)
@@ -123,22 +123,22 @@ class Setup:
 
     @cached_property
     def pace(self) -> float:
-        """The bench's own frequency [rad/s]: the mass on the contact, or how fast the typical force speeds it up."""
+        """Characteristic frequency of the bench [rad/s]: of the mass on the contact, or force / (mass typical velocity)."""
         if self.contact_stiffness > 0:
             return math.sqrt(self.contact_stiffness / self.mass)
         return self.force / (self.mass * self.typical_speed)
 
     def contact(self, path: float, rtol: float = 1e-10) -> Contact:
-        """A fresh contact that is to be moved over a path [m]."""
+        """A fresh contact that will be moved over a path of this length [m]."""
         return Contact(self.probe, self.probe_force * path, 1e-6 if self.random else rtol)
 
     @property
     def probe_force(self) -> float:
-        """A force against which errors of work are measured [N]; known before anything was moved."""
+        """A force that scales the errors of work [N]; known before any motion is computed."""
         return 0.1 * self.load
 
     def steady_force(self, v: float) -> float:
-        """Friction force at a constant velocity, when it no longer changes [N]; the mean over a way for a random law."""
+        """Steady friction force at a constant velocity [N]; for a random law, the mean over a displacement."""
         if not self.remembers:
             return float(self.probe.force(v, (), ()))
         stretch, before = 8.0 * self.length, math.inf
@@ -159,14 +159,14 @@ class Setup:
         return self.plain or self.random
 
     def solved(self, mechanism: Any, rtol: float, **arguments: Any) -> Any:
-        """A run of a mechanism, compiled; a set-valued law goes to the plain solver, as sure of its switches, which compiles nothing."""
+        """A run of a mechanism. Set-valued laws use the plain solver, which locates events as reliably and needs no compilation."""
         if self.set_valued:
             return solve(mechanism, rtol=1e-11, method="dop853", **arguments)
         return solve(mechanism, rtol=1e-6 if self.short else rtol, method="dop853" if self.short else "auto", **arguments)
 
 
 def shorter(experiment: Callable[[Setup], Experiment]) -> Callable[[Setup], Experiment]:
-    """The experiment, once more with a short run in plain Python where the compiled solver gives up."""
+    """Wrap an experiment: if the compiled solver fails, it is repeated with a short run in plain Python."""
 
     @functools.wraps(experiment)
     def tried(bench: Setup) -> Experiment:

@@ -8,14 +8,14 @@ from itertools import pairwise
 from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup
 
-#: Speeds of the steady curve, and angular frequencies of the lag, in units of what is typical of the law.
+#: Speeds of the steady curve, and angular frequencies of the lag experiment, in typical units of the law.
 SPEEDS, FREQUENCIES = (0.01, 30.0), (0.01, 0.05, 0.25)
-#: Middle and swing of the velocity in the lag experiment, in typical velocities.
+#: Mean and amplitude of the velocity in the lag experiment, in typical velocities.
 MIDDLE, SWING = 1.5, 1.2
 
 
 def steady_friction(bench: Setup) -> Experiment:
-    """Steady friction against velocity, both ways."""
+    """Steady friction against velocity, in both directions."""
     count = 5 if bench.random else 17 if bench.remembers else 81
     ratio = (SPEEDS[1] / SPEEDS[0]) ** (1.0 / (count - 1))
     speeds = [bench.typical_speed * SPEEDS[0] * ratio**k for k in range(count)]
@@ -35,13 +35,13 @@ def steady_friction(bench: Setup) -> Experiment:
 
 
 def _at_rest(bench: Setup, place: float) -> tuple[Curve, ...]:
-    """The limits of rest where rest is exact; a logarithmic axis has no place for speed 0, so they stand at its end."""
+    """The static friction limits if rest is exact; a logarithmic axis has no place for speed 0, so they stand at its end."""
     low, high = bench.holds
     return (Curve("at rest", (place, place), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
 def shown(bench: Setup, v: float) -> float:
-    """Steady force [N]; nan where the law asks for the other forces instead of giving one."""
+    """Steady force [N]; NaN where the law balances the applied force."""
     if bench.probe.law.needs_applied:
         low, high = (float(bench.probe.force(v, (), (), side * 1e12)) for side in (-1.0, 1.0))
         return low if low == high else math.nan
@@ -63,7 +63,7 @@ def _steady_remark(bench: Setup) -> str:
 
 
 def lag(bench: Setup) -> Experiment:
-    """Frictional lag: friction over a velocity that swings about a mean without changing its direction."""
+    """Frictional lag: friction against a velocity that oscillates about a mean without changing its sign."""
     middle, swing = MIDDLE * bench.typical_speed, SWING * bench.typical_speed
     frequencies = [f * middle / bench.length for f in (FREQUENCIES[-1:] if bench.random else FREQUENCIES)]
     loops = [_loop(bench, middle, swing, omega) for omega in frequencies]
@@ -82,12 +82,12 @@ def lag(bench: Setup) -> Experiment:
 
 
 def _zero(force: float, bench: Setup) -> float:
-    """A force, or 0 where it is rounding [N]."""
+    """A force [N], or 0 if it is rounding."""
     return force if abs(force) > 1e-9 * bench.force else 0.0
 
 
 def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple[float, float]]:
-    """Velocity and force over one cycle after others have passed."""
+    """Velocity and force over one cycle, after the transient."""
     T = 2.0 * math.pi / omega
 
     def velocity(t: float) -> float:
@@ -102,5 +102,5 @@ def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple
 
 
 def _area(loop: list[tuple[float, float]]) -> float:
-    """Integral of the force over the velocity around a loop; [N m/s]."""
+    """Integral of the force over the velocity around a loop [N m/s]."""
     return math.fsum(0.5 * (R0 + R1) * (v1 - v0) for (v0, R0), (v1, R1) in pairwise(loop))

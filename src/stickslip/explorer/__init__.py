@@ -1,7 +1,7 @@
-"""The explorer: a page on this machine on which a robot's numbers are dragged and its motion is seen at once.
+"""The explorer: a local page with sliders for a robot's numbers, which shows its motion immediately.
 
-`sliders` lists what can be dragged, `models` makes robots of it, `requests` checks what a page asks for, `effort` refuses what would
-take too long, `responses` computes the rest and `frames` packs it; `kernels` compiles beside the server, `sessions` shares the machine
-among the pages, `dropped_records` reads records, `exports` and `code` are what can be taken home, `guard` decides who may ask, and
-`server` puts it together. The page itself is in ``assets``: one HTML file, one style sheet, small modules, and uPlot.
+`sliders` lists the numbers, `models` makes robots from them, `requests` checks the requests of a page, `effort` refuses runs that would
+take too long, `responses` computes the answers and `frames` packs them; `kernels` compiles in a separate process, `sessions` shares the
+processors among the pages, `dropped_records` reads records, `exports` and `code` make the downloads, `guard` checks access, and
+`server` combines these parts. The page itself is in ``assets``: one HTML file, one style sheet, small modules, and uPlot.
 """

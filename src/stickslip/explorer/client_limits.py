@@ -1,4 +1,4 @@
-"""Limits on what one client, or an unidentified one, may use of the server: durations and numbers."""
+"""Limits on the use of the server by one client, or by an unidentified one: durations and numbers."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ class Limits:
     Parameters
     ----------
     headers : float
-        From the beginning of a connection to the end of the headers of a request that is let in.
+        From the start of a connection to the end of the headers of an admitted request.
     silence, upload : float
         Between two parts of an upload, and for the whole of it.
     request : float
-        For a request that was let in, until its answer is taken.
+        For an admitted request, until its response has been received.
     reading : float
         For reading a record.
     first, idle : float
         Until the first message of a page, and between two messages.
     strangers : int
-        Connections without a request that was let in, all together.
+        Connections without an admitted request, in total.
     each : int
-        Requests and pages at once of one address.
+        Simultaneous requests and pages of one address.
     uploads : int
-        Uploads at once of one address.
+        Simultaneous uploads of one address.
     """
 
     headers: float = 10.0

@@ -9,7 +9,7 @@ from stickslip.explorer.requests import State
 
 
 def spelled(record: Any, depth: int = 0) -> str:
-    """A record as the expression that makes it again, to the last digit.
+    """A record as the expression that recreates it, to the last digit.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:
 
 
 def python(state: State) -> str:
-    """The script for a state: its robot, the run, the figures of merit, the picture."""
+    """The script for a state: its robot, the run, the figures of merit, the figure."""
     lines = ["import stickslip as ss", "", f"robot = {spelled(state.robot())}", "run = ss.solve(robot, periods=200, rtol=1e-4)"]
     lines += ['print(f"mean velocity {ss.mean_velocity(run):.6g} m/s")', "print(ss.motion(run))"]
     runs = ["run"]

@@ -1,7 +1,7 @@
-"""Connections: one without a request that was let in is a stranger's. Strangers are few, have little time, and the oldest goes first.
+"""Limits on connections: those without an admitted request ("strangers") are few and short-lived, and the oldest is closed first.
 
-So half-sent requests, however many, keep nobody out: who sends a whole request with the token is let in, and counts elsewhere, by address.
-On the loopback all addresses are one; there the token tells its user's pages from other users' connections.
+So half-sent requests, however many, block nobody: a complete request with the token is admitted, and counted by address instead.
+On the loopback all addresses are equal; there the token distinguishes its user's pages from the connections of other users.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Client = tuple[str, int]
 
 
 class Connections:
-    """Who is connected: strangers, and how much each address holds of the server.
+    """The open connections: strangers, and the number of requests and pages of each address.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Connections:
         self._held: Counter[str] = Counter()
 
     def wait(self, client: Client | None, transport: asyncio.Transport) -> None:
-        """A connection from which a request may come: it has little time for it."""
+        """Register a connection that may send a request within a short time."""
         if client is None:
             return
         self.forget(client)
@@ -42,7 +42,7 @@ class Connections:
             self._drop_one()
 
     def admit(self, client: Client | None, http: bool) -> bool:
-        """Let a request in, if its address does not hold too much already; `release` follows."""
+        """Admit a request, unless its address has reached its limit; `release` must follow."""
         if client is None:
             return True
         if self._held[client[0]] >= self._limits.each:
@@ -50,12 +50,12 @@ class Connections:
         self._held[client[0]] += 1
         transport = self._strangers.get(client)
         self.forget(client)
-        if http and transport is not None:  # a page of its own has other limits
+        if http and transport is not None:  # the connection of a page has other limits
             self._set(client, transport, self._limits.request)
         return True
 
     def release(self, client: Client | None) -> None:
-        """A request was answered, or a page has gone."""
+        """Count one request or page less: it was answered, or has closed."""
         if client is None:
             return
         self._held[client[0]] -= 1
@@ -63,7 +63,7 @@ class Connections:
             del self._held[client[0]]
 
     def forget(self, client: Client | None) -> None:
-        """A connection is lost, or no stranger's any more."""
+        """Stop watching a connection, which was lost or admitted."""
         if client is not None:
             self._strangers.pop(client, None)
             if (timer := self._timers.pop(client, None)) is not None:
@@ -77,31 +77,31 @@ class Connections:
         transport.abort()
 
     def _drop_one(self) -> None:
-        """Of the address with most strangers the oldest goes."""
+        """Close the oldest connection of the address with most strangers."""
         crowd = Counter(host for host, _ in self._strangers).most_common(1)[0][0]
         oldest = next(client for client in self._strangers if client[0] == crowd)
         self._drop(oldest, self._strangers[oldest])
 
 
 class Watched(H11Protocol):
-    """One connection, which tells where it stands."""
+    """A connection that reports its state to `Connections`."""
 
     def __init__(self, connections: Connections, *arguments: Any, **more: Any):
         super().__init__(*arguments, **more)
         self._watch = connections
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """It begins."""
+        """Register the new connection."""
         super().connection_made(transport)
         self._watch.wait(self.client, transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """It ends."""
+        """Remove the lost connection."""
         self._watch.forget(self.client)
         super().connection_lost(exc)
 
     def on_response_complete(self) -> None:
-        """A request was answered: the next may come."""
+        """Wait for the next request after a response."""
         if not self.transport.is_closing():
             self._watch.wait(self.client, self.transport)
         super().on_response_complete()

@@ -1,4 +1,4 @@
-"""A measured record that was dropped on the page: read by `stickslip.read`, its velocity or its drive handed back."""
+"""A measured record that was dropped on the page: read by `stickslip.read`; its velocity or its drive is returned."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from stickslip.explorer.frames import written
 from stickslip.explorer.requests import MOST_HARMONICS
 from stickslip.explorer.sliders import PARAMETERS
 
-#: Largest file, and most samples that a page gets: the last ones, as it draws the end of a record.
+#: Largest file, and largest number of samples sent to a page: the last ones, as it draws the end of a record.
 MOST_BYTES, MOST_SAMPLES = 20_000_000, 400_000
-#: Most samples of a drive, and the part of its spread by which its mean may differ from nothing without a remark.
+#: Largest number of samples of a drive, and the largest ratio of its mean to its standard deviation without a remark.
 MOST_DRIVE, _DRIFT = 20_000, 0.02
-#: Numbers of harmonics of a drive; the first is that of the saw, whose kernel is often there.
+#: Numbers of harmonics of a drive; the first is that of the sawtooth, whose kernel is often ready.
 _COUNTS = (5, 10, 20, MOST_HARMONICS)
 
 
 def velocity_of(name: str, data: bytes) -> bytes:
-    r"""The answer to a file: times from `start` in steps of `step` [s], velocities [m/s], and the mean of the whole record.
+    r"""The response to a file: times from `start` in steps of `step` [s], velocities [m/s], and the mean of the whole record.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def _read(name: str, data: bytes) -> Any:
 
 
 def _velocity(record: Any) -> tuple[Any, Any, list[str]]:
-    """Times and velocities of the channel that is the velocity of the body, and what was assumed for it."""
+    """Times and velocities of the channel with the velocity of the body, and the assumptions made."""
     channels = [record[name] for name in record]
     found = [c for c in channels if c.role == "velocity"] or [c for c in channels if c.unit is None][:1]
     if not found:
@@ -73,10 +73,10 @@ def _velocity(record: Any) -> tuple[Any, Any, list[str]]:
 
 
 def drive_of(name: str, data: bytes) -> bytes:
-    r"""The answer to a file whose motion shall drive the robot: amplitude (half the stroke) [m], omega [rad/s], and the shape.
+    r"""The response to a file whose motion will drive the robot: amplitude (half the stroke) [m], omega [rad/s], and the shape.
 
     The drive is the velocity of the inner mass relative to the body: the channel with that role, or absolute less convected velocity, as
-    the paper finds it. Where a record has the velocity of something else alone, that is taken, and the answer says so.
+    in the paper. If a record has only some other velocity, that one is taken, and a note says so.
 
     Examples
     --------
@@ -103,7 +103,7 @@ def drive_of(name: str, data: bytes) -> bytes:
     _check("amplitude", amplitude, problems := Problems("record"))
     _check("omega", omega, problems)
     problems.check()
-    count = next(n for n in _COUNTS if n >= found.order)  # a kernel for each number of harmonics: few, then
+    count = next(n for n in _COUNTS if n >= found.order)  # each number of harmonics needs its own kernel: only a few are allowed
     shape = [[c / amplitude for c in side] + [0.0] * (count - len(side)) for side in found.coefficients]
     return written({"amplitude": amplitude, "omega": omega, "shape": shape, "notes": [*notes, *(found.notes or ())]})
 
@@ -115,7 +115,7 @@ def _check(name: str, value: float, problems: Problems) -> None:
 
 
 def _relative_velocity(record: Any) -> tuple[Any, Any, list[str]]:
-    """Times and velocities of the drive, and what was assumed for them."""
+    """Times and velocities of the drive, and the assumptions made."""
     if "drive" not in record and "absolute velocity" in record and "velocity" in record:
         record = record.relative_velocity()
     if "drive" in record:
@@ -132,7 +132,7 @@ def _frequency(t: Any, v: Any) -> float:
 
 
 def _periodic(t: Any, v: Any, period: float) -> Any:
-    """Velocities less their drift over whole periods, so that the position comes back."""
+    """Velocities without their drift over whole periods, so that the position is periodic."""
     from stickslip.records.tones import harmonics
 
     found, _ = harmonics(t, v, 1 / period)

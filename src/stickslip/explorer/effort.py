@@ -1,4 +1,4 @@
-"""Estimate of the work of a run from its numbers, before it begins; too long a run is refused with a sentence."""
+"""Estimate of the work of a run from its numbers, before it begins; a run that would take too long is refused with a message."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from stickslip.friction.law_adapter import LawAdapter
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Mechanics
 
-#: Swings of the bristles in one drive period, at most; and at most in a whole run, which may hold fewer periods for it.
+#: Largest number of oscillations of the bristles in one drive period, and in a whole run, which may be shortened for it.
 MOST, MOST_IN_ALL = 1000.0, 40_000.0
-#: Explicit steps of a law without inner states follow its damping: this many times its decay fits into a drive period.
+#: The explicit steps of a law without inner states are limited by its damping: at most this many decay times fit into a drive period.
 MOST_DECAYS = 5000.0
 #: Relative tolerance of the page's runs.
 RTOL = 1e-4
-#: Velocities at which the slope of friction is looked at [m/s].
+#: Velocities at which the slope of friction is evaluated [m/s].
 _SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
-#: Slopes are taken over this part of a typical deflection, and up to this velocity [m/s].
+#: Slopes are taken over this fraction of a typical deflection, and up to this velocity [m/s].
 _PART, _SLOW = 1e-3, 1e-12
 
 
 def effort(robot: Any) -> tuple[Any, Any]:
-    """Swings of mass and bristles, and times of decay of a damped law, in one drive period; arrays for a batch.
+    """Oscillations of mass and bristles, and decay times of a damped law, in one drive period; arrays for a batch.
 
     Examples
     --------
@@ -42,21 +42,21 @@ def effort(robot: Any) -> tuple[Any, Any]:
 
 
 def _largest(values: list[Any]) -> Any:
-    """The largest for each case; 0 where there is no contact."""
+    """The largest value for each case; 0 without contacts."""
     import numpy as np
 
     return functools.reduce(np.maximum, values) if values else 0.0
 
 
 def _contacts(mechanics: Mechanics) -> Iterator[tuple[LawAdapter, Any, Any]]:
-    """Each contact's law, its load at the start, and the mass that first moves with it."""
+    """The law of each contact, its initial load, and the first mass that moves with it."""
     loads = mechanics.loads(0.0, mechanics.start[: mechanics.coordinates])
     for law, load, row in zip(mechanics.laws, loads, mechanics.directions, strict=True):
         yield law, load, mechanics.masses[next((c for c, g in enumerate(row) if g), 0)]
 
 
 def _of_contact(law: LawAdapter, load: Any, mass: Any, period: Any) -> tuple[Any, Any]:
-    """Swings of the bristles, and times of decay, in a period."""
+    """Oscillations of the bristles, and decay times, in a period."""
     import numpy as np
 
     swings = np.sqrt(np.maximum(_stiffness(law, load), 0.0) / mass) * period / (2 * math.pi) if law.dynamic else 0.0
@@ -64,7 +64,7 @@ def _of_contact(law: LawAdapter, load: Any, mass: Any, period: Any) -> tuple[Any
 
 
 def _stiffness(law: LawAdapter, load: Any) -> Any:
-    """By how much a contact at rest resists a short way, as its inner states say [N/m]."""
+    """Stiffness of a contact at rest against a small displacement, from its inner states [N/m]."""
     z, mode, sizes = law.start(load), (0.0,) * law.modes, law.scale(load) or (1.0,) * law.states
     still, slow = (law.rate(v, z, load, mode) for v in (0.0, _SLOW))
     held, stiffness = law.force(0.0, z, still, load, mode), 0.0
@@ -75,7 +75,7 @@ def _stiffness(law: LawAdapter, load: Any) -> Any:
 
 
 def _damping(law: LawAdapter, load: Any) -> Any:
-    """The steepest rise of sliding friction with the speed [N s/m]."""
+    """The largest slope of sliding friction over the speed [N s/m]."""
     import numpy as np
 
     rises = [(abs(law.sliding(2 * v, load)) - abs(law.sliding(v, load))) / abs(v) for speed in _SPEEDS for v in (speed, -speed)]
@@ -88,7 +88,7 @@ def too_much(swings: Any, decays: Any) -> Any:
 
 
 def affordable(robot: Any, periods: int) -> int:
-    """As many periods as asked for, or as many fewer as the bristles' swings allow; `InputError` where even few would take too long."""
+    """The number of periods, reduced if the bristles oscillate too fast; `InputError` if even a few periods would take too long."""
     swings, decays = map(float, effort(robot))
     if swings > MOST:
         how = "choose a higher frequency, a larger mass or softer bristles"

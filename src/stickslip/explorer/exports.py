@@ -18,8 +18,8 @@ from stickslip.explorer.responses import run_of
 from stickslip.explorer.sliders import PARAMETERS
 
 Export = tuple[str, Callable[[State], bytes]]
-_drawing = threading.Lock()  # matplotlib's settings belong to the whole process
-#: Drive periods of a table of columns.
+_drawing = threading.Lock()  # matplotlib's settings are global to the process
+#: Drive periods in a table of columns.
 PERIODS = 8
 
 
@@ -28,7 +28,7 @@ def _figure(kind: str, state: State) -> bytes:
 
 
 def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
-    """Velocity, phase portrait and forces as one picture, in the style of a journal."""
+    """Velocity, phase portrait and forces as one figure, in the style of a journal."""
     from matplotlib.figure import Figure
 
     from stickslip import plot
@@ -45,7 +45,7 @@ def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
 
 
 def _csv(state: State) -> bytes:
-    """Every column of the last periods, all digits kept."""
+    """Every column of the last periods, with all digits."""
     from stickslip.datasets import COLUMNS, write_csv
 
     run = run_of(state, state.law, True)
@@ -63,7 +63,7 @@ def _toml(state: State) -> bytes:
 
 
 def _report(state: State) -> bytes:
-    """One page with everything on it: numbers, picture, parameters, the Python, provenance."""
+    """A self-contained page: numbers, figure, parameters, Python code, provenance."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
@@ -92,7 +92,7 @@ def _report(state: State) -> bytes:
     ).encode()
 
 
-#: File name -> (media type, what makes it).
+#: File name -> (media type, function that makes the file).
 EXPORTS: dict[str, Export] = {
     "figure.png": ("image/png", partial(_figure, "png")),
     "figure.svg": ("image/svg+xml", partial(_figure, "svg")),
@@ -104,7 +104,7 @@ EXPORTS: dict[str, Export] = {
 
 
 def export(name: str, state: State) -> bytes:
-    """The bytes of an export."""
+    """The content of an export."""
     if name not in EXPORTS:
         raise InputError("export", [f"{name!r} is not known; allowed is one of {', '.join(EXPORTS)}"])
     return EXPORTS[name][1](state)

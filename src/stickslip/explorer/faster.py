@@ -1,4 +1,4 @@
-"""Make it faster: the best places of some sliders between their ends, from where they stand, and what that costs."""
+"""The "make it faster" button: a search for the best values of some sliders within their ranges, with its gains and costs."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from stickslip.optimising.unknowns import Unknowns, Varied
 from stickslip.pool import Cancelled
 from stickslip.variables import VARIABLES
 
-#: As for maps: loose enough for the quick method, tight enough for four digits.
+#: As for maps: loose enough for the fast method, tight enough for four digits.
 _RTOL = 1e-4
 _POPULATION, _GENERATIONS = 32, 40
-_GAIN = 1e-4  # of the speed: what a reader would notice
-_END = 1e-3  # of a slider: how near its end counts as there
+_GAIN = 1e-4  # relative to the speed: the smallest gain that a reader would notice
+_END = 1e-3  # relative to the range of a slider: values this close to an end count as being there
 _TOLD = ("mean_velocity", "drive_power", "cost_of_transport", *LIMITS)
 
 
 @dataclass(frozen=True)
 class _Page:
-    """What a page shows: the machine, its sliders with their values, what makes another one, and what is said while it is prepared."""
+    """The contents of a page: machine, sliders with their values, a function that makes a variant, and the message during compilation."""
 
     model: Any
     sliders: dict[str, Parameter]
@@ -46,7 +46,7 @@ class _Page:
 
 
 def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> dict[str, Any]:
-    """The best places of the sliders that were chosen, with the numbers of the motion before and after."""
+    """The best values of the selected sliders, with the numbers of the motion before and after."""
     assert asked.wish is not None
     page = _of_robot(asked, kernels) if asked.machine is None else _of_machine(asked, kernels, shown)
     _check(page, asked.wish.sliders)
@@ -54,7 +54,7 @@ def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None 
         return {"kind": "waits", "waits": page.waits}
     before = values_of(page.model, _RTOL)
     space = Unknowns(page.model, [_varied(page, name) for name in asked.wish.sliders], None, page.make)
-    forwards = not before["mean_velocity"] < 0.0  # on in the direction in which it goes; one that rests is to go forwards
+    forwards = not before["mean_velocity"] < 0.0  # keep the direction of motion; a machine at rest should move forwards
     limits = [Limit(name, -np.inf, before[name]) for name in asked.wish.kept if math.isfinite(before.get(name, math.nan))]
     here = np.array([each.unknown(page.values[each.name]) for each in space.varied])
     worth, notes = _searched(space, here, -1.0 if forwards else 1.0, limits, stop)
@@ -98,7 +98,7 @@ def _of_machine(asked: Message, kernels: Kernels, shown: Shown | None) -> _Page:
 
 
 def _check(page: _Page, sliders: tuple[str, ...]) -> None:
-    """What a search cannot move is said."""
+    """Report sliders or machines that the search cannot handle."""
     unknown = [f"{name[:40]!r} has no effect here; {did_you_mean(name[:40], page.sliders)}" for name in sliders if name not in page.sliders]
     if page.model.period is None:
         unknown.append(f"{type(page.model).__name__} has no drive period, and a mean velocity is that of periods")
@@ -107,7 +107,7 @@ def _check(page: _Page, sliders: tuple[str, ...]) -> None:
 
 
 def _varied(page: _Page, name: str) -> Varied:
-    """A slider between its ends; one whose value was typed beyond them reaches that far."""
+    """A slider with its range, which is extended to a value that was typed beyond it."""
     p, value = page.sliders[name], page.values[name]
     low, high = min(p.low, value), max(p.high, value)
     if not low < high:
@@ -117,7 +117,7 @@ def _varied(page: _Page, name: str) -> Varied:
 
 # ---- the search ----
 def _searched(space: Unknowns, here: Any, sign: float, limits: list[Limit], stop: Stop) -> tuple[Candidates, list[str]]:
-    """The population that was searched, as long as somebody waits and there is time."""
+    """The population of a search that ends at the time limit, or when it is superseded."""
     end = time.monotonic() + PATIENCE
 
     def watch(*_: int) -> None:

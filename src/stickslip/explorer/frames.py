@@ -1,4 +1,4 @@
-"""Answers as bytes: four bytes that say how long the header is, the header as JSON, then all arrays as float32, one behind the other."""
+"""Binary responses: four bytes with the length of the header, the header as JSON, then all arrays as float32, one after the other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stickslip.jsontext import strict
 
 
 def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
-    """The bytes of an answer.
+    """The bytes of a response.
 
     Examples
     --------
@@ -23,15 +23,15 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
 
     flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
     told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
-    as_it_is = strict(told, other=lambda value: value)  # what strict JSON does not know is a mistake of ours, and said
+    as_it_is = strict(told, other=lambda value: value)  # a value that strict JSON does not allow is our own error, and is reported
     text = json.dumps(as_it_is, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    head = text.encode("utf-8", "replace")  # a page may ask with half a pair of surrogates
+    head = text.encode("utf-8", "replace")  # a page may send an unpaired surrogate
     head += b" " * (-len(head) % 4)
     return b"".join([struct.pack("<I", len(head)), head, *(a.astype("<f4").tobytes() for a in flat.values())])
 
 
 def read(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Header and arrays of an answer, as the page reads them."""
+    """Header and arrays of a response, as the page reads them."""
     import numpy as np
 
     (size,) = struct.unpack_from("<I", data)

@@ -1,4 +1,4 @@
-"""A robot as a state of the page, where the page has one: what `stickslip explore STUDY` opens."""
+"""A robot as a state of the page, if the page can represent it: used by `stickslip explore STUDY`."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from stickslip.friction.law_adapter import adapted
 from stickslip.tracks import Incline, Level, VaryingFriction
 
 Values = dict[str, Any]
-_STEEPEST = 8.0  # degrees: equal differences of coefficients up to those of such a tilt are read as an incline that is folded in
-_SAME = 1e-9  # relative difference of two numbers that are one
+_STEEPEST = 8.0  # degrees: differences of coefficients that correspond to at most this tilt are read as a folded incline
+_SAME = 1e-9  # relative difference below which two numbers count as equal
 
 
 def state_of(robot: Any) -> State:
@@ -41,7 +41,7 @@ def state_of(robot: Any) -> State:
     Raises
     ------
     InputError
-        Everything for which the page has no control, at once.
+        If the page has no control for some part; all such parts are reported together.
 
     Examples
     --------
@@ -106,10 +106,10 @@ def _drive(drive: Any, problems: Problems) -> tuple[str, Values, Shape]:
 
 
 def _places(robot: Any) -> Iterator[tuple[str, str, Values]]:
-    """What track and coefficients may be on the page: name of the track, name of the contact, values. The likeliest first."""
+    """Candidates for track and coefficients: name of the track, name of the contact, values. The most likely one comes first."""
     track, law = robot.track, robot.friction
     c = {name: float(getattr(law, name)) for name in ("mu_plus", "mu_minus", "f_plus", "f_minus") if getattr(law, name, None) is not None}
-    if not c:  # no coefficients: viscous friction
+    if not c:  # no friction coefficients: viscous friction
         contacts: list[tuple[str, Values]] = [("isotropic", {})]
     else:
         c = {"f_plus": c["mu_plus"], "f_minus": c["mu_minus"]} | c
@@ -130,7 +130,7 @@ def _places(robot: Any) -> Iterator[tuple[str, str, Values]]:
 
 
 def _differences(robot: Any, state: State) -> list[str]:
-    """In what the page's robot differs from this one."""
+    """The differences between the page's robot and this one."""
     try:
         shown = dict(leaves(state.robot(), kinds=True))
     except StickslipError as error:
@@ -151,7 +151,7 @@ def _same(a: Any, b: Any) -> bool:
 
 
 def _check_bounds(state: State, problems: Problems) -> None:
-    """Note numbers that the page does not take."""
+    """Note numbers outside the bounds of the page."""
     for name in state.active:
         p, value = PARAMETERS[name], state.values[name]
         if not p.least <= value <= p.most:

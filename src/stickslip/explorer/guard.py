@@ -1,4 +1,4 @@
-"""Who may ask: the name in Host and Origin must be ours, and a token is needed, as a machine has other users."""
+"""Access control: the name in Host and Origin must be ours, and a token is required, because a machine has other users."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """The application behind checks of every request.
+    """The application, with checks of every request.
 
     Parameters
     ----------
     app : ASGI application
     host : str
-        Where it listens.
+        The address on which the server listens.
     token : str or None
-        What a page must bring, once in the address and then as a cookie; None where nobody needs one.
+        The token that a page must send, first in the address and then as a cookie; None if none is needed.
     limits : Limits
-        Times and counts.
+        Durations and numbers.
     """
 
     def __init__(self, app: Any, host: str, token: str | None, limits: Limits = LIMITS):
@@ -69,7 +69,7 @@ class Guard:
             return await self.inner(scope, receive, send)
         if (refused := self._refused(scope)) is not None:
             return await _refuse(refused, 403, scope, receive, send)
-        if not _is_text(scope["query_string"]):  # what routes requests would raise an error
+        if not _is_text(scope["query_string"]):  # routing such a request would raise an error
             return await _refuse("the address of this request is not text in UTF-8", 400, scope, receive, send)
         client = tuple(scope.get("client") or ()) or None
         if not self.connections.admit(client, scope["type"] == "http"):
@@ -80,7 +80,7 @@ class Guard:
             self.connections.release(client)
 
     def _refused(self, scope: Any) -> str | None:
-        """Why a request is refused."""
+        """The reason for refusing a request; None if it is admitted."""
         headers = Headers(scope=scope)
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
@@ -94,7 +94,7 @@ class Guard:
         return None
 
     def _is_ours(self, host: str) -> bool:
-        """Whether a Host names this server: protection against names that others point at this machine."""
+        """Whether a Host names this server: protection against foreign names that resolve to this machine."""
         name = (_split(f"//{host}").hostname or "").lower()
         if is_loopback(self._host):
             return is_loopback(name)
@@ -110,7 +110,7 @@ class Guard:
         return any(hmac.compare_digest(word.encode(), (self._token or "").encode()) for word in given)
 
     def _marked(self, scope: Any, send: Any) -> Any:
-        """The way back, on which every page gets its headers, and the token as a cookie."""
+        """Wrap `send`, to add the headers of every response and the token as a cookie."""
         cookie = (
             f"{_cookie(scope)}={self._token}; HttpOnly; SameSite=Strict; Path=/" if self._token and _query(scope).get("token") else None
         )
@@ -128,7 +128,7 @@ class Guard:
 
 
 def _is_text(query: bytes) -> bool:
-    """Whether the query of an address can be read."""
+    """Whether the query of an address is valid UTF-8."""
     try:
         return isinstance(query.decode(), str)
     except UnicodeDecodeError:
@@ -136,7 +136,7 @@ def _is_text(query: bytes) -> bool:
 
 
 async def _refuse(why: str, status: int, scope: Any, receive: Any, send: Any) -> None:
-    """Say why, and end the connection."""
+    """Send the reason, and close the connection."""
     if scope["type"] == "websocket":
         await receive()
         return await send({"type": "websocket.close", "code": 1008, "reason": why[:120]})
@@ -144,12 +144,12 @@ async def _refuse(why: str, status: int, scope: Any, receive: Any, send: Any) ->
 
 
 def _cookie(scope: Any) -> str:
-    """The name of the cookie: a browser sends those of every port of a host, and each server needs its own."""
+    """The name of the cookie: browsers share cookies between the ports of a host, and each server needs its own."""
     return f"{COOKIE}_{(scope.get('server') or ('', 0))[1]}"
 
 
 def _split(address: str) -> SplitResult:
-    """The parts of an address; none of one that is not an address."""
+    """The parts of an address; empty parts if it is invalid."""
     try:
         return urlsplit(address)
     except ValueError:
@@ -157,7 +157,7 @@ def _split(address: str) -> SplitResult:
 
 
 def _opens(scope: Any, headers: Headers) -> bool:
-    """Whether a request only opens the page, as a link from elsewhere does."""
+    """Whether a request only opens the page, as a link from another site does."""
     return scope["type"] == "http" and scope["path"] == "/" and headers.get("sec-fetch-mode") == "navigate"
 
 

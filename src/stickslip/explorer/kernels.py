@@ -1,4 +1,4 @@
-"""Which kernels are ready. One that is not is compiled once, in a process beside the server, so that the page never stands still."""
+"""The kernels that are ready. Missing ones are compiled once, in a separate process, so that the page remains responsive."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stickslip.explorer.requests import DEFAULT, State, state
 from stickslip.fields import leaves
 from stickslip.machine_adapter import machine_of
 
-#: Seconds in which nobody asked for anything: there is time to spare.
+#: Seconds without a request after which the server counts as idle.
 QUIET = 8.0
 Key = tuple[Any, ...]
 Found = State | Shown
@@ -27,25 +27,25 @@ Helper = subprocess.Popen[str]
 
 
 def key_of(robot: Any, many: bool) -> Key:
-    """What a robot's kernel depends on: its classes, the names of its numbers, and the fields that are not numbers."""
+    """The key of a robot's kernel: its classes, the names of its numbers, and the fields that are not numbers."""
     numbers = {name for name, _ in leaves(robot)}
     return (many, *((name, None if name in numbers else str(value)) for name, value in leaves(robot, kinds=True)))
 
 
 def compiling(found: State, law: str) -> str:
-    """What a page says of a kernel that is not ready."""
+    """The message of a page while a kernel is being prepared."""
     what = f"{FRICTION[law].label} × {DRIVES[found.drive].label}"
     return f"preparing {what}: compiled once, which takes some seconds, and kept for later"
 
 
 def warm(found: Found, law: str, many: bool) -> None:
-    """Solve a robot of this kind once, shortly: its kernel is compiled, or loaded from the cache."""
+    """Solve a robot of this kind once, over a short time, so that its kernel is compiled, or loaded from the cache."""
     import numpy as np
 
     from stickslip.solvers import solve
 
     changes = {"body_mass": found.values["body_mass"] * np.array([1.0, 1.01])} if many and isinstance(found, State) else {}
-    with contextlib.suppress(StickslipError):  # a run that fails has its kernel too
+    with contextlib.suppress(StickslipError):  # a run that fails also has its kernel compiled
         model = found.robot(law, **changes)
         of_its_own = 2.0 * float(machine_of(model).time_scale or 1.0)
         length: dict[str, Any] = {"periods": 2} if model.period is not None else {"duration": of_its_own}
@@ -55,12 +55,12 @@ def warm(found: Found, law: str, many: bool) -> None:
 class Kernels:
     """The kernels that are ready, and a thread that prepares the others.
 
-    The newest wish comes first. With time to spare the kernels of the presets are compiled, as nobody likes to wait for them.
+    The newest request comes first. When idle, the kernels of the presets are compiled in advance.
 
     Parameters
     ----------
     beside : bool
-        Compile in a process beside this one; else in this one, where other runs have to wait.
+        Whether to compile in a separate process; otherwise in this one, where other runs have to wait.
     """
 
     def __init__(self, beside: bool = True):
@@ -79,7 +79,7 @@ class Kernels:
         self._thread.start()
 
     def ready(self, found: Found, law: str, robot: Any, many: bool) -> bool:
-        """Whether this kind of robot can be solved at once; if not, its kernel is being prepared from now on."""
+        """Whether this kind of robot can be solved immediately; if not, preparation of its kernel is requested."""
         key = key_of(robot, many)
         with self._changed:
             self._asked = time.monotonic()
@@ -93,11 +93,11 @@ class Kernels:
         return False
 
     def listen(self, tell: Callable[[], None]) -> None:
-        """Call this, from another thread, whenever a kernel has become ready."""
+        """Register a function that is called, from another thread, whenever a kernel has become ready."""
         self._listeners.append(tell)
 
     def begin(self, later: Iterable[State] = ()) -> None:
-        """Prepare what the page shows at first, and when nothing else is to be done what it may show next."""
+        """Prepare the kernels of the initial page and, when idle, those of the states that may follow."""
         with self._changed:
             if self._beside:
                 wishes = [(many, s, law) for s in later for law in s.laws for many in (False, True)]
@@ -115,7 +115,7 @@ class Kernels:
             self._drop(later=False)
 
     def _drop(self, later: bool) -> None:
-        """End one of the processes beside this one."""
+        """End one of the separate processes."""
         if (process := self._processes.pop(later, None)) is not None:
             killed(process)
 
@@ -124,15 +124,15 @@ class Kernels:
             key, (found, law), later = chosen
             beside = self._beside and isinstance(found, State)
             if beside and key not in self._compiled and not self._compile(found, law, key[0], later):  # type: ignore[arg-type]
-                continue  # given up for a wish of somebody
-            if later:  # on the disk; loading it here would hold up the curves
+                continue  # interrupted by a request
+            if later:  # in the cache on disk; loading it here would delay the curves
                 with self._changed:
                     self._compiled.add(key)
                     self._later.pop(key, None)
                 continue
             if self._ended:
                 return
-            with contextlib.suppress(Exception):  # whoever solves such a robot next is told why
+            with contextlib.suppress(Exception):  # the next solve of such a robot reports the error
                 warm(found, law, key[0])
             with self._changed:
                 self._ready.add(key)
@@ -141,12 +141,12 @@ class Kernels:
                 tell()
 
     def _next(self) -> tuple[Key, tuple[Found, str], bool] | None:
-        """What to prepare, and whether nobody has asked for it yet; nothing at the end."""
+        """The next kernel to prepare, and whether it is only in advance of a request; None at the end."""
         with self._changed:
             while True:
                 if self._ended:
                     return None
-                if self._wanted:  # single runs first, of these the newest
+                if self._wanted:  # single runs first, and among these the newest
                     key = min(reversed(self._wanted), key=lambda key: key[0])
                     return key, self._wanted[key], False
                 for key in [key for key in self._later if key in self._ready]:
@@ -157,11 +157,11 @@ class Kernels:
                 if self._later:
                     key = self._doing = next(iter(self._later))
                     return key, self._later[key], True
-                self._drop(later=True)  # all is done
+                self._drop(later=True)  # nothing is left to do
                 self._changed.wait()
 
     def _compile(self, found: State, law: str, many: bool, later: bool) -> bool:
-        """Let a process beside this one compile, and wait for it; where there is none, the kernel is compiled here. False if given up."""
+        """Compile in a separate process, and wait for it; if none is available, it is compiled here. False if interrupted."""
         try:
             with self._changed:
                 if self._ended or (later and self._wanted):
@@ -174,13 +174,13 @@ class Kernels:
             process.stdin.flush()
             if process.stdout.readline():
                 return True
-        except (OSError, ValueError):  # it was ended, or there is no second process to be had
+        except (OSError, ValueError):  # it was ended, or no second process is available
             pass
         return not later
 
 
 def killed(process: subprocess.Popen[Any]) -> None:
-    """End a process beside this one, and close what led to it."""
+    """End a separate process, and close its pipes."""
     process.kill()
     process.wait()
     for pipe in (process.stdin, process.stdout):
@@ -195,19 +195,19 @@ def state_table(found: State, law: str) -> dict[str, Any]:
 
 
 def _helper(later: bool) -> Helper:
-    """A process that compiles; one for later gets only what time there is to spare."""
+    """A process that compiles; one for `later` has low priority."""
     command = [sys.executable, "-m", "stickslip.explorer.kernels", *(["later"] if later else [])]
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, encoding="utf-8")
 
 
 def main() -> None:
-    """The process that compiles: reads states from its input, one a line, and answers each when its kernel is ready."""
+    """Run the compiling process: it reads states from its input, one per line, and answers each when its kernel is ready."""
     if "later" in sys.argv and hasattr(os, "nice"):
         os.nice(10)
     for line in sys.stdin:
         wish = json.loads(line)
         found = state(wish["state"])
-        with contextlib.suppress(Exception):  # whoever solves such a robot next is told why
+        with contextlib.suppress(Exception):  # the next solve of such a robot reports the error
             warm(found, found.law, wish["many"])
         print("ready", flush=True)
 

@@ -1,4 +1,4 @@
-"""A machine of any sort on a page of its own: sliders for its numbers, and the picture of how it moves."""
+"""A page for a machine of any kind: sliders for its numbers, and a picture of its motion."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from stickslip.fields import field_description, leaves
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import symbol_text
 
-COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
-#: What is said of a machine's numbers by a server that shows a robot.
+COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and after its release
+#: The error message for machine numbers sent to a server that shows a robot.
 OF_A_ROBOT = "this server shows a robot; begin it with stickslip explore FILE for a machine"
-_TIMES = 20.0  # of a machine without a period: how many of its own times a run lasts
+_TIMES = 20.0  # length of a run of an autonomous machine, in units of its own time scale
 _FAR = 1e300
-_NUDGE = 1e-3  # of a number: how far it is moved to see whether it may move alone
+_NUDGE = 1e-3  # relative change of a number that tests whether it may vary alone
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ class Shown:
     Parameters
     ----------
     model : Robot, mechanism or machine
-        One case, as it is at first.
+        A single case, as initially shown.
     title : str
-        What stands at the top.
+        Title of the page.
     options : dict
         Arguments of the solver: periods or duration, start, ...
     notes : tuple of str
-        What is to be said of every run.
+        Remarks shown with every run.
 
     Raises
     ------
@@ -68,19 +68,19 @@ class Shown:
 
     @cached_property
     def numbers(self) -> dict[str, Parameter]:
-        """What can be dragged, by dotted names."""
+        """The numbers with sliders, by dotted names."""
         return {p.name: p for p in numbers_of(self.model)}
 
     @property
     def groups(self) -> dict[str, list[Parameter]]:
-        """The numbers by the part that they belong to; those of the whole first."""
+        """The numbers grouped by part; those of the whole machine come first."""
         found: dict[str, list[Parameter]] = {"": []}
         for p in self.numbers.values():
             found.setdefault(_part(p.name), []).append(p)
         return {part: of for part, of in found.items() if of}
 
     def with_values(self, values: Mapping[str, float]) -> Any:
-        """The machine with other numbers; all that is wrong with them is said at once."""
+        """The machine with other numbers; all errors are reported together."""
         problems = Problems("state")
         for name in values:
             if name not in self.numbers:
@@ -89,11 +89,11 @@ class Shown:
         return self.model.replace(dict(values)) if values else self.model
 
     def robot(self, law: str = "", **changes: float) -> Any:
-        """The machine, as kernels ask for it."""
+        """The machine, in the form that `Kernels` expects."""
         return self.with_values(changes)
 
     def length(self, model: Any, fine: bool) -> dict[str, Any]:
-        """How long a run is, as arguments of `solve`."""
+        """The length of a run, as arguments of `solve`."""
         given = {name: value for name, value in self.options.items() if name not in ("periods", "duration", "settle", "rtol", "keep")}
         if model.period is None:
             duration = self.options.get("duration", _TIMES * float(machine_of(model).time_scale or 1.0))
@@ -103,7 +103,7 @@ class Shown:
 
 
 def numbers_of(model: Any) -> Iterator[Parameter]:
-    """Every number of a machine with the reach of its slider: what its field says (metadata "range"), else around its value.
+    """Every number of a machine with the range of its slider: that of its field (metadata "range"), else one around its value.
 
     Numbers that may only change together, such as the frequencies of all drives of a chain, have one slider: "*.omega".
 
@@ -124,7 +124,7 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
 
 
 def _numbered(p: Parameter) -> Parameter:
-    """One of several equal numbers, such as phases.1, with its place in its words, counted from 1 as bodies are."""
+    """A number of a sequence, such as phases.1, with its position in label and symbol, counted from 1 as bodies are."""
     last = p.name.rpartition(".")[2]
     if not last.isdigit():
         return p
@@ -133,7 +133,7 @@ def _numbered(p: Parameter) -> Parameter:
 
 
 def _together(model: Any, name: str, value: float) -> str:
-    """The name of a number, or that of all that are called so where it may not change alone."""
+    """The name of a number, or the pattern "*.name" of all its namesakes if it may not change alone."""
     all_of_them = f"*.{name.rpartition('.')[2]}"
     moved = value + _NUDGE * (abs(value) or 1.0)
     alone = not _is_taken(model, {name: moved})
@@ -149,7 +149,7 @@ def _is_taken(model: Any, changes: dict[str, float]) -> bool:
 
 
 def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
-    """The reach that is described, where the value lies in it; else one around a value that has a sign, both sides of zero."""
+    """The declared range if the value lies in it; else a range around the value, on both sides of zero for an angle or zero."""
     low, high = told.get("range", (1.0, -1.0))
     if low <= value <= high:
         return low, high
@@ -161,13 +161,13 @@ def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
 
 
 def _part(name: str) -> str:
-    """The part that a dotted name belongs to: modules.0 of modules.0.drive.amplitude."""
+    """The part to which a dotted name belongs: modules.0 for modules.0.drive.amplitude."""
     places = name.removeprefix("*.").split(".")
     return ".".join(places[:2]) if len(places) > 2 and places[1].isdigit() else places[0] if len(places) > 1 else ""
 
 
 def in_words(part: str) -> str:
-    """What a part is called on the page, counted from 1 as bodies are.
+    """The name of a part on the page, counted from 1 as bodies are.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def in_words(part: str) -> str:
 
 # ---- answers ----
 def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int], None]) -> dict[str, Any]:
-    """What the page draws of a run, and when the slider rests what there is to say of it."""
+    """The data of a run that the page draws and, after the release of a slider, the facts about it."""
     from stickslip.report.facts import facts, mean_of, tables
     from stickslip.report.moving import moments
 
@@ -202,14 +202,14 @@ def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int],
 
 
 def report(shown: Shown, values: Mapping[str, float]) -> bytes:
-    """The report of a run with these numbers."""
+    """The report on a run with these numbers."""
     from stickslip.report.of_run import run_page
 
     return run_page(_solved(shown, shown.with_values(values), True), shown.title).encode()
 
 
 def study(shown: Shown, values: Mapping[str, float]) -> bytes:
-    """A study file that `stickslip run` reads; of a class of one's own the numbers."""
+    """A study file that `stickslip run` reads."""
     model = shown.with_values(values)
     how = "\n".join(f"{name} = {value!r}" for name, value in shown.length(model, True).items() if name in ("periods", "duration"))
     return f"{model.to_toml()}\n[solve]\n{how}\n".encode()

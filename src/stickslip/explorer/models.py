@@ -1,4 +1,4 @@
-"""Robots of the numbers on the page: its drives, tracks and laws, and which parameters each of them takes."""
+"""Robots from the numbers on the page: its drives, tracks and laws, and the parameters of each."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from stickslip.tracks import Incline, Level, VaryingFriction
 
 Values = Mapping[str, Any]
 Told = Mapping[str, Any]
-#: Cosines and sines of a recorded drive, in parts of its amplitude.
+#: Cosine and sine coefficients of a recorded drive, relative to its amplitude.
 Shape = tuple[tuple[float, ...], tuple[float, ...]]
-#: The shape where there is no record: a saw of five harmonics.
+#: The default shape, without a record: a sawtooth with five harmonics.
 SAW: Shape = ((0.0,) * 5, tuple(1.0 / i**2 for i in range(1, 6)))
 
 
@@ -37,9 +37,9 @@ class Part:
     Parameters
     ----------
     label : str
-        What it is called.
+        Name on the page.
     parameters : mapping
-        The parameters that it takes, beside those that everything takes, by their names on the page, with their descriptions.
+        Its own parameters, besides the common ones, by their names on the page, with their descriptions.
     make : callable
         Makes the record from the values.
     """
@@ -50,7 +50,7 @@ class Part:
 
 
 def _own_names(kind: str, cls: Any, taken: Mapping[str, Told], but: tuple[str, ...] = ()) -> dict[str, str]:
-    """Field -> parameter of the numbers of a record: its name, or with the kind before it where that is another number on the page."""
+    """Field -> parameter for the numbers of a record; the name has the prefix of its kind if the page uses it for another number."""
     fields = [f for f in dataclasses.fields(cls) if is_number_field(f) and "None" not in str(f.type) and f.name not in but]
     return {f.name: f.name if taken.get(f.name, f.metadata) == f.metadata else f"{kind}_{f.name}" for f in fields}
 
@@ -66,7 +66,7 @@ def _recorded(p: Values) -> Any:
 
 
 def _pieces(p: Values) -> Any:
-    """Three pieces, of which the last closes the motion."""
+    """Three pieces; the last one makes the motion periodic."""
     d = (p["piece_d1"], p["piece_d2"], p["piece_d3"])
     return Pieces(durations=d, accelerations=(p["piece_a1"], p["piece_a2"], -(p["piece_a1"] * d[0] + p["piece_a2"] * d[1]) / d[2]))
 
@@ -84,7 +84,7 @@ def _is_its_numbers(cls: Any) -> bool:
     return all(is_number_field(f) for f in dataclasses.fields(cls) if f.name != "notes")
 
 
-#: Drives that are their numbers, in words.
+#: Drives without parts, defined by their numbers alone, with their names on the page.
 _PLAIN = {name: _in_words(cls) for name, cls in _KINDS.items() if _is_its_numbers(cls)}
 _SINE = {"amplitude": AMPLITUDE, "omega": OMEGA}
 _BEAM = {name: described_arguments(piezo_beam_rig)[name] for name in ("voltage", "frequency", "length", "thickness")}
@@ -111,7 +111,7 @@ _PIECES = {
 
 
 def _plain_drives() -> Iterator[tuple[str, dict[str, str]]]:
-    """Name of each drive that is its numbers, and field -> parameter."""
+    """Name of each drive that is defined by its numbers, and field -> parameter."""
     taken: dict[str, Told] = dict(_BEAM)
     for name in _PLAIN:
         names = _own_names(name, _KINDS[name], taken)
@@ -119,7 +119,7 @@ def _plain_drives() -> Iterator[tuple[str, dict[str, str]]]:
         yield name, names
 
 
-#: Class -> name on the page and field -> parameter, of drives that are their numbers.
+#: Class -> name on the page and field -> parameter, for drives that are defined by their numbers.
 PLAIN_DRIVES: dict[type, tuple[str, dict[str, str]]] = {_KINDS[name]: (name, names) for name, names in _plain_drives()}
 
 
@@ -182,7 +182,7 @@ CONTACTS: dict[str, Part] = {
     "isotropic": Part("the same in both directions", {"mu0": MU0, "f0": F0}, _isotropic),
     "anisotropic": Part("different in the two directions", _COEFFICIENTS, _anisotropic),
 }
-#: Speeds at which the tabulated law reads the Stribeck curve off, in Stribeck velocities.
+#: Speeds at which the tabulated law samples the Stribeck curve, in Stribeck velocities.
 _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 _EVERYWHERE = {name: described_by(Robot, name) for name in ("body_mass", "inner_mass", "gravity")}
 
@@ -194,7 +194,7 @@ def _beside_laws() -> dict[str, Told]:
 
 
 def _numbers_of_laws() -> dict[str, dict[str, str]]:
-    """Of each law its numbers that are not friction coefficients: field -> parameter of the page."""
+    """For each law, its numbers that are not friction coefficients: field -> parameter of the page."""
     taken, found = _beside_laws(), {}
     for name, cls in LAWS.items():
         found[name] = _own_names(name, cls, taken, tuple(_COEFFICIENTS))
@@ -224,7 +224,7 @@ def _label(cls: type) -> str:
 
 
 def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
-    """The Stribeck curve of these numbers, read off at some speeds."""
+    """The Stribeck curve with these numbers, sampled at some speeds."""
 
     def column(side: str) -> tuple[Any, ...]:
         mu, f = contact[f"mu_{side}"], contact[f"f_{side}"]
@@ -245,7 +245,7 @@ DESCRIBED: dict[str, Told] = _beside_laws() | {name: told for law in FRICTION.va
 
 
 def _contact(kind: str, track: str, p: Values) -> dict[str, Any]:
-    """Coefficients on the track: static ones at least the kinetic ones, and with the incline folded in where asked (Eq. 4.1)."""
+    """Coefficients on the track: static at least as large as kinetic, with the incline folded in if selected (Eq. 4.1)."""
     c = CONTACTS[kind].make(p)
     tilt = _tilt(p) if track == "folded" else 0.0
     along, across = sin(tilt), cos(tilt)
@@ -256,7 +256,7 @@ def _contact(kind: str, track: str, p: Values) -> dict[str, Any]:
 
 
 def robot(drive: str, track: str, contact: str, law: str, values: Values) -> Robot:
-    """The robot of these choices; values may be arrays that broadcast.
+    """The robot for these choices; values may be arrays that broadcast.
 
     Examples
     --------
@@ -277,7 +277,7 @@ def robot(drive: str, track: str, contact: str, law: str, values: Values) -> Rob
 
 
 def _drive(name: str, values: Values) -> Any:
-    """The drive; a single one is remembered, as every law of a page has the same and a beam's takes milliseconds."""
+    """The drive; a single one is cached, as every law of a page has the same and that of a beam takes milliseconds."""
     needs = [*DRIVES[name].parameters, *("inner_mass", "shape")]
     given = {key: values[key] for key in needs if key in values}
     try:

@@ -1,4 +1,4 @@
-"""States of the page for its list of presets: stories of what such a robot can do, the paper's figures, and other drives."""
+"""The page's list of presets: typical motions of such a robot, the paper's figures, and other drives."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stickslip.paper.cases import CASES, EXPERIMENTS, OMEGA
 
 def _entry(label: str, values: dict[str, float], also: Sequence[str] = ("coulomb",), **choices: str) -> dict[str, Any]:
     first = {"drive": "harmonic", "track": "folded", "law": "lugre", "also": list(also)}
-    omega = {"omega": OMEGA} if "amplitude" in values else {}  # that of the paper, with its amplitudes
+    omega = {"omega": OMEGA} if "amplitude" in values else {}  # the law of the paper, with its amplitudes
     return {"label": label, "state": {**first, **choices, "values": values | omega | values}}
 
 

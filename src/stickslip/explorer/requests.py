@@ -1,4 +1,4 @@
-"""Requests of a page, checked: choices by name and numbers by their bounds, with all errors reported together."""
+"""Validation of a page's requests: choices by name and numbers by their bounds, with all errors reported together."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.sliders import PARAMETERS
 
-#: What can be asked for. Each has room for one request of a page: a newer one takes the place of an older one.
+#: The channels of requests. Each holds one request of a page: a newer one replaces an older one.
 CHANNELS = ("curves", "map", "strip", "faster")
-#: How many laws may be compared with the first, and how many cells a map may have each way.
+#: Largest number of additional laws in a comparison, and of cells along each axis of a map.
 MOST_LAWS, MOST_CELLS = 4, 96
-#: Most numbers of a machine that a page sets.
+#: Largest number of machine numbers that a page sets.
 MOST_NUMBERS = 500
-#: Most sliders that a search may move, and what it may be told not to raise.
+#: Largest number of sliders in a search, and the quantities that it may be forbidden to increase.
 MOST_SLIDERS = 8
 KEPT = ("drive_power", "cost_of_transport", "stroke", "relative_velocity", "relative_acceleration")
-#: Most harmonics of a recorded drive.
+#: Largest number of harmonics of a recorded drive.
 MOST_HARMONICS = 32
 _CHOICES: dict[str, Mapping[str, Any]] = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
 
 
 @dataclass(frozen=True)
 class State:
-    """Everything that says what is on the page.
+    """The complete state of the page.
 
     Parameters
     ----------
     drive, track, contact, law : str
         The choices.
     also : tuple of str
-        Laws that are compared.
+        Additional laws for comparison.
     values : dict
         Every parameter [SI; tilt_deg in degrees].
     shape : pair of tuples
-        Cosines and sines of the recorded drive, in parts of the amplitude.
+        Cosine and sine coefficients of the recorded drive, relative to the amplitude.
     """
 
     drive: str = "harmonic"
@@ -52,11 +52,11 @@ class State:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """The law and those it is compared with."""
+        """The law and those compared with it."""
         return (self.law, *self.also)
 
     def robot(self, law: str | None = None, **changes: Any) -> Any:
-        """The robot, with another law or other values if asked."""
+        """The robot, optionally with another law or other values."""
         return robot(self.drive, self.track, self.contact, law or self.law, {**self.values, "shape": self.shape, **changes})
 
     @property
@@ -70,16 +70,16 @@ DEFAULT = State()
 
 @dataclass(frozen=True)
 class Plane:
-    """The window of a map, or with one axis that of a strip.
+    """The window of a map or, with one axis, of a strip.
 
     Parameters
     ----------
     names : tuple of str
         Parameters on the axes.
     spans : tuple of (float, float)
-        From where to where.
+        Lower and upper ends.
     cells : tuple of int
-        How many values.
+        Numbers of values.
     """
 
     names: tuple[str, ...]
@@ -89,14 +89,14 @@ class Plane:
 
 @dataclass(frozen=True)
 class Wish:
-    """What a search may move, and what it must not raise.
+    """The sliders that a search may move, and the quantities that it must not increase.
 
     Parameters
     ----------
     sliders : tuple of str
         Numbers of the page.
     kept : tuple of str
-        Quantities that stay at most what they are.
+        Quantities that must not exceed their present values.
     """
 
     sliders: tuple[str, ...]
@@ -151,7 +151,7 @@ def message(text: str | bytes) -> Message:
 
 
 def _wish(given: dict[str, Any]) -> Wish:
-    """What a search may move; whether the page has such numbers is asked where they are known."""
+    """The sliders of a search; whether the page has such numbers is checked elsewhere."""
     problems, found = Problems("faster"), {}
     for name, most in (("sliders", MOST_SLIDERS), ("keep", len(KEPT))):
         words = given.get(name, [])
@@ -169,7 +169,7 @@ def _wish(given: dict[str, Any]) -> Wish:
 
 
 def state(given: Any) -> State:
-    """A state from its table; what is not given is as on the page at first."""
+    """A state from its table; missing entries have their initial values."""
     problems = Problems("state")
     if not isinstance(given, dict):
         raise InputError("state", [f"{_short(given)} is not a table"])
@@ -185,7 +185,7 @@ def state(given: Any) -> State:
 
 
 def machine_numbers(given: Any) -> dict[str, float]:
-    """Numbers of a machine by their dotted names; whether it has them is asked where it is known."""
+    """Numbers of a machine by their dotted names; whether it has them is checked elsewhere."""
     problems = Problems("state")
     if not isinstance(given, dict) or len(given) > MOST_NUMBERS:
         raise InputError("state", [f"machine = {_short(given)}; allowed is a table of up to {MOST_NUMBERS} numbers"])
@@ -225,7 +225,7 @@ def _values(given: Any, problems: Problems) -> dict[str, float]:
 
 
 def _shape(given: Any, problems: Problems) -> Shape:
-    """Cosines and sines of a recorded drive."""
+    """Cosine and sine coefficients of a recorded drive."""
     two = isinstance(given, list) and len(given) == 2 and all(isinstance(side, list) for side in given)
     if not two or len(given[0]) != len(given[1]) or not 1 <= len(given[0]) <= MOST_HARMONICS:
         problems.add(f"shape = {_short(given)}; allowed are two lists, cosines and sines, of as many numbers, 1 to {MOST_HARMONICS}")
@@ -237,7 +237,7 @@ def _shape(given: Any, problems: Problems) -> Shape:
 
 
 def _number(name: str, value: Any, where: str, problems: Problems) -> bool:
-    """Whether a value is a number within the bounds of its parameter; if not this is noted."""
+    """Whether a value is a number within the bounds of its parameter; if not, a problem is noted."""
     p = PARAMETERS[name]
     number = _is_finite(value)
     if not number or not p.least <= value <= p.most:
@@ -248,7 +248,7 @@ def _number(name: str, value: Any, where: str, problems: Problems) -> bool:
 
 
 def _plane(given: Any, found: State, count: int) -> Plane:
-    """The axes of a map or a strip: as many tables of name, from, to, cells."""
+    """The axes of a map or a strip: one table for each, with name, from, to, cells."""
     problems = Problems("axes")
     if not isinstance(given, list) or len(given) != count or not all(isinstance(axis, dict) for axis in given):
         raise InputError("axes", [f"{_short(given)}; allowed is a list of {count} tables with name, from, to and cells"])
@@ -272,6 +272,6 @@ def _is_finite(value: Any) -> bool:
 
 
 def _short(value: Any) -> str:
-    """What was given, as far as it fits a sentence."""
+    """A given value as text, shortened to fit a sentence."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

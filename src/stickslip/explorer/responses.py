@@ -21,13 +21,13 @@ from stickslip.explorer.requests import Message, State
 from stickslip.explorer.surroundings import Stop, Stopped, map_of, strip_of
 from stickslip.solvers import solve
 
-#: Drive periods of a run while a slider moves, and when it rests.
+#: Drive periods of a run while a slider moves, and after its release.
 COARSE, FINE = 40, 200
 SAMPLES, LONGEST = 256, 8
 
 
 def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
-    """The bytes that answer a request, `shown` being the server's machine; what is wrong with its numbers is an answer too."""
+    """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response."""
     head = {"channel": asked.channel, "id": asked.id}
     found: tuple[dict[str, Any], dict[str, Any]]
     try:
@@ -46,12 +46,12 @@ def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = N
 
 
 def sentence(problem: str) -> str:
-    """A problem as a page says it: what to type in Python is of no use there."""
+    """A problem as the page shows it, without the advice on Python code."""
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
 
 def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) -> dict[str, Any]:
-    """The picture of the machine with the numbers that were asked for."""
+    """The picture of the machine with the requested numbers."""
     if shown is None or asked.machine is None:
         raise InputError("machine", [OF_A_ROBOT])
     model = shown.with_values(asked.machine)
@@ -125,7 +125,7 @@ def _figures(run: Any) -> dict[str, Any]:
 
 
 def _power(run: Any, count: int, arrays: dict[str, Any]) -> float:
-    """Mean power of the actuator in the steady motion [W]: what friction takes, less what gravity gives."""
+    """Mean power of the actuator in the steady motion [W]: dissipation by friction minus the power of gravity."""
     law = next(name for name in arrays if name.endswith(".mode")).partition(".")[0]
     last = slice(-(SAMPLES * count + 1), None)
     t, v, R = (arrays[f"{law}.{name}"][last] for name in ("t", "v", "R"))
@@ -134,7 +134,7 @@ def _power(run: Any, count: int, arrays: dict[str, Any]) -> float:
 
 
 def _columns(run: Any, shown: int, main: bool) -> dict[str, Any]:
-    """The last periods of a run: times from their start, and what the page draws."""
+    """The columns that the page draws, over the last periods, with times from their start."""
     count = min(shown, len(run.strobe_times) - 1)
     end = float(run.strobe_times[-1])
     start = end - count * run.period_time

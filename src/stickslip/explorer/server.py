@@ -1,4 +1,4 @@
-"""The server of the explorer: one page, its files, a socket for slider values, and exports."""
+"""The server of the explorer: one page, its files, a websocket for slider values, and exports."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _TYPES = {
     ".svg": "image/svg+xml",
     ".txt": "text/plain; charset=utf-8",
 }
-#: What can be taken home of a machine: file name -> (media type, what makes it).
+#: Downloads for a machine: file name -> (media type, function that makes it).
 MACHINE_EXPORTS = {
     "report.html": ("text/html; charset=utf-8", report),
     "study.toml": ("application/toml; charset=utf-8", study),
@@ -63,21 +63,21 @@ def _rendered(template: str, **content: Any) -> str:
 
 
 def machine_page(shown: Shown) -> str:
-    """The page of a machine as it is before any script runs."""
+    """The page of a machine before any script runs."""
     told = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
     groups = {in_words(part): of for part, of in shown.groups.items()}
     return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), told=told, kept=_kept(shown))
 
 
 def _kept(shown: Shown) -> list[str]:
-    """What a search may be told not to raise: of a machine of several bodies powers are not in the columns of a sweep."""
+    """Quantities that a search may be forbidden to increase; sweeps of a machine of several bodies have no column of power."""
     known = [*LIMITS_OF_DRIVES, *quantities(shown.model)] if list(drives_within(shown.model)) else quantities(shown.model)
     return [name for name in KEPT if name in known]
 
 
 @functools.cache
 def page() -> str:
-    """The page as it is before any script runs."""
+    """The page before any script runs."""
     groups = {name: [p for p in PARAMETERS.values() if p.name in own] for name, own in _GROUPS.items()}
     rest = [p for p in PARAMETERS.values() if not any(p in group for group in groups.values())]
     return _rendered(
@@ -88,7 +88,7 @@ def page() -> str:
 
 
 def _told() -> dict[str, Any]:
-    """What the scripts must know: which parameters matter when, their numbers, the presets."""
+    """The data for the scripts: which parameters matter when, their numbers, the presets."""
     choices = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
     return {
         "parameters": {name: vars(p) for name, p in PARAMETERS.items()},
@@ -110,7 +110,7 @@ async def _page(request: Request) -> Response:
 
 @functools.cache
 def _assets() -> dict[str, bytes]:
-    """The files of the page, read once: nothing else can be asked for."""
+    """The files of the page, read once; nothing else can be requested."""
     own, shared = files("stickslip.explorer") / "assets", files("stickslip.report") / "templates"
     found = [*own.iterdir(), *(shared / name for name in ("moving.js", "moving.css"))]
     return {f.name: f.read_bytes() for f in found if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
@@ -148,7 +148,7 @@ async def _machine_export(request: Request) -> Response:
 
 
 async def _made(request: Request, media: str, make: Callable[..., bytes], *given: Any) -> Response:
-    """What can be taken home, made in a thread, as a file of the name in the address."""
+    """A download, made in a thread, under the name in the address."""
     async with request.app.state.exporting:
         data = await asyncio.get_running_loop().run_in_executor(None, make, *given)
     return Response(data, media_type=media, headers={"Content-Disposition": f'attachment; filename="{request.path_params["name"]}"'})
@@ -161,7 +161,7 @@ async def _record(request: Request) -> Response:
 
 
 def _asked_json(request: Request, name: str) -> Any:
-    """What stands in the query of an address under a name."""
+    """The JSON value of a name in the query of an address."""
     query = request.scope["query_string"].decode("latin-1")
     try:
         return json.loads(parse_qs(query, max_num_fields=4).get(name, ["{}"])[0])
@@ -187,13 +187,13 @@ def application(
     Parameters
     ----------
     host : str
-        Where it will listen: on the loopback only names of this machine are taken.
+        Where it will listen; on the loopback, only names of this machine are accepted.
     token : str, optional
-        What a page must bring.
+        The token that a page must send.
     workers : int, optional
-        Threads that compute; by default as many as there are processors, at least 2 and at most 8.
+        Computing threads; by default one for each processor, at least 2 and at most 8.
     beside : bool
-        Compile in a process beside this one.
+        Whether to compile in a separate process.
     limits : Limits
         Times and counts.
     shown : Shown, optional
@@ -227,20 +227,20 @@ def application(
 
 
 class _Server(uvicorn.Server):
-    """Tells where it serves once it does."""
+    """A server that reports its address once it is listening."""
 
     def __init__(self, config: uvicorn.Config, tell: Callable[[int], None]):
         super().__init__(config)
         self._tell = tell
 
     async def startup(self, sockets: Any = None) -> None:
-        """Begin to serve, then tell the port."""
+        """Start serving, then report the port."""
         await super().startup(sockets)
         if self.started:
             self._tell(self.servers[0].sockets[0].getsockname()[1])
 
     async def shutdown(self, sockets: Any = None) -> None:
-        """End the reading of records first: nobody waits for it any more."""
+        """Stop reading records first: their clients are leaving."""
         guard: Any = self.config.app
         guard.inner.state.uploads.close()
         await super().shutdown(sockets)
@@ -262,13 +262,13 @@ def server_of(
     host : str
         Where to listen.
     port : int
-        0 takes a free one.
+        0 selects a free port.
     tell : callable
         Called with the address once the page can be opened.
     workers : int, optional
         As for `application`.
     with_token : bool
-        Make a token, which the address carries; without one, all users of this machine may use the page.
+        Whether to require a token, which is part of the address; without one, all users of this machine may use the page.
     limits : Limits
         Times and counts.
     shown : Shown, optional
@@ -282,7 +282,7 @@ def server_of(
     config = uvicorn.Config(
         app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=protocol,
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
+        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # the client is the connected address, whatever a header says
     )  # fmt: skip
     name = f"[{host}]" if ":" in host else host
     _check_port(host, port)
@@ -291,7 +291,7 @@ def server_of(
 
 
 def _check_port(host: str, port: int) -> None:
-    """Say what to type where a port is taken, before anything starts."""
+    """Raise an error with advice if a port is in use, before anything starts."""
     import socket
 
     family = socket.AF_INET6 if ":" in host else socket.AF_INET

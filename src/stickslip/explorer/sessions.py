@@ -21,13 +21,13 @@ from stickslip.explorer.machines import Shown
 from stickslip.explorer.requests import CHANNELS, Message, message
 from stickslip.explorer.responses import Stopped, answer
 
-#: Most bytes of a message, most messages in a second and at once, most pages.
+#: Largest size of a message in bytes, largest rate of messages per second and in a burst, largest number of pages.
 MESSAGE_BYTES, RATE, BURST, MOST_PAGES = 32_768, 150.0, 300.0, 256
-TOO_MUCH, FULL, IDLE = 1008, 1013, 4000  # codes of a closed connection; of an idle one the page knows that it may ask again
+TOO_MUCH, FULL, IDLE = 1008, 1013, 4000  # codes of a closed connection; after IDLE the page may reconnect
 
 
 class Workshop:
-    """The threads that compute: curves come first, maps and strips get what is left.
+    """The computing threads: curves come first; maps and strips use the rest.
 
     A semaphore serves in the order of arrival and a page has one request of a channel at a time, so that all pages get their turn.
     """
@@ -38,21 +38,21 @@ class Workshop:
         self.pages: set[Session] = set()
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
         self._gates = {"curves": asyncio.Semaphore(n), "behind": asyncio.Semaphore(max(n - 1, 1))}
-        self.prepared = 0  # kernels that became ready
+        self.prepared = 0  # number of kernels that have become ready
         self._loop = asyncio.get_running_loop()
         kernels.listen(self._kernel_ready)
 
     def gate(self, channel: str) -> asyncio.Semaphore:
-        """Who holds this may compute."""
+        """The semaphore that a computation on this channel must hold."""
         return self._gates["curves" if channel == "curves" else "behind"]
 
     async def compute(self, asked: Message, stop: threading.Event) -> bytes:
-        """The answer to a request, computed in a thread."""
+        """Compute the response to a request in a thread."""
         pool = self._pools["curves" if asked.channel == "curves" else "behind"]
         return await self._loop.run_in_executor(pool, answer, asked, self.kernels, stop.is_set, self.shown)
 
     def close(self) -> None:
-        """End all work."""
+        """Stop all work."""
         for page in self.pages:
             page.stop()
         for pool in self._pools.values():
@@ -60,7 +60,7 @@ class Workshop:
         self.kernels.end()
 
     def _kernel_ready(self) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop has ended
+        with contextlib.suppress(RuntimeError):  # the event loop has ended
             self._loop.call_soon_threadsafe(self._ask_again)
 
     def _ask_again(self) -> None:
@@ -71,10 +71,10 @@ class Workshop:
 
 @dataclass(eq=False)
 class _Slot:
-    """What a page wants of one channel: the newest request, and how to stop the one being computed."""
+    """The state of one channel of a page: the newest request, and the event that stops the running computation."""
 
     newest: Message | None = None
-    waiting: Message | None = None  # answered, but for a kernel that was not ready
+    waiting: Message | None = None  # answered provisionally: its kernel was not ready
     wake: asyncio.Event = field(default_factory=asyncio.Event)
     stop: threading.Event = field(default_factory=threading.Event)
 
@@ -85,7 +85,7 @@ class _Slot:
 
 
 class Session:
-    """One page: takes its requests and sends the answers."""
+    """One page: receives its requests and sends the responses."""
 
     def __init__(self, socket: WebSocket, workshop: Workshop, limits: Limits = LIMITS):
         self._socket, self._workshop, self._limits = socket, workshop, limits
@@ -94,7 +94,7 @@ class Session:
         self._allowance, self._seen = BURST, time.monotonic()
 
     async def serve(self) -> None:
-        """Serve the page until it goes."""
+        """Serve the page until it closes."""
         if len(self._workshop.pages) >= MOST_PAGES:
             await self._socket.close(FULL, "too many pages are open")
             return
@@ -113,12 +113,12 @@ class Session:
             await asyncio.gather(*tasks, return_exceptions=True)
 
     def stop(self) -> None:
-        """Nobody waits for the answers any more."""
+        """Stop all computations, whose results are no longer needed."""
         for slot in self._slots.values():
             slot.stop.set()
 
     def ask_again(self) -> None:
-        """Compute again what waited for a kernel."""
+        """Repeat the requests that waited for a kernel."""
         for slot in self._slots.values():
             if slot.waiting is not None:
                 slot.put(slot.waiting)
@@ -169,7 +169,7 @@ class Session:
                 continue
             if _waits(data) and slot.newest is asked:
                 slot.waiting = asked
-                if self._workshop.prepared != prepared:  # a kernel became ready meanwhile: perhaps this one
+                if self._workshop.prepared != prepared:  # a kernel has become ready meanwhile: perhaps this one
                     slot.put(asked)
             await self._send(data)
 
@@ -178,24 +178,24 @@ class Session:
             return await self._workshop.compute(asked, stop)
         except Stopped:
             return None
-        except Exception as error:  # an error of ours: said, and the page lives on
+        except Exception as error:  # an internal error is reported, and the page stays usable
             sentence = f"{type(error).__name__}: {error}. This is an error of stickslip itself"
             return written({"channel": asked.channel, "id": asked.id, "kind": "problems", "problems": [sentence]})
 
     async def _send(self, data: bytes) -> None:
         async with self._sending:
-            with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # it went while we computed
+            with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # it was closed meanwhile
                 await self._socket.send_bytes(data)
 
 
 def _waits(data: bytes) -> bool:
-    """Whether an answer says that something waits for a kernel."""
+    """Whether a response is still waiting for a kernel."""
     header, _ = read(data)
     return "waits" in header or any("waits" in law for law in header.get("laws", ()))
 
 
 def _who(text: str | bytes) -> dict[str, Any]:
-    """Channel and number of a request that could not be read as a whole, as far as they can be told."""
+    """Channel and number of an invalid request, as far as they can be read."""
     import json
 
     try:

@@ -10,29 +10,29 @@ from stickslip.explorer.models import DESCRIBED
 from stickslip.quantities import shown_factor, symbol_text
 from stickslip.typed_numbers import others
 
-_BEYOND = 1e3  # times the ends of its slider is what may be typed
+_BEYOND = 1e3  # the typed value may exceed the ends of the slider by this factor
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of the page; everything is in SI units but what is shown.
+    """One number of the page, in SI units except where shown.
 
     Parameters
     ----------
     name : str
-        Its name in messages, in the address and in the page.
+        Its name in messages, in the address and on the page.
     symbol, label : str
-        Its letter and what it is.
+        Its symbol and meaning.
     default, low, high : float
-        Where the slider stands at first, and its two ends.
+        Initial value, and the two ends of the slider.
     unit : str
-        The unit that is shown.
+        The displayed unit.
     factor : float
-        The shown number is the value times this.
+        The displayed number is the value times this factor.
     least, most : float
-        What is allowed, however it is typed.
+        Bounds of a typed value.
     units : dict
-        Units that may be typed behind a number, and what one of each is.
+        Units that may follow a typed number, with their conversion factors.
 
     Examples
     --------
@@ -55,7 +55,7 @@ class Parameter:
 
     @classmethod
     def described(cls, name: str, told: Mapping[str, Any], value: float, reach: tuple[float, float]) -> Parameter:
-        """The parameter of a number that is described, at a value, with the reach of its slider."""
+        """The parameter for a described number, at a value, with the range of its slider."""
         low, high = min(reach[0], value), max(reach[1], value)
         least, most = min(low / _BEYOND, low * _BEYOND), max(high / _BEYOND, high * _BEYOND)
         rule = told.get("rule")
@@ -65,11 +65,11 @@ class Parameter:
         return cls(name, symbol_text(str(told.get("symbol", ""))), label, value, low, high, *shown_factor(told), least, most, others(unit))
 
     def shown(self, value: float) -> str:
-        """A value as a person reads it."""
+        """A value as text, in the displayed unit."""
         return f"{value * self.factor:.6g} {self.unit}".rstrip()
 
     def allowed(self) -> str:
-        """What may be given."""
+        """The allowed range, as text."""
         return f"{self.shown(self.least)} to {self.shown(self.most)}"
 
 

@@ -20,20 +20,20 @@ Stop = Callable[[], bool]
 
 #: Motion types in the order of their codes on a map.
 TYPES = ("rest", "presliding", "I", "II", "III", "IV", "other")
-#: Most seconds that a map or a strip may take.
+#: Time limit of a map or a strip [s].
 PATIENCE = 8.0
-#: Drive periods of a map at most; of a strip before its points, and how many points it has.
+#: Largest number of drive periods of a map; periods of a strip before its points, and number of its points.
 FINE, SETTLE, KEPT = 200, 48, 16
-#: Loose enough for the quick method, tight enough for four digits.
+#: Loose enough for the fast method, tight enough for four digits.
 
 
 class Stopped(Exception):
-    """Nobody waits for this answer any more."""
+    """The result is no longer needed."""
 
 
 # ---- maps ----
 def map_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Mean velocity, type, period number and time at rest of a grid of robots."""
+    """Mean velocity, type, period number and fraction at rest for a grid of robots."""
     state, plane = asked.state, asked.plane
     assert plane is not None
     header = {**vars(plane), "kind": "map", "law": state.law}
@@ -55,7 +55,7 @@ def map_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any]
 
 
 def _batch(state: State, names: tuple[str, ...], grid: list[Any]) -> tuple[Any, Any]:
-    """The robots of a map or a strip as one batch, and which cells they are; cells that no robot can have are left out."""
+    """The robots of a map or a strip as one batch, and the mask of their cells; cells with invalid numbers are left out."""
     good = np.ones(grid[0].shape, bool)
     try:
         return state.robot(**{name: a.ravel() for name, a in zip(names, grid, strict=True)}), good
@@ -72,7 +72,7 @@ def _batch(state: State, names: tuple[str, ...], grid: list[Any]) -> tuple[Any, 
 
 
 def _codes(types: Any) -> Any:
-    """Motion types as the numbers of `TYPES`."""
+    """Motion types as indices into `TYPES`."""
     found = np.full(np.shape(types), len(TYPES) - 1, float)
     for code, name in enumerate(TYPES):
         found[np.asarray(types) == name] = code
@@ -80,7 +80,7 @@ def _codes(types: Any) -> Any:
 
 
 def watch(stop: Stop) -> Callable[[int, int], None]:
-    """A progress callback that ends the work when it is not wanted any more, or takes too long."""
+    """A progress callback that ends the work if it is superseded or takes too long."""
     began = time.perf_counter()
 
     def tell(done: int, whole: int) -> None:
@@ -111,10 +111,10 @@ def strip_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, An
 
 
 def _strobed(robots: Any, count: int, tell: Callable[[int, int], None]) -> tuple[Any, Any]:
-    """The strobed velocities and the mean velocities of robots that run side by side from rest."""
+    """The strobed velocities and the mean velocities of robots that start from rest, solved together."""
     swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
     wanted = ~too_much(swings, decays)
-    stride = int(np.clip(2000 / max(swings[wanted].max(initial=0.0), 1.0), 1, 8))  # short enough to be stopped soon
+    stride = int(np.clip(2000 / max(swings[wanted].max(initial=0.0), 1.0), 1, 8))  # short enough for prompt cancellation
     state = np.resize(at_rest(robots), (count, len(coordinates(robots).names)))
     ways, strobes = np.zeros(count), np.full((count, KEPT), np.nan)
     periods = [stride] * (SETTLE // stride) + [1] * KEPT

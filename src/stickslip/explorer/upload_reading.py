@@ -1,6 +1,6 @@
-"""Uploaded records are read in a separate process with a time limit and a memory limit; a failure ends that process alone.
+"""Uploaded records are read in a separate process with a time limit and a memory limit; a failure ends only that process.
 
-One is ready before the first file comes, so that a file need not wait for imports; one that ended is replaced at once.
+One process is ready before the first file arrives, so that a file need not wait for imports; one that ended is replaced immediately.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import killed
 from stickslip.explorer.responses import sentence
 
-#: Address space of a process that reads [bytes]: its libraries take half a GB of it.
+#: Address space of a reading process [bytes]: its libraries take half a GB of it.
 _MEMORY = 4 << 30
-#: Time in which it starts [s], imports included, on a machine that is busy.
+#: Time limit for its start [s], imports included, on a busy machine.
 _START = 120.0
 
 
@@ -33,14 +33,14 @@ def _problem(*sentences: str) -> bytes:
 
 
 class Readers:
-    """Processes that read records, each one at a time.
+    """Processes that read records, one record at a time each.
 
     Parameters
     ----------
     seconds : float
-        Time for one record.
+        Time limit for one record.
     count : int
-        Most records at once.
+        Largest number of records read simultaneously.
     """
 
     def __init__(self, seconds: float, count: int = 2):
@@ -51,13 +51,13 @@ class Readers:
         self._add()
 
     def read(self, what: str, name: str, data: bytes) -> bytes:
-        """The answer to a file; blocks until it is there, no longer than the deadline.
+        """The response to a file; blocks until it is available or the deadline has passed.
 
         Parameters
         ----------
         what : {"velocity", "drive"}
         name : str
-            Of the file.
+            Name of the file.
         data : bytes
         """
         with self._free:
@@ -80,7 +80,7 @@ class Readers:
             reader.end()
 
     def _taken(self) -> _Reader:
-        """A process that is ready; where none is, one that soon will be."""
+        """A process that is ready, or a new one."""
         with contextlib.suppress(queue.Empty):
             while True:
                 reader = self._ready.get_nowait()
@@ -91,7 +91,7 @@ class Readers:
         return reader
 
     def _add(self) -> None:
-        """One more that will be ready; where there is none to be had, a file will say so."""
+        """Start another process in advance; if that fails, the next file reports it."""
         if not self._ended:
             with contextlib.suppress(OSError):
                 self._all.add(reader := _Reader())
@@ -103,7 +103,7 @@ class Readers:
 
 
 class _Reader:
-    """One process."""
+    """One reading process."""
 
     def __init__(self) -> None:
         command = [sys.executable, "-P", "-m", "stickslip.explorer.upload_reading"]
@@ -114,25 +114,25 @@ class _Reader:
         return self._process.poll() is None
 
     def ask(self, what: str, name: str, data: bytes, seconds: float) -> bytes | None:
-        """Its answer, or None where it ended, by itself or by the deadline."""
+        """The response, or None if the process ended, by itself or at the deadline."""
         if not self._started and self._within(_START, self._sent) is None:
             return None
         self._started = True
         return self._within(seconds, lambda: self._sent(json.dumps({"what": what, "name": name, "seconds": seconds}).encode(), data))
 
     def _sent(self, *parts: bytes) -> bytes | None:
-        """The answer to some messages, or the first word of a process."""
+        """The reply to some messages, or the first message of a process."""
         for part in parts:
             _put(self._process.stdin, part)
         return _got(self._process.stdout)
 
     def _within(self, seconds: float, talk: Callable[[], bytes | None]) -> bytes | None:
-        """What it says; None where it ended, by itself or because it took too long."""
+        """The result of an exchange; None if the process ended, by itself or because it took too long."""
         timer = threading.Timer(seconds, self._expire)
         timer.start()
         try:
             return talk()
-        except (OSError, ValueError):  # it ended while it was written to
+        except (OSError, ValueError):  # the process ended during writing
             return None
         finally:
             timer.cancel()
@@ -142,7 +142,7 @@ class _Reader:
         self._process.kill()
 
     def end(self) -> str:
-        """End it; returns a sentence on why it had ended before, for whoever waits for an answer."""
+        """End the process; returns a sentence on why it had ended, for the waiting client."""
         killed(self._process)
         if self._late:
             return "the record was not read in time; cut it, or read it with stickslip.read, which has no deadline"
@@ -155,7 +155,7 @@ def _put(pipe: Any, data: bytes) -> None:
 
 
 def _got(pipe: Any) -> bytes | None:
-    """What was put, or None where nothing more comes."""
+    """The next message, or None at the end of the stream."""
     head = pipe.read(8)
     if len(head) < 8:
         return None
@@ -166,9 +166,9 @@ def _got(pipe: Any) -> bytes | None:
 
 # ---- in the process ----
 def main() -> None:
-    """The process: reads records from its input and answers each."""
+    """Run the reading process: it reads records from its input and answers each."""
     asked, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    with open(os.devnull, "r+b") as nothing:  # nobody else reads our input or writes into our answers
+    with open(os.devnull, "r+b") as nothing:  # libraries must not read our input or write into our responses
         os.dup2(nothing.fileno(), 0)
         os.dup2(nothing.fileno(), 1)
     _prepare()
@@ -189,13 +189,13 @@ def _answer(what: str, name: str, data: bytes) -> bytes:
         problems = [sentence(p) for p in error.problems]
     except MemoryError:
         problems = ["the record needs more memory than is allowed here; cut it, or read it with stickslip.read"]
-    except Exception as error:  # an error of ours: said, and the page lives on
+    except Exception as error:  # an internal error is reported, and the page stays usable
         problems = [f"{type(error).__name__}: {error}. This is an error of stickslip itself"]
     return _problem(*problems)
 
 
 def _prepare() -> None:
-    """Load what formats need, before a file waits for it."""
+    """Load the libraries for all formats before the first file."""
     from stickslip.explorer.dropped_records import drive_of
 
     for module in ("h5py", "scipy.io", "scipy.signal", "openpyxl", "nptdms"):
@@ -206,7 +206,7 @@ def _prepare() -> None:
 
 
 def _limit_memory() -> None:
-    """Bounds of memory and of files, where the system has them."""
+    """Limit memory and file size, where the system supports it."""
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -216,7 +216,7 @@ def _limit_memory() -> None:
 
 
 def _limit_time(seconds: float) -> None:
-    """End this process if whoever asked cannot."""
+    """Limit the CPU time, in case the parent process cannot end this one."""
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 

@@ -1,4 +1,4 @@
-"""Files that a page sends: taken within a time, so many at once of an address, and read in a process of their own."""
+"""Files that a page sends: received within a time limit, a few at a time per address, and read in a separate process."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stickslip.explorer.upload_reading import Readers
 
 
 class Uploads:
-    """The files that are on their way.
+    """The uploads in progress.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Uploads:
         self._under_way: Counter[str] = Counter()
 
     async def answer(self, request: Request, what: str) -> Response:
-        """The answer to a file: its "velocity" or its "drive", or what is wrong."""
+        """The response to a file: its "velocity" or its "drive", or the error."""
         address = request.client.host if request.client else ""
         if self._under_way[address] >= self._limits.uploads:
             return PlainTextResponse("two records are being read already; try again later\n", 503, {"Retry-After": "5"})
@@ -34,7 +34,7 @@ class Uploads:
         try:
             return await self._answer(request, what)
         except ClientDisconnect:
-            return PlainTextResponse("", 400)  # nobody is there to read it
+            return PlainTextResponse("", 400)  # the client has disconnected
         finally:
             self._under_way[address] -= 1
 
@@ -51,7 +51,7 @@ class Uploads:
         return Response(answer, media_type="application/octet-stream")
 
     async def _whole(self, request: Request) -> bytes | None:
-        """The file, or None where it is too large; `TimeoutError` where nothing more comes."""
+        """The complete file, or None if it is too large; `TimeoutError` if the upload stalls."""
         data, parts = bytearray(), request.stream()
         while True:
             try:
@@ -63,5 +63,5 @@ class Uploads:
                 return None
 
     def close(self) -> None:
-        """End the processes that read."""
+        """End the reading processes."""
         self._readers.end()

@@ -1,4 +1,4 @@
-"""The explorer's sliders and curves in a notebook: a widget whose page part is one small module, loaded from here and from nowhere else."""
+"""The explorer's sliders and curves in a notebook: a widget whose front end is one small module, loaded from this package only."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def widget(
 ) -> Any:
     """A robot or machine with sliders, for a cell of a notebook: velocities and displacements follow as a slider moves.
 
-    While a slider moves a run has at most 40 drive periods; when it is released, `periods`. It needs ``pip install "stickslip[widget]"``,
-    and no network.
+    While a slider moves, a run has at most 40 drive periods; after its release, `periods`. The widget needs
+    ``pip install "stickslip[widget]"``, and no network.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def widget(
 
 
 def _chosen(shown: Shown, numbers: Sequence[str] | None) -> list[tuple[str, Parameter]]:
-    """The sliders with the parts that they belong to: all of them, or those that were named."""
+    """The sliders with the parts to which they belong: all of them, or the named ones."""
     problems, part_of = Problems("widget"), {p.name: part for part, of in shown.groups.items() for p in of}
     names = [numbers] if isinstance(numbers, str) else list(part_of if numbers is None else numbers)
     for name in names:
@@ -79,7 +79,7 @@ def _chosen(shown: Shown, numbers: Sequence[str] | None) -> list[tuple[str, Para
 
 
 def _slider(part: str, p: Parameter) -> dict[str, Any]:
-    """A slider as the page part needs it; ends and value in the unit that is shown."""
+    """A slider as the front end needs it, with ends and value in the displayed unit."""
     shown = {"low": p.low * p.factor, "high": p.high * p.factor, "value": p.default * p.factor}
     return {"name": p.name, "part": part, "label": p.label, "symbol": p.symbol, "unit": p.unit, "factor": p.factor, **shown}
 
@@ -90,13 +90,13 @@ def _asset(name: str) -> str:
 
 @functools.lru_cache(maxsize=1)
 def _widget_class() -> Any:
-    """The class, made when it is first needed: what it derives from is installed by an extra."""
+    """The class, made on first use: its base class is installed by an extra."""
     missing = 'it needs anywidget, which is not installed; type pip install "stickslip[widget]"'
     anywidget, traitlets = (library("widget", name, missing) for name in ("anywidget", "traitlets"))
     base: Any = anywidget.AnyWidget
 
     class Widget(base):
-        """Sliders and curves of one machine; `state` is what the page asks for, `answer` what it draws."""
+        """Sliders and curves of one machine; `state` is the request of the page, `answer` the data that it draws."""
 
         _esm = _asset("widget.js")
         _css = _asset("widget.css")
@@ -118,7 +118,7 @@ def _widget_class() -> Any:
 
         @values.setter
         def values(self, values: Mapping[str, float]) -> None:
-            own = dict(leaves(self._shown.with_values(values)))  # text with a unit has become a number there
+            own = dict(leaves(self._shown.with_values(values)))  # text with a unit has become a number here
             self.state = {"values": {name: own[numbers_meant(name, own)[0]] for name in values}, "fine": True, "id": None}
 
         @property
@@ -133,7 +133,7 @@ def _widget_class() -> Any:
 
 
 def _answered(shown: Shown, state: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page draws for a state; an error in words for numbers that are not allowed."""
+    """The data that the page draws for a state; an error message for numbers that are not allowed."""
     try:
         return picture(shown, bool(state.get("fine")), shown.with_values(_values_of(state)), lambda done, most: None)
     except StickslipError as error:

@@ -19,7 +19,7 @@ from stickslip.testing.reports import Claim, LawReport, judged
 from stickslip.testing.symbol_values import traced
 from stickslip.testing.unit_change import FACTORS, in_other_units
 
-#: Rounding of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
+#: Rounding errors of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
 _SAME, _SAME_WORK = 1e-11, 1e-5
 #: Strokes in typical deflections and largest velocities in typical velocities; velocities of a burst.
 MOTIONS = ((0.3, 1.0), (3.0, 1.0), (3.0, 0.1), (3.0, 10.0), (10.0, 1.0))
@@ -38,7 +38,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     Parameters
     ----------
     law : law, or its class
-        A class gives an example by a classmethod ``example()``, or by ``field(metadata={"example": "0.15"})`` and defaults.
+        A class needs a classmethod ``example()``, or defaults and ``field(metadata={"example": "0.15"})``.
     load : float
         Normal force [N].
     raise_ : bool
@@ -94,7 +94,7 @@ def _instance(law: Any) -> Any:
 
 
 def _check_methods(law: Any, load: float) -> None:
-    """The methods of a law are there, take what they are given, and breakaway gives two forces."""
+    """Check that the methods of a law exist and take the required arguments, and that breakaway returns two forces."""
     problems = Problems(type(law).__name__)
     pairs = (("sliding", "breakaway"), ("rate", "force"))
     for one, other in pairs if not any(hasattr(law, one) and hasattr(law, other) for one, other in pairs) else ():
@@ -114,7 +114,7 @@ def _measured(claim: Claim) -> str:
 
 
 def _points(probe: Probe, count: int = 60) -> list[tuple[float, tuple[float, ...], tuple[int, ...], float]]:
-    """Velocities, states, memories and applied forces across what is typical of the law; always the same ones."""
+    """Velocities, states, memories and applied forces over the typical ranges of the law; always the same ones."""
     draw = random.Random(1)
     points = []
     for k in range(count):
@@ -130,7 +130,7 @@ def _all_values(probe: Probe, v: Any, z: Any, mode: Any, applied: Any) -> tuple[
 
 
 def _difference(these: Any, those: Any) -> float:
-    """Largest difference of numbers that should be equal, relative to the larger of 1e-9 and their size."""
+    """Largest relative difference of numbers that should be equal; magnitudes below 1e-9 count as 1e-9."""
     return max((abs(a - b) / max(abs(a), abs(b), 1e-9) for a, b in zip(these, those, strict=True)), default=0.0)
 
 
@@ -160,7 +160,7 @@ def _rest(probe: Probe) -> Claim | None:
 
 
 def _change_at_rest(probe: Probe, z: tuple[float, ...]) -> float:
-    """Largest rate of a state at v = 0; 0 where the force at rest does not change with it, as where a contact ages."""
+    """Largest rate of a state at v = 0; 0 if the force at rest does not change with it, as when a contact ages."""
     mode = (0,) * probe.law.modes
     force, rates = probe.response(0.0, z, mode)
     largest = max(abs(float(rate)) for rate in rates)
@@ -179,7 +179,7 @@ def _opposes(probe: Probe) -> Claim | None:
 
 
 def _cycles(probe: Probe) -> list[dict[str, float]]:
-    """To and fro over several strokes at several velocities, beginning forwards and backwards."""
+    """Reciprocating motion over several strokes at several velocities, beginning forwards and backwards."""
     reach, motions = max(probe.scale, default=0.01), MOTIONS[:2] if not probe.law.compiles else MOTIONS
     return [shaken(probe, a * reach, side * w * probe.velocity_scale) for a, w in motions for side in (1.0, -1.0)]
 
@@ -190,7 +190,7 @@ def _costs(runs: list[dict[str, float]]) -> Claim:
 
 
 def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
-    """To and fro, and a slow push with a sudden burst after it: what Barabanov and Ortega's condition forbids shows there."""
+    """Reciprocating motion, and a slow push followed by a sudden burst, which reveals violations of Barabanov and Ortega's condition."""
     reach, speed = 4.0 * max(probe.scale, default=0.01), probe.velocity_scale
     bursts = [burst(probe, reach, 0.01 * side * speed, fast * side * speed) for fast in BURSTS for side in (1.0, -1.0)]
     most = max(-run["least"] / max(run["turned"], 1e-300) for run in [*runs, *bursts])
@@ -210,7 +210,7 @@ def _mirror(probe: Probe) -> Claim:
 
 
 def _unmirrored(probe: Probe, other: Probe, turns: float) -> float:
-    """How far two laws are from mirror images, if their states change their sign (-1: deflections) or keep it (1: ages)."""
+    """Deviation of two laws from mirror images, if their states change sign (-1: deflections) or keep it (1: ages)."""
     worst, rest = 0.0, (0,) * probe.law.modes
     for v, z, _, applied in _points(probe):
         force, *rates = _all_values(probe, v, z, rest, applied)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from stickslip.benching.contact import Contact, Motion, steady, swing
 from stickslip.benching.probe import Probe
 
-#: A stretch of a motion: how long it takes [s], and its velocity.
+#: A segment of a motion: its duration [s] and its velocity.
 Piece = tuple[float, Motion]
 
 
 def shaken(probe: Probe, stroke: float, speed: float, cycles: int = 2) -> dict[str, float]:
-    """Move a fresh contact to and fro over a stroke with velocity ``speed sin(omega t)``; what it cost, as `moved` tells it."""
+    """Move a fresh contact to and fro over a stroke with velocity ``speed sin(omega t)``; returns the work as `moved` does."""
     to, fro = (swing(way * stroke, abs(speed)) for way in ((1, -1) if speed > 0 else (-1, 1)))
     return moved(probe, [to, fro] * cycles, last=2)
 
@@ -21,13 +21,14 @@ def burst(probe: Probe, stroke: float, slow: float, fast: float) -> dict[str, fl
 
 
 def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
-    """Move a fresh contact piece by piece, and account for the work done on it.
+    """Move a fresh contact segment by segment, and account for the work done on it.
 
     Returns
     -------
     dict
-        ``least``: the least work done on it so far [J], below zero where it gave back more than it had got; ``turned``: all work,
-        taken positive [J]; ``loss`` and ``loss_turned``: the work of the last pieces alone; ``force``: at the end [N].
+        ``least``: the minimum of the work done on it [J], negative if it returned more than it had received; ``turned``: the integral
+        of the absolute power [J]; ``loss`` and ``loss_turned``: the same of the last pieces alone, ``loss`` with its sign [J]; ``force``:
+        at the end [N].
     """
     state = Contact(probe, probe.load * sum(length for length, _ in pieces) * max(abs(v(0.5 * length)) for length, v in pieces))
     marks = [(0.0, 0.0)]

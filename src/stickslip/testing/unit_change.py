@@ -1,4 +1,4 @@
-"""A law in other units: a formula that is right stays right when newtons, metres and seconds change."""
+"""A law in other units: a dimensionally correct formula is unchanged when newtons, metres and seconds change."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 
 from stickslip.fields import replace_leaf
 
-#: A newton, a metre and a second of the old units in new ones.
+#: A newton, a metre and a second of the old units, in the new ones.
 FACTORS = {"N": 3.0, "m": 7.0, "s": 0.5}
 _BASE = {**{name: {name: 1} for name in FACTORS}, "kg": {"N": 1, "s": 2, "m": -1}, "Hz": {"s": -1}, "J": {"N": 1, "m": 1}}
 
 
 def units(cls: type) -> dict[str, str]:
-    """Field -> the unit that its line in the docstring has in brackets, as in "Bristle stiffness [N/m]"."""
+    """Field -> unit given in brackets in its line of the docstring, as in "Bristle stiffness [N/m]"."""
     found: dict[str, str] = {}
     names: list[str] = []
     for line in (inspect.getdoc(cls) or "").splitlines():
@@ -29,7 +29,7 @@ def units(cls: type) -> dict[str, str]:
 
 
 def factor(unit: str) -> float:
-    """What a number with this unit is multiplied with; `LookupError` where a unit is not known."""
+    """Conversion factor of a unit; `LookupError` if the unit is unknown."""
     result = 1.0
     over, *under = unit.split("/")
     for text, sign in ((over, 1), *((part, -1) for part in under)):
