@@ -1,7 +1,7 @@
 """The command ``stickslip``: which commands there are, and what becomes of an error. Nothing heavy is imported for the help.
 
 Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong. Results go to stdout, everything else to stderr.
-There are no colours and no bars where nobody looks at a terminal.
+Colours and progress bars appear in a terminal only.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ COMMANDS: dict[str, tuple[str, str]] = tomllib.loads((_FOLDER / "_index.toml").r
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Do what the command line says and return the exit code.
+    """Run the command line and return the exit code.
 
     Parameters
     ----------
@@ -39,14 +39,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        return contextvars.copy_context().run(_dispatch, words)  # what one command allows, the next one does not
+        return contextvars.copy_context().run(_dispatch, words)  # the permissions of one command do not apply to the next
     except InputError as error:
         return _say(str(error), 2)
     except StickslipError as error:
         return _say(str(error), 1)
     except KeyboardInterrupt:
         return _say("interrupted", 1)
-    except BrokenPipeError:  # the reader of our stdout has gone: nobody is left to tell
+    except BrokenPipeError:  # the reader of our stdout has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except Exception as error:
@@ -84,7 +84,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 def done(name: str, words: list[str]) -> int:
-    """Do a command, whose module is imported now, and show what it found."""
+    """Run a command, whose module is imported only now, and show its results."""
     from stickslip.cli.arguments import asked
     from stickslip.cli.outputs import finish
 

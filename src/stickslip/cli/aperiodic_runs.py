@@ -10,7 +10,7 @@ from stickslip.machine_adapter import machine_of
 
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
-    """Everything that the command says, by name, in SI units."""
+    """All results of the command, by name, in SI units."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.run_segments import shares
     from stickslip.analysis.steady import mean_velocity
@@ -37,7 +37,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
 
 def as_text(record: dict[str, Any]) -> str:
-    """The record as a person reads it."""
+    """The record as text."""
     rows = [
         ("mechanism", f"{record['mechanism']} with {record['law']} friction"),
         ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),

@@ -1,4 +1,4 @@
-"""The words after a command: one parser class and one grammar, NAME=VALUE, for all of them."""
+"""The words after a command: one parser class and one grammar, NAME=VALUE, for all commands."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from stickslip.typed_numbers import in_unit
 
 
 class _Allow(argparse.Action):
-    """``--allow-code`` holds for the command that it stands behind."""
+    """``--allow-code`` is valid for one command only."""
 
     def __call__(self, *_: Any) -> None:
         ALLOW_CODE.set(True)
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse, with our sentences for its errors; `files` are arguments that name one, with how it is typed and its endings."""
+    """argparse with our own error messages; `files` maps arguments that name files to their option and extensions."""
 
     def __init__(self, **how: Any):
         super().__init__(**how)
         self.files: dict[str, tuple[Any, Sequence[str]]] = {}
 
     def error(self, message: str) -> NoReturn:
-        """Raise what is wrong as an `InputError`, with the nearest option there is."""
+        """Raise an `InputError`, with the closest option as a suggestion."""
         name = self.prog.removeprefix("stickslip ")
         raise InputError(name, [f"{self._in_our_words(message)} (type {self.prog} --help)"])
 
     def _in_our_words(self, message: str) -> str:
-        """What argparse says, as what was given and what to type."""
+        """Translate a message of argparse into the given value, the allowed ones and what to type."""
         if found := re.search(r"unrecognized arguments: (\S+)", message):
             options = [option for option in self._option_string_actions if option.startswith("--")]
             if found[1].startswith("-"):
@@ -58,7 +58,7 @@ class Parser(argparse.ArgumentParser):
         return message
 
     def _example(self) -> str:
-        """A line that this command takes."""
+        """An example of this command's usage."""
         command = self.prog.removeprefix("stickslip ")
         typed = [line for line, _ in commands_in(transcript(command)) if line.split()[1] == command]
         return typed[0] if typed else f"{self.prog} --help"
@@ -73,7 +73,7 @@ _TYPES = {"int": int, "float": float}
 
 
 def parser(command: str) -> Parser:
-    """The parser of a command, made of its file in ``cli/commands``.
+    """The parser of a command, from its file in ``cli/commands``.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def _told(command: str) -> dict[str, Any]:
 
 
 def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Names and properties of each argument; a name such as ``_json`` stands for those that several commands share."""
+    """Names and properties of each argument; a name such as ``_json`` stands for arguments that several commands share."""
     for names, how in told["arguments"].items():
         if names.startswith("_"):
             yield from _arguments(_told(names))
@@ -105,9 +105,9 @@ def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def asked(command: str, words: list[str]) -> Any:
-    """What is asked of a command, with its files checked before the work."""
+    """The parsed arguments of a command; output files are checked before the work."""
     made, told = parser(command), _told(command)
-    mixed = any(action.nargs == "*" for action in made._actions)  # words of two kinds, with options between them
+    mixed = any(action.nargs == "*" for action in made._actions)  # positional words of two kinds, with options between them
     read = made.parse_intermixed_args if mixed else made.parse_args
     found: Any = made.parse_known_args(words)[0] if told.get("open") else read(words)
     if told.get("driven"):
@@ -120,7 +120,7 @@ def asked(command: str, words: list[str]) -> Any:
 
 
 def value(text: str, unit: str = "") -> Any:
-    """What stands behind the = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
+    """The value after the = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def ends(text: str) -> tuple[float, float]:
 
 
 def values(text: str, unit: str = "") -> Any:
-    """The same for a sweep, where a..b:n, a..b:n:log and a,b,c are several values.
+    """As `value`, for a sweep, where a..b:n, a..b:n:log and a,b,c are several values.
 
     Examples
     --------
@@ -184,12 +184,12 @@ def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float
 
 
 def units_of(make: Any) -> Callable[[str], str]:
-    """From the name of a number to the unit in which its maker takes it; "" where nobody says."""
+    """A function from the name of a number to the unit in which its maker takes it; "" if unknown."""
     return lambda name: (axis_of(name, make) or ("", ""))[1]
 
 
 def named_words(words: list[str], problems: Problems, wanted: str, before: str = "") -> Iterator[tuple[str, str]]:
-    """The names and texts of NAME=TEXT words; what is none of these, or named twice, is noted."""
+    """The names and texts of NAME=TEXT words; other words, and names given twice, are noted as problems."""
     seen = set()
     for word in words:
         name, _, text = word.partition("=")
@@ -203,7 +203,7 @@ def named_words(words: list[str], problems: Problems, wanted: str, before: str =
 
 
 def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
-    """NAME=VALUE words as a dict, numbers with units in the units of those names; what is wrong with them is noted."""
+    """NAME=VALUE words as a dict, with numbers converted to the units of their names; errors are noted."""
     found: dict[str, Any] = {}
     for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.525e-4"):
         if not many and (".." in text or ("," in text)):
@@ -219,7 +219,7 @@ def settings(words: list[str], many: bool, problems: Problems, units: Callable[[
 
 @dataclass(frozen=True)
 class Subject:
-    """What a command is to work on.
+    """The robot or function that a command works on, with its arguments.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class Subject:
     make : callable or Robot
         As `sweep` takes it.
     arguments : dict
-        Its numbers that were set.
+        The arguments that were set.
     options : dict
         Arguments of the solver.
     """
@@ -251,23 +251,23 @@ class Subject:
 
     @property
     def dimensionless(self) -> bool:
-        """Whether all units of its robots are 1."""
+        """Whether the robots are dimensionless, with all units 1."""
         from stickslip.presets import DIMENSIONLESS
 
         return getattr(self.make, "__name__", "") in DIMENSIONLESS
 
     def title(self) -> str:
-        """What was asked for, in the words of the command line."""
+        """The robot and its settings, as typed on the command line."""
         return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
 
 
 def subject(
     name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER, own: tuple[str, ...] = (), strict: bool = True
 ) -> Subject:
-    """The preset or study file of this name with its settings; everything that is wrong is reported at once.
+    """The preset or study file of this name with its settings; all errors are reported together.
 
-    What stands in the file's [arguments] under a name in `own` is the command's own affair. A command that is not `strict` takes of the
-    file's [solve] only what it knows: the rest is for other commands.
+    Entries of the file's [arguments] with a name in `own` are left to the command. A command that is not `strict` takes only the options
+    that it knows from the file's [solve]; the others are for other commands.
     """
     problems = Problems("arguments")
     study = found(name)
@@ -288,7 +288,7 @@ def subject(
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**study.options, **options})
     known_ones = {k: v for k, v in arguments.items() if _takes(study.make, known, k)}
-    timed = "duration" in solver and (strict or "duration" in options)  # what is not strict finds a duration itself
+    timed = "duration" in solver and (strict or "duration" in options)  # a command that is not strict chooses the duration itself
     for sentence in (probe_axes if many else probe)(
         _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}, timed
     ):
@@ -298,14 +298,14 @@ def subject(
 
 
 def _takes(make: Any, known: Sequence[str], name: str) -> bool:
-    """Whether a maker knows a name; one for the numbers of several parts is one for `replace`, and so for no function."""
+    """Whether a maker takes a name. Names that stand for the numbers of several parts are only for `replace`, not for a function."""
     from stickslip.number_names import numbers_meant
 
     return name in known or (not callable(make) and bool(numbers_meant(name, known)))
 
 
 def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:
-    """What to type for a number that the robot knows by another name, or in another unit."""
+    """The suggestion for a number that the robot has under another name, or in another unit."""
     one = value[0] if isinstance(value, list) and value else value
     if word.rpartition(".")[2] == "tilt_deg" and "track.tilt" not in known and "drive.omega" in known:
         return 'this robot\'s track is level; a study file has an incline under [robot.track], as kind = "incline" and tilt = 0.03 [rad]'
@@ -322,7 +322,7 @@ def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems
 
 
 def names_of(make: Any) -> tuple[list[str], list[str]]:
-    """The arguments that are needed, and all there are."""
+    """The required arguments, and all arguments."""
     if callable(make):
         parameters = inspect.signature(make).parameters
         return [p.name for p in parameters.values() if p.default is p.empty], list(parameters)
@@ -332,7 +332,7 @@ def names_of(make: Any) -> tuple[list[str], list[str]]:
 
 
 def check_driven(command: str, name: str) -> None:
-    """Raise an `InputError` where a study file holds an autonomous system, for a command that counts drive periods."""
+    """Raise an `InputError` if a study file holds an autonomous system and the command counts drive periods."""
     model = found(name).make
     if callable(model) or model.period is not None:
         return
@@ -342,7 +342,7 @@ def check_driven(command: str, name: str) -> None:
 
 
 def several(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:
-    """The names of the arguments that have several values, of which there are to be so many, and the other arguments."""
+    """The names of the arguments with several values, of which there must be `count`, and the other arguments."""
     many = [name for name, value in arguments.items() if isinstance(value, list)]
     if len(many) != count:
         given = f"{' and '.join(many)} {'has' if len(many) == 1 else 'have'} several" if many else "no argument has several"
@@ -356,11 +356,11 @@ def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:
 
 
 def _kept(solver: tuple[str, ...]) -> dict[str, Any]:
-    """A command that takes `samples` keeps the curves, and those may be too large."""
+    """Options of a command that takes `samples`: it keeps the curves, which may be too large."""
     return {"keep": "trajectory"} if "samples" in solver else {}
 
 
 def _start(options: dict[str, Any]) -> dict[str, Any]:
-    """Options with start.v and the like gathered into `start`."""
+    """Options with start.v and similar ones collected in `start`."""
     start = {**options.pop("start", {}), **{k.partition(".")[2]: options.pop(k) for k in list(options) if k.startswith("start.")}}
     return {**options, **({"start": start} if start else {})}

@@ -12,7 +12,7 @@ from stickslip.cli.resuming import remembered
 from stickslip.cli.sweep import out_file
 from stickslip.errors import InputError
 
-_ROWS = 40  # of the table of special points that are printed
+_ROWS = 40  # of the table of special points, as printed
 
 
 def act(asked: Any) -> Outcome:
@@ -51,7 +51,7 @@ def _record(study: Any, found: Any) -> dict[str, Any]:
 
 
 def _text(study: Any, found: Any) -> str:
-    """Regions, borders and special points as a person reads them."""
+    """Regions, borders and special points as text."""
     p, q = found.parameters
     lines = [
         f"{study.name}: {p} {found.plane.shape[0]} values, {q} {found.plane.shape[1]} values, {found.plane.count} starts at each point"

@@ -29,7 +29,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
-    """One robot: which start goes where."""
+    """One robot: the attractor of each initial state."""
     from stickslip.dynamics.attractors.basins import basins
 
     found = basins(study.robot(), progress=True, **study.options, **starts)
@@ -43,7 +43,7 @@ def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
 
 
 def _along(asked: Any, study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
-    """Robots along a number: what becomes of the attractors."""
+    """Robots along a parameter: the attractors as it changes."""
     from stickslip import plot
     from stickslip.dynamics.attractors.attractor_continuation import attractors
 
@@ -61,7 +61,7 @@ def _along(asked: Any, study: Any, ranges: list[str], starts: dict[str, Any]) ->
 
 
 def _lives(name: str, parameter: str, found: Any) -> str:
-    """Where each attractor is, how fast, and its share of the starts, at the ends of its life."""
+    """For each attractor, its range, mean velocity and share of the initial states at the ends of that range."""
     import numpy as np
 
     unit, rows = found[parameter].attrs["units"], []
@@ -79,12 +79,12 @@ def _lives(name: str, parameter: str, found: Any) -> str:
 
 
 def _text(value: Any) -> str:
-    """A start of a study file as the command line would have it."""
+    """An initial value of a study file as it would be typed on the command line."""
     return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _starts(words: list[str]) -> dict[str, Any]:
-    """The words that are coordinates of the start."""
+    """The initial values among the words."""
     problems, found, units = Problems("arguments"), {}, units_of(None)
     for match in filter(None, map(_START.fullmatch, words)):
         try:

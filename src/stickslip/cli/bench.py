@@ -13,7 +13,7 @@ from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.friction.law_adapter import is_law
 
-#: Arguments of the bench itself; every other name is a number of the laws.
+#: Arguments of the bench itself; all other names are numbers of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
 
 
@@ -29,7 +29,7 @@ def act(asked: Any) -> Outcome:
 
 
 def asked_laws(words: list[str], own: tuple[str, ...] = OWN, command: str = "bench") -> tuple[list[Any], dict[str, Any]]:
-    """The laws with their numbers, and the arguments that are the command's `own`; everything that is wrong at once."""
+    """The laws with their numbers, and the arguments in the command's `own`; all errors are reported together."""
     from stickslip.friction import LAWS
 
     problems = Problems("arguments")
@@ -53,7 +53,7 @@ def asked_laws(words: list[str], own: tuple[str, ...] = OWN, command: str = "ben
 
 
 def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, list[str]]:
-    """The example of a law, or the law of a study file or of one's own code; and what the maker of its robot took of what was typed."""
+    """The example of a law, or the law of a study file or of user code; and the typed names that its robot's maker took."""
     from stickslip.friction import LAWS
 
     if word.lower() in LAWS:
@@ -69,7 +69,7 @@ def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, lis
 
 
 def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
-    """A law, a law from its class and what was typed, or the law of a robot."""
+    """A law, a law made from its class and the typed numbers, or the law of a robot."""
     make = found(word).make
 
     if is_law(make):
@@ -79,7 +79,7 @@ def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
 
 
 def _instance(kind: Any, typed: dict[str, str]) -> Any:
-    """The law of a class, by its example if it has one."""
+    """The example of a class of law, or an instance with the typed numbers."""
     if hasattr(kind, "example"):
         return kind.example()
     needed, known = names_of(kind)

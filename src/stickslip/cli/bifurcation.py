@@ -26,7 +26,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _followed(make: Any, parameter: str, values: list[float], period: int, fixed: dict[str, Any]) -> list[Any]:
-    """The branch from the last value down to the first, and the doubled one of its first flip."""
+    """The branch from the largest value down to the smallest, and the period-doubled branch from its first flip."""
     from stickslip.dynamics.continuation.branches import continuation
 
     branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
@@ -61,7 +61,7 @@ def _record(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> di
 
 
 def _text(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
-    """Where the period changes, and what was found on the branches."""
+    """Changes of the period, and the special points on the branches."""
     fixed = {name: value for name, value in study.arguments.items() if name != parameter}
     lines = [Subject(study.name, study.make, fixed).title()]
     for direction in diagram.direction.values:
@@ -74,7 +74,7 @@ def _text(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
 
 
 def _left_out(parameter: str, branches: list[Any]) -> list[str]:
-    """The doublings behind the last branch, which are not followed, and how to follow them."""
+    """A note on the period doublings of the last branch, which are not followed, and on how to follow them."""
     flips = [s.rounded for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
     if not flips:
         return []
@@ -88,7 +88,7 @@ def _left_out(parameter: str, branches: list[Any]) -> list[str]:
 
 
 def _stretches(values: Any, period: Any) -> str:
-    """Stretches of equal period."""
+    """Intervals of equal period."""
     ends = [0, *(i for i in range(1, len(period)) if period[i] != period[i - 1]), len(period)]
     parts = [
         f"{'no period found' if period[a] == 0 else f'period {period[a]}'} from {values[a]:.6g}"

@@ -10,7 +10,7 @@ from stickslip.variables import unit_of
 
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
-    """Everything that the command says, by name, in SI units."""
+    """All results of the command, by name, in SI units."""
     from stickslip.analysis.steady import mean_velocity
     from stickslip.fields import leaves
 
@@ -38,7 +38,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
 
 def _body(run: Any, name: str) -> dict[str, float]:
-    """Mean velocity of one body, and the range of its velocity over the whole window."""
+    """Mean velocity of one body, and the range of its velocity over the averaging window."""
     from stickslip.analysis.steady import mean_velocity
 
     v = run.bodies[name].v[run.t >= run.window[0]]
@@ -57,7 +57,7 @@ def _motion(run: Any) -> dict[str, Any]:
 
 
 def _energy(run: Any) -> dict[str, Any]:
-    """Works of a period, or why they are not known."""
+    """Work per period, or the reason why it is unknown."""
     from stickslip.analysis.energy import energy
     from stickslip.errors import InputError
 
@@ -70,7 +70,7 @@ def _energy(run: Any) -> dict[str, Any]:
 
 
 def as_text(record: dict[str, Any]) -> str:
-    """The record as a person reads it."""
+    """The record as text."""
     work = record["energy"]
     driven, period = record["period_time"] is not None, record.get("period")
     per_second = record["velocity_unit"]
@@ -98,7 +98,7 @@ def _of_contact(m: dict[str, Any], anchored: bool) -> str:
 
 
 def _balance(work: dict[str, Any], driven: bool) -> list[tuple[str, str]]:
-    """Works of one period and how well they add up; what is rounding is left out."""
+    """Work per period and the residual of the balance; values within rounding are left out."""
     if "unknown" in work:
         return [("energy", work["unknown"])]
     names = [n for n in ("drive", "friction", "damping") if n == "drive" or abs(work[n]) > 1e-12 * abs(work["drive"])]

@@ -31,7 +31,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _check_robot(name: str) -> None:
-    """Laws alone give a force over a motion, which is fitted and ranked."""
+    """Check that the model is a robot: a law alone gives a force for a prescribed motion, which `identify` fits and ranks."""
     from stickslip.friction import LAWS
     from stickslip.presets import PRESETS
 
@@ -44,7 +44,7 @@ def _check_robot(name: str) -> None:
 
 
 def _laws(text: str, study: Any) -> dict[str, Any] | list[str]:
-    """Laws by name: those that go with the robot, or what its preset makes of them (law=NAME)."""
+    """Laws by name: those suited to the robot, or what its preset makes of them (law=NAME)."""
     from stickslip.friction import LAWS
 
     names = [law for law in text.split(",") if law]

@@ -21,7 +21,7 @@ def act(asked: Any) -> Outcome:
 
 
 def vocabulary() -> dict[str, list[str]]:
-    """For each command the words that may follow it.
+    """For each command, the words that may follow it.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def script(shell: str) -> str:
 
 
 def _fish(name: str, known: list[str]) -> str:
-    """The lines of one command."""
+    """The lines for one command."""
     here = f'complete -c stickslip -n "__fish_seen_subcommand_from {name}"'
     options = "\n".join(f"{here} -l {word[2:]}" for word in known if word.startswith("--"))
     plain = " ".join(word for word in known if not word.startswith("--"))

@@ -14,7 +14,7 @@ _LETTERS = {
 
 
 def plain(text: str) -> str:
-    r"""Text without the marks of reStructuredText and LaTeX.
+    r"""Text without the markup of reStructuredText and LaTeX.
 
     Examples
     --------
@@ -26,12 +26,12 @@ def plain(text: str) -> str:
 
 
 def about(thing: Any) -> str:
-    """The first line."""
+    """The first line of the docstring."""
     return plain((inspect.getdoc(thing) or "").partition("\n")[0])
 
 
 def meanings(thing: Any) -> dict[str, dict[str, str]]:
-    """Type, unit and meaning of every argument that the section Parameters describes.
+    """Type, unit and meaning of every argument in the section Parameters.
 
     Examples
     --------

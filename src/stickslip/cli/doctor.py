@@ -68,7 +68,7 @@ def _version(name: str) -> str | None:
 
 
 def _can_write(place: Path) -> bool:
-    """Whether a file can be made there, or the folder itself where it is not there yet."""
+    """Whether a file can be created there or, if the folder does not exist, in its nearest existing parent."""
     try:
         with tempfile.TemporaryFile(dir=show.existing(place)):
             return True
@@ -88,14 +88,14 @@ def _warmup() -> Outcome:
 
 
 def _kernels() -> dict[str, Callable[[], Any]]:
-    """The kernels of the presets: one case and many, loose and tight, exact, and fixed steps."""
+    """The kernels of the presets: single runs and batches, loose and tight tolerances, exact, and fixed steps."""
     import numpy as np
 
     from stickslip.presets import piezo_rig
     from stickslip.solvers import solve
 
     def work(law: str, **options: Any) -> Callable[[], Any]:
-        amplitude = np.array([5e-4, 6e-4]) if options.get("keep") == "summary" else 5e-4  # one case alone takes the kernel for one
+        amplitude = np.array([5e-4, 6e-4]) if options.get("keep") == "summary" else 5e-4  # a single case uses the single-run kernel
         return lambda: solve(piezo_rig(tilt_deg=1.7, amplitude=amplitude, law=law), periods=2, **options)
 
     found: dict[str, Callable[[], Any]] = {}

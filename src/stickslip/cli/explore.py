@@ -23,7 +23,7 @@ def act(asked: Any) -> int:
 
 
 def _opened(robot: str, words: list[str]) -> tuple[str, Any]:
-    """The part of the address that shows a robot; or what the page of machines shows, where that of robots has no control for it."""
+    """The part of the address that shows a robot; or, if the page has no control for it, the machine for the general page."""
     study = subject(robot, words, strict=False)
     made = study.robot()
 
@@ -46,7 +46,7 @@ def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
 
 
 def _announced(browser: bool, as_json: bool, place: str) -> Callable[[str], None]:
-    """What to do with the address once the page can be opened."""
+    """A function that prints the address, and opens it, once the page is ready."""
 
     def tell(root: str) -> None:
         address = root + place

@@ -27,7 +27,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _range(text: str | None) -> Any:
-    """Two numbers of ``A..B``; the text itself, of which `export_law` says what is wrong, where it is none."""
+    """Two numbers of ``A..B``; other text is returned unchanged, and `export_law` reports the error."""
     try:
         return text and ends(text)
     except ValueError:

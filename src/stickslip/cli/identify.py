@@ -35,7 +35,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _text(fit: Any, intervals: dict[str, Any], asked: Any) -> str:
-    """The report, with the intervals that were asked for."""
+    """The report, with the requested intervals."""
     from stickslip.identifying.fit_text import NOT_DETERMINED
 
     lines, how = [recorded.typed(fit.report())], " (profile)" if asked.profile else ""
@@ -85,7 +85,7 @@ def _is_study(name: str) -> bool:
 
 
 def _typed(asked: Any) -> dict[str, Any]:
-    """What is to be done, from the command line."""
+    """The task, from the command line."""
     problems = Problems("identify")
     arguments = settings(asked.settings, True, problems)
     free = {}
@@ -107,7 +107,7 @@ def _typed(asked: Any) -> dict[str, Any]:
 
 
 def _sensor(words: list[str], problems: Problems) -> dict[str, Any] | None:
-    """What the sensor adds: None where nothing is typed."""
+    """The parameters of the sensor; None if none were typed."""
     if not words:
         return None
     found: dict[str, Any] = {}
@@ -129,7 +129,7 @@ def _floats(text: str | None, problems: Problems) -> list[float]:
         return []
 
 
-#: Tables and lists of [identify], by the type of what a file may give there, and what to type.
+#: Types of the tables and lists of [identify] in a study file, with examples.
 _SHAPES: dict[str, tuple[type, str]] = {
     "free": (dict, "mu0 = [0.05, 0.5] under [identify.free]"), "tied": (dict, 'mu_minus = "mu_plus" under [identify.tied]'),
     "units": (dict, 'Velocity = "mm/s" under [identify.units]'), "roles": (dict, 'Velocity = "velocity" under [identify.roles]'),
@@ -143,7 +143,7 @@ _KEYS = tuple(dict.fromkeys((*_SHAPES, *_OPTIONS)))
 
 
 def _study(asked: Any) -> dict[str, Any]:
-    """What is to be done, from a study file; paths count from its folder."""
+    """The task, from a study file; paths are relative to its folder."""
     path = as_path(asked.robot, "identify")
     table = _table(path)
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
@@ -161,7 +161,7 @@ def _study(asked: Any) -> dict[str, Any]:
 
 
 def _table(path: Path) -> dict[str, Any]:
-    """The table [identify] of a study file, each key of which has the shape it must have."""
+    """The table [identify] of a study file, with the types of its values checked."""
     from stickslip.tables import document_of
 
     what = f"study file {str(path)!r}"

@@ -29,7 +29,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _robot(asked: Any) -> Any:
-    """The robot that was asked for; names that are not known are told together."""
+    """The requested robot; all unknown names are reported together."""
     from stickslip.cli.lists import things
 
     problems, changes = Problems("init"), {}
@@ -44,12 +44,12 @@ def _robot(asked: Any) -> Any:
     needed, known_names = names_of(found(preset).make)
     usual = [f"{name}={example_for(name):.6g}" for name in needed if axis_of(name) and name not in typed]
     if "friction" in changes and "incline" in known_names and "incline" not in typed:
-        usual.append("incline=gravity")  # another law would lose the incline that is folded into the preset's own
+        usual.append("incline=gravity")  # a law without the folded incline of the preset needs gravity instead
     return subject(preset, [*asked.set, *usual], solver=()).robot().replace(**changes)
 
 
 def commented(robot: Any) -> str:
-    """A robot as the text of a study file, with unit and meaning behind every number.
+    """A robot as the text of a study file, with unit and meaning after every number.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def commented(robot: Any) -> str:
 
 
 def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed: bool = False) -> list[str]:
-    """The lines of one table, or of one of an array of tables, and of those within it; `kinds` are what may stand there."""
+    """The lines of a table, or of an element of an array of tables, with its subtables; `kinds` are the alternatives to this kind."""
     import dataclasses
 
     import tomli_w
@@ -106,7 +106,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
 
 
 def _of_level_track(track: Any, tilt: str) -> list[str]:
-    """How gravity is made to act along a track that is level, which may stand for one that is not."""
+    """Comments for a level track: its folded tilt, or how to replace it by an incline."""
     if track.folded:
         meaning = f"[rad] the {math.degrees(track.folded):.4g} degrees that the friction above contains already"
         line = _remarked(f"folded = {track.folded!r}", meaning)
@@ -127,6 +127,6 @@ def _remarked(line: str, remark: str) -> str:
 
 
 def _others(part: str, kinds: dict[str, Any]) -> str:
-    """Where to find the other kinds."""
+    """Where the other kinds are listed."""
     command = {"friction": "laws", "drive": "drives"}.get(part)
     return f"`stickslip {command}` lists all" if command else ", ".join(kinds)

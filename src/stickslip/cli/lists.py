@@ -15,7 +15,7 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.quantities import symbol_text
 
 _LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mechanisms": ("mechanisms", "MECHANISMS")}
-_FEW = 4  # things of which every argument is shown at once
+_FEW = 4  # lists of at most this many entries show every argument
 
 
 def act(asked: Any) -> Outcome:
@@ -38,7 +38,7 @@ def _text(name: str, entry: dict[str, Any]) -> str:
 
 
 def things(command: str) -> dict[str, Any]:
-    """What the command lists, by name."""
+    """The entries of a list, by name."""
     if command in _LISTED:
         module, name = _LISTED[command]
         return dict(getattr(importlib.import_module(f"stickslip.{module}"), name))
@@ -48,7 +48,7 @@ def things(command: str) -> dict[str, Any]:
 
 
 def _entry(thing: Any) -> dict[str, Any]:
-    """First line of the docstring; and of each argument its default, symbol, unit and meaning."""
+    """First line of the docstring; and for each argument its default, symbol, unit and meaning."""
     told, described = meanings(thing), described_arguments(thing)
     arguments = {}
     for p in inspect.signature(thing).parameters.values():
@@ -58,7 +58,7 @@ def _entry(thing: Any) -> dict[str, Any]:
             words = meanings(things("presets")[same[1]])[p.name]
         of_field = described.get(p.name, {})
         if "label" in of_field and [t["meaning"] for t in told.values()].count(told.get(p.name, {}).get("meaning", "")) > 1:
-            words = {**words, "meaning": f"{of_field['label']}. {words['meaning']}"}  # described together with others: say which one it is
+            words = {**words, "meaning": f"{of_field['label']}. {words['meaning']}"}  # described together with others: add its own name
         needed = p.default is p.empty
         arguments[p.name] = {
             "needed": needed,

@@ -16,7 +16,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _several(asked: Any) -> bool:
-    """Whether a number of the robot has several values, in the command or in its study file."""
+    """Whether a number of the robot has several values, on the command line or in its study file."""
     filed = in_file(asked.robot).arguments.values()
     texts = [word.partition("=")[2] for word in asked.settings] + [v for v in filed if isinstance(v, str)]
     return any(".." in text or "," in text for text in texts) or any(isinstance(v, list) for v in filed)
@@ -41,7 +41,7 @@ def _one(asked: Any) -> Outcome:
 
 
 def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
-    """``settle=`` apart from the rest: here it comes before the periods, not out of them."""
+    """Separate ``settle=`` from the other words: here these periods precede those of ``periods=``."""
     mine = [word for word in words if word.startswith("settle=")]
     return dict([("settle", value(word.partition("=")[2])) for word in mine]), [word for word in words if word not in mine]
 
@@ -59,7 +59,7 @@ def _rows(found: Any) -> list[tuple[str, str]]:
 
 
 def _convergence(found: Any, title: str) -> Any:
-    """The record of convergence as a dataset."""
+    """The convergence of the exponents as a dataset."""
     import xarray as xr
 
     l = found.exponents  # noqa: E741
@@ -89,7 +89,7 @@ def _map(asked: Any) -> Outcome:
 
 
 def _text(name: str, axes: list[str], found: Any) -> str:
-    """What share of the map moves how."""
+    """The share of each kind of motion in the map."""
     import numpy as np
 
     period = found.period.values

@@ -26,7 +26,7 @@ def act(asked: Any) -> Outcome:
     study = subject(asked.robot, asked.settings, solver=("workers",), strict=False)
     job, model = asked_for(asked, in_file(asked.robot).optimise), study.robot()
     if asked.out is not None:
-        model.to_toml()  # what a file cannot name is said before the search
+        model.to_toml()  # a machine that a file cannot describe is reported before the search
 
     from stickslip.optimising import optimise
 
@@ -57,7 +57,7 @@ def _write(files: list[Path | None], best: Any, record: dict[str, Any], study: A
 
 
 def _put(path: Path, text: str) -> None:
-    """Write a file; one that is there is replaced, at the end and at once."""
+    """Write a file; an existing one is replaced in a single step at the end."""
     from stickslip.storage import moved_into_place, unwritable
 
     with moved_into_place(path, unwritable("optimise")) as beside:
@@ -65,7 +65,7 @@ def _put(path: Path, text: str) -> None:
 
 
 def _record(title: str, again: str, best: Any) -> dict[str, Any]:
-    """Everything that was asked and found, by name, in SI units."""
+    """The arguments and the results of the search, by name, in SI units."""
     from stickslip import __version__
     from stickslip.fields import leaves
 
@@ -81,7 +81,7 @@ def _record(title: str, again: str, best: Any) -> dict[str, Any]:
 
 
 def _as_toml(model: Any) -> str | None:
-    """The machine as a study file; None where a part of it is a class that no file can name."""
+    """The machine as a study file; None if a part of it is a class that a file cannot name."""
     try:
         return str(model.to_toml())
     except InputError:
@@ -89,7 +89,7 @@ def _as_toml(model: Any) -> str | None:
 
 
 def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
-    """The record as a person reads it."""
+    """The record as text."""
     from stickslip.naming import unit_in
     from stickslip.optimising.results import unit_of_result
 

@@ -1,4 +1,4 @@
-"""How the dynamics commands end: a figure, a file (netCDF, MATLAB, CSV or Parquet, as sweeps have them), and text or JSON."""
+"""Outputs of the dynamics commands: a figure, a file (netCDF, MATLAB, CSV or Parquet, as for sweeps), and text or JSON."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.errors import InputError
 
-#: Endings of the files.
+#: File extensions.
 FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command found, as JSON and as text, or what makes these; what makes axes or a page where; and what is written to `out`."""
+    """Results of a command: JSON record and text, or functions that make them; files with functions that draw them; data for `out`."""
 
     record: Any
     text: Any
     draws: tuple[tuple[Path | None, Callable[[], Any]], ...] = ()
     out: Path | str | None = None
-    data: Any = None  # a dataset for `out`, if it is not there yet
-    in_print: bool = False  # pictures are written with the settings of `plot.publication`
+    data: Any = None  # a dataset for `out`, unless that was written already
+    in_print: bool = False  # draw figures with the settings of `plot.publication`
     code: int = 0
 
 
 def finish(asked: Any, found: Outcome | int) -> int:
-    """Write, print and draw what was found; in this order, so that a picture that cannot be drawn loses no numbers."""
+    """Write, print and draw the results, in this order, so that an error in a figure loses no numbers."""
     if isinstance(found, int):
         return found
     if found.out is not None and found.data is not None:
@@ -66,7 +66,7 @@ def _made(what: Any) -> Any:
 
 
 def is_run(path: Path, command: str) -> bool:
-    """Whether a netCDF file is a run, and not the results of a sweep."""
+    """Whether a netCDF file holds a run, rather than the results of a sweep."""
     import h5py
 
     if not path.exists():

@@ -25,7 +25,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _check(folder: Path) -> None:
-    """Say before the work, not after it, that the folder cannot be made."""
+    """Report an unusable folder before the work starts."""
     above = show.existing(folder)
     if not above.is_dir() or not os.access(above, os.W_OK):
         raise InputError("--out", [f"{str(folder)!r} cannot be made or written; give another, such as --out ~/stickslip-paper"])

@@ -25,7 +25,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _of_contact(grid: Any, name: str | None) -> Any:
-    """The map with the motion types of one contact, where one is chosen."""
+    """The map with the motion types of one contact, if one is selected."""
     if name is None:
         return grid
     names = _contacts(grid)
@@ -40,7 +40,7 @@ def _contacts(grid: Any) -> list[str]:
 
 
 def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
-    """The map, computed or from a folder."""
+    """The map, computed or read from a folder."""
     from stickslip.sweeps import export, map, open_study
 
     if (as_path(asked.robot, "map") / "manifest.json").exists():
@@ -82,7 +82,7 @@ def _velocities(grid: Any, x: str | None) -> Any:
 
 
 def _found(grid: Any) -> dict[str, Any]:
-    """How much of the plane moves how, and where it is fastest."""
+    """The share of each motion type, and the fastest point."""
     import numpy as np
 
     from stickslip.report.fastest import order
@@ -102,7 +102,7 @@ def _found(grid: Any) -> dict[str, Any]:
 
 
 def _at_edge(values: Any, value: Any) -> bool:
-    """Whether a value is the smallest or largest of an axis of numbers."""
+    """Whether a value is the smallest or largest of a numeric axis."""
     return values.dtype.kind in "iuf" and len(values) > 1 and value in (values.min(), values.max())
 
 
@@ -115,7 +115,7 @@ def _text(name: str, found: dict[str, Any]) -> str:
 
 
 def _fastest(found: dict[str, Any]) -> list[str]:
-    """The fastest point, and whether a larger plane may have a faster one."""
+    """The fastest point, and whether a larger map may contain a faster one."""
     if "fastest" not in found:
         return []
     point = ", ".join(

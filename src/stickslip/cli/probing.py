@@ -1,4 +1,4 @@
-"""Everything that is wrong with a robot's numbers and the solver's arguments, found before any work, so that it is reported together."""
+"""Check a robot's numbers and the solver's arguments before any work, so that all errors are reported together."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.naming import axis_of, example_for
 
-_MOST = 64  # choices of words that are tried
+_MOST = 64  # largest number of combinations of words that are tried
 
 
 def probe(
     build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any], timed: bool = True
 ) -> list[str]:
-    """What the robot's maker and the solver have to say about these arguments; each problem once.
+    """Errors from the robot's maker and from the solver for these arguments; each of them once.
 
     Parameters
     ----------
@@ -25,11 +25,11 @@ def probe(
     arguments : dict
         The arguments that were given; a list is an axis of a sweep.
     absent : list of str
-        Arguments that the maker needs and that are missing or could not be read.
+        Required arguments that are missing or invalid.
     options : dict
         Arguments of the solver.
     timed : bool
-        Whether the command takes a duration; one that does not says itself what it makes of a model without a period.
+        Whether the command takes a duration; other commands treat models without a period themselves.
     """
     filled = {name: example_for(name) for name in absent}
     robot, found = None, []
@@ -45,9 +45,9 @@ def probe(
 def probe_axes(
     build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any], timed: bool = True
 ) -> list[str]:
-    """The same for a sweep, axis by axis: a value counts as wrong where it is refused with the first and with the last of all others.
+    """As `probe`, for a sweep: a value is an error if it is refused both with the first and with the last values of the other axes.
 
-    A combination that only some other values spoil is not an error: it marks its own case.
+    A combination that is invalid only for some values of the others is not an error: it is marked in the results.
     """
     axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
     rest = {**{name: example_for(name) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
@@ -65,7 +65,7 @@ def probe_axes(
 
 
 def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], name: str, values: list[Any]) -> tuple[Any, list[str]]:
-    """All values of one axis: numbers at once, words one by one."""
+    """Try all values of one axis: numbers in one call, words one by one."""
     if not name:
         return _tried(build, arguments)
     if all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
@@ -75,7 +75,7 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
         finite = numbers[np.isfinite(numbers)]
         together = _tried(build, {**arguments, name: finite}) if len(finite) else (None, [])
         if not together[1] or not all(isinstance(v, int) for v in values):
-            return together  # else it may be a count, which makes machines of several kinds
+            return together  # otherwise it may be a count, which makes machines of several kinds
     robot: Any = None
     found: list[str] = []
     for value in values:
@@ -85,7 +85,7 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
 
 
 def _choices(arguments: dict[str, Any]) -> Any:
-    """The arguments with each choice of their words; lists of numbers become labelled arrays, as in a sweep."""
+    """The arguments for each combination of words; lists of numbers become labelled arrays, as in a sweep."""
     words = {k: v for k, v in arguments.items() if isinstance(v, list) and not all(isinstance(x, (int, float)) for x in v)}
     rest = {k: v for k, v in arguments.items() if k not in words}
     lists = {k: v for k, v in rest.items() if isinstance(v, list)}
@@ -106,7 +106,7 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
 
 
 def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[str]:
-    """What the solver refuses of its arguments for a robot of this kind."""
+    """Errors of the solver's arguments for a robot of this kind."""
     from stickslip.solvers import solve
     from stickslip.solvers.request import request
 
@@ -117,7 +117,7 @@ def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[s
     if not timed and robot.period is None:
         usual |= {"duration": 1.0}
         options = {name: value for name, value in options.items() if name not in ("periods", "settle")}
-    if not timed and "periods" not in options:  # then it settles before it looks, and not within its periods; the function checks it
+    if not timed and "periods" not in options:  # then `settle` comes before the periods, and the function checks it
         options = {name: value for name, value in options.items() if name != "settle"}
     own = {name: options[name] for name in usual if name in options}
     try:

@@ -8,7 +8,7 @@ from stickslip.cli import recorded, show
 from stickslip.cli.outputs import Outcome
 from stickslip.errors import InputError
 
-_FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this command measures without one
+_FREQUENCY = "; if it is, type frequency=... [Hz]"  # advice for the Python functions; this command measures without a frequency
 
 
 def act(asked: Any) -> Outcome:
@@ -23,7 +23,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
-    """Measures that this record allows; those that need what is not known are left out."""
+    """The measures that this record allows; those with missing inputs are left out."""
     from stickslip.records.settling import settled
 
     found: dict[str, Any] = {}
@@ -45,7 +45,7 @@ def _record(rec: Any, found: dict[str, Any]) -> dict[str, Any]:
 
 
 def _draw(rec: Any, path: Any) -> str:
-    """Draw a spectrum, and say of which channel; or say why there is none."""
+    """Draw a spectrum and return its description, or the reason why there is none."""
     from matplotlib.figure import Figure
 
     from stickslip import plot

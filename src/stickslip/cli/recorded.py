@@ -1,4 +1,4 @@
-"""Common arguments of the commands on measured records: how a record is named on the command line."""
+"""Common arguments of the commands on measured records."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TYPED = Path(__file__).parent / "commands" / "_typed.toml"
 
 
 def typed(text: str, of: str = "records") -> str:
-    """A sentence with what is to be typed on the command line, where it says what to type in Python.
+    """A sentence with its advice for Python replaced by that for the command line.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def typed(text: str, of: str = "records") -> str:
 
 @contextmanager
 def in_words_of_the_shell(of: str = "records") -> Iterator[None]:
-    """Errors of what is done inside say what to type on the command line."""
+    """Within this context, errors give advice for the command line."""
     try:
         yield
     except InputError as error:
@@ -77,7 +77,7 @@ def opened(path: str, asked: Any) -> Any:
 
 
 def settle(asked: Any) -> int | str:
-    """The periods to leave out."""
+    """The number of transient periods to leave out."""
     if asked.settle == "auto":
         return "auto"
     if not asked.settle.isdigit():

@@ -24,7 +24,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _page(asked: Any, typed: str) -> tuple[str, str]:
-    """The page's text, and what it is about."""
+    """The text of the page, and its subject."""
     path = as_path(asked.robot, "report")
     if (path / "manifest.json").exists() or path.suffix.lower() == ".nc":
         if asked.settings:
@@ -41,7 +41,7 @@ def _page(asked: Any, typed: str) -> tuple[str, str]:
 
 
 def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:
-    """The page on what is in a folder or a file."""
+    """The page on a folder or a file of results."""
     from stickslip.report.of_run import run_page
     from stickslip.report.of_study import study_page
 

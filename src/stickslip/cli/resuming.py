@@ -12,7 +12,7 @@ from typing import Any
 from stickslip.errors import InputError, as_path, is_one_of
 
 _BEGINS = ("sweep", "map", "atlas")
-#: What each run of a study may have its own of, and what its folder must not decide: whether code runs.
+#: Options that may differ between runs of a study or, like permission to run code, must not come from its folder.
 _OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")
 
 
@@ -30,7 +30,7 @@ def act(asked: Any) -> int:
 
 
 def _begun(folder: Path) -> dict[str, Any]:
-    """What began the study in a folder."""
+    """The stored command that began the study in a folder."""
     from stickslip.sweeps.folder import COMMAND, read_manifest
 
     try:
@@ -39,7 +39,7 @@ def _begun(folder: Path) -> dict[str, Any]:
             return dict(found)
         why = "is damaged"
     except FileNotFoundError:
-        read_manifest(folder)  # says what is wrong with a folder that is none of ours
+        read_manifest(folder)  # reports errors of a folder that is not a study
         why = "is not there, so the study was begun in Python or by an earlier stickslip"
     except (OSError, ValueError, KeyError, TypeError) as error:
         why = f"cannot be read ({error})"
@@ -47,7 +47,7 @@ def _begun(folder: Path) -> dict[str, Any]:
 
 
 def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
-    """A folder that somebody sent runs no code of theirs unasked."""
+    """Raise an `InputError` if the stored command would run code without permission."""
     from stickslip.sweeps.folder import COMMAND
 
     named = next((word for word in begun["words"] if ":" in word and "=" not in word and not word.endswith(".toml")), None)
@@ -58,7 +58,7 @@ def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
 
 @contextlib.contextmanager
 def remembered(asked: Any, file: Path | None) -> Iterator[None]:
-    """Keep what was typed in the study folder that a command begins; where nothing comes of it, no folder stays."""
+    """Store the command line in the study folder; if no study results, a new folder is removed again."""
     if not asked.out or file is not None:
         yield
         return
@@ -66,7 +66,7 @@ def remembered(asked: Any, file: Path | None) -> Iterator[None]:
 
     folder = as_path(asked.out, asked.command, "study")
     new = not folder.exists()
-    with contextlib.suppress(OSError):  # the study itself says what is wrong with the folder
+    with contextlib.suppress(OSError):  # the study itself reports errors of the folder
         if new or not any(folder.iterdir()) or (folder / MANIFEST).exists():
             folder.mkdir(parents=True, exist_ok=True)
             _write(folder / COMMAND, asked.command, asked.words)
@@ -81,7 +81,7 @@ def remembered(asked: Any, file: Path | None) -> Iterator[None]:
 
 
 def _write(path: Path, command: str, words: list[str]) -> None:
-    """What was typed, but for what each run has of its own; the first stays."""
+    """Store the command line, without the options that belong to one run; an existing file is kept."""
     if path.exists():
         return
     flags, valued = _OWN

@@ -30,7 +30,7 @@ def act(asked: Any) -> Outcome:
 
 
 def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
-    """Everything that the command says, by name, in SI units."""
+    """All results of the command, by name, in SI units."""
     from dataclasses import asdict
 
     from stickslip.analysis.energy import energy
@@ -57,7 +57,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "energy": {**works, "worst_residual": balance.worst},
         "status": run.status,
         **run.provenance["settings"],
-        **({"rtol": None} if "steps_per_period" in run.counts else {}),  # steps of fixed length know no tolerance
+        **({"rtol": None} if "steps_per_period" in run.counts else {}),  # fixed steps have no tolerance
         "counts": run.counts,
         "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None and run.notes == machine_of(run.model).notes else [])],
         "steadiness": _steadiness(run.steadiness),
@@ -67,13 +67,13 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
 
 def _steadiness(found: Any) -> dict[str, Any]:
-    """Whether the mean velocity is that of a steady motion, as JSON can hold it."""
+    """Whether the mean velocity is that of a steady motion, for JSON."""
     error = found.error if math.isfinite(found.error) else None
     return {"code": found.code, "word": found.word, "settling_error": error}
 
 
 def _text(record: dict[str, Any]) -> str:
-    """The record as a person reads it."""
+    """The record as text."""
     m, work = record["motion"], record["energy"]
     percent = ", ".join(f"{name} {100 * m[f'{name}_fraction']:.1f} %" for name in ("forward", "backward", "stick"))
     twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
@@ -97,7 +97,7 @@ def _text(record: dict[str, Any]) -> str:
 
 
 def _method(record: dict[str, Any]) -> str:
-    """The method, and what it was told about accuracy."""
+    """The method and its accuracy settings."""
     if record["rtol"]:
         return f"{record['method']} at rtol {record['rtol']:g}"
     steps = record["counts"].get("steps_per_period")
@@ -105,7 +105,7 @@ def _method(record: dict[str, Any]) -> str:
 
 
 def _works(work: dict[str, float], unit: str) -> str:
-    """Works of one period; what is rounding is left out."""
+    """Work per period; values within rounding are left out."""
     shown = {name: work[name] for name in ("drive", "gravity", "friction")}
     return ", ".join(
         f"{name} {value:.4g}{unit}" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive"

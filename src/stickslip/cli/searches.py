@@ -1,4 +1,4 @@
-"""Arguments of an optimisation, from words of the command line or the table [optimise] of a study file."""
+"""Arguments of an optimisation, from the command line or the table [optimise] of a study file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _FORMS = ("pieces", "fourier", "spline")
 
 
 def asked_for(asked: Any, table: Any) -> dict[str, Any]:
-    """Arguments of `optimise`, from a study file's table and the options, which come first; all mistakes are reported together."""
+    """Arguments of `optimise`, from a study file's table and the options, which take precedence; all errors are reported together."""
     problems = Problems("optimise")
     table = _checked_table(table, problems)
     found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
@@ -35,7 +35,7 @@ def asked_for(asked: Any, table: Any) -> dict[str, Any]:
 
 
 def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
-    """The table, whose keys are known and have the shape that they must have."""
+    """The table, with its keys and the types of their values checked."""
     tables = ("over", "subject_to", "robust")
     table = {} if table is None else table
     if not isinstance(table, dict):
@@ -63,7 +63,7 @@ _EXAMPLES = {
 
 
 def _read(option: str, name: str, word: Any, read: Callable[[str], Any], problems: Problems) -> Any:
-    """A word of the command line, or what stands in a file in its place: a list is what Python would have as a tuple."""
+    """A word of the command line, or the corresponding value in a file: a list stands for a tuple."""
     if isinstance(word, list):
         return tuple(word)
     try:
@@ -92,12 +92,12 @@ def _ends(text: str) -> tuple[float | str | None, float | str | None]:
 
 
 def _bound(text: str) -> float | str:
-    """A number, or one with a unit, which the search converts: it knows the unit of what is bounded."""
+    """A number, or text with a unit, which the search converts: it knows the unit of the bounded quantity."""
     return text.strip() if has_unit(text) else _number(text)
 
 
 def _distribution(text: str) -> Any:
-    """A..B is uniform, MEAN+-DEVIATION normal, where the deviation may be in per cent of the mean."""
+    """A..B is uniform, MEAN+-DEVIATION normal; the deviation may be in per cent of the mean."""
     mean, sign, deviation = text.partition("+-")
     if not sign:
         low, _, high = text.partition("..")
@@ -113,7 +113,7 @@ def _number(text: str) -> float:
 
 
 def table_of(best: Any) -> dict[str, Any]:
-    """The table [optimise] that asks the same again, as a file may hold it.
+    """The table [optimise] of a study file that repeats the search.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How results look in a terminal, and as JSON."""
+"""Output of results in a terminal, and as JSON."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stickslip.jsontext import strict
 
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
-    """A number with its unit; a dash where there is none.
+    """A number with its unit; a dash if it is not finite.
 
     Examples
     --------
@@ -28,7 +28,7 @@ def quantity(value: float, unit: str = "", digits: int = 7) -> str:
 
 
 def counted(number: int, thing: str) -> str:
-    """A number of things.
+    """A count with its noun, in the singular or plural.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def counted(number: int, thing: str) -> str:
 
 
 def no_period(periods: int) -> str:
-    """What it means that a motion was not seen to repeat."""
+    """The text for a motion that was not found to repeat."""
     within = counted(periods, "period")
     return f"no motion period was found within {within}: the mean velocity still depends on how long the run is; try more periods"
 
@@ -52,21 +52,21 @@ def facts(rows: Iterable[tuple[str, str]]) -> str:
 
 
 def of_run(record: dict[str, Any], rows: Iterable[tuple[str, str]], method: str) -> str:
-    """What is said of a run: its name, facts, remarks, files, and what made it."""
+    """The text on a run: its name, facts, remarks, files, and provenance."""
     more = [(word, text) for word, name in (("note", "notes"), ("written", "written")) for text in record[name]]
     made = f"stickslip {record['provenance']['versions']['stickslip']}, {method}"
     return f"{record['robot']}\n{facts([*rows, *more, ('made by', made)])}"
 
 
 def existing(path: Path) -> Path:
-    """A path, or the nearest folder above it that is there."""
+    """A path, or its nearest existing parent."""
     while not path.exists() and path != path.parent:
         path = path.parent
     return path
 
 
 def is_watched() -> bool:
-    """Whether a person looks at stderr."""
+    """Whether stderr is a terminal."""
     return sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
@@ -77,17 +77,17 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def print_json(record: Any) -> None:
-    """Strict JSON: numbers that are not numbers become null."""
+    """Strict JSON: NaN and infinite numbers become null."""
     print(json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False))
 
 
 def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
-    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each kind of thing.
+    """A function that reports progress on stderr: on one line in a terminal, else with a line for each kind of task.
 
     Parameters
     ----------
     quiet : bool
-        Say nothing where no person looks; after the last stage the line is empty again.
+        Print nothing if stderr is not a terminal, and clear the line after the last stage.
     """
     last, told = "", set()
     over = is_watched()
@@ -109,7 +109,7 @@ def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
 
 
 def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | None:
-    """The path if a file of a known kind can be written there; said before the work, not after it."""
+    """The path if a file of a known kind can be written there; checked before the work."""
     if path is None:
         return None
     target = as_path(path, "output")
@@ -125,7 +125,7 @@ def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | N
 
 
 def draw_to(path: Path, figure: Any) -> Path:
-    """Save a figure; an existing file is replaced, at the end and at once."""
+    """Save a figure; an existing file is replaced in a single step at the end."""
     from stickslip.storage import moved_into_place, unwritable
 
     with moved_into_place(path, unwritable("figure")) as beside:

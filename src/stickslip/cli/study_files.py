@@ -1,8 +1,8 @@
 """Study files: a robot, or the function that makes one, with arguments and solver options, as TOML. Errors name their lines.
 
-Such a file has a table ``[robot]`` (as `Robot.to_toml` writes it), or a table ``[mechanism]``, or a line ``make = "piezo_rig"``. Then
-``[arguments]`` gives what a command line gives as NAME=VALUE, and ``[solve]`` arguments of the solver. A file whose ``make`` is
-``"file.py:function"`` or ``"module:function"`` runs that code only where ``--allow-code`` was typed: a file that somebody sent is data.
+Such a file has a table ``[robot]`` (as `Robot.to_toml` writes it), or a table ``[mechanism]``, or a line ``make = "piezo_rig"``. The
+table ``[arguments]`` corresponds to NAME=VALUE on a command line, and ``[solve]`` holds arguments of the solver. If ``make`` is
+``"file.py:function"`` or ``"module:function"``, that code runs only with ``--allow-code``: a file from somebody else is data.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ SOLVER = (
 )  # fmt: skip
 #: Whether a study file may name code in this command.
 ALLOW_CODE: ContextVar[bool] = ContextVar("allow_code", default=False)
-_FILES: set[str] = set()  # names under which files of the user are loaded as modules
+_FILES: set[str] = set()  # names under which user files are loaded as modules
 _TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "identify", "optimise")
 
 
 @dataclass(frozen=True)
 class Study:
-    """What stands in a study file, or what a preset is.
+    """The content of a study file, or a preset.
 
     Parameters
     ----------
     make : Robot or callable
-        The robot or mechanism, or what makes it.
+        The robot or mechanism, or a function that makes it.
     arguments : dict
-        Numbers of it to set; text is to be read as on the command line.
+        Its arguments; text is parsed as on the command line.
     options : dict
         Arguments of the solver.
     optimise : object
-        The table [optimise] as it stands.
+        The table [optimise], unchanged.
     """
 
     make: Any
@@ -70,7 +70,7 @@ def found(name: str) -> Study:
 
 
 def _imported(name: str, folder: Path | None = None) -> Any:
-    """A function of the user's own, as module:function or file.py:function."""
+    """A user's function, as module:function or file.py:function."""
     import importlib
     import sys
 
@@ -87,7 +87,7 @@ def _imported(name: str, folder: Path | None = None) -> Any:
         module = importlib.import_module(where)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{where}.".startswith(f"{error.name}."):
-            raise  # the module is there, and what it imports is not
+            raise  # the module exists, but one of its imports does not
         raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
     if path.suffix == ".py":
         _FILES.add(where)
@@ -99,7 +99,7 @@ def _imported(name: str, folder: Path | None = None) -> Any:
 
 
 def _make_room(name: str, path: Path) -> None:
-    """Another module of this name that is loaded already must not be taken for the file."""
+    """Make sure that a different module of this name, loaded before, is not taken for the file."""
     import sys
 
     old = getattr(sys.modules.get(name), "__file__", None)
@@ -111,13 +111,13 @@ def _make_room(name: str, path: Path) -> None:
 
 
 def _is_usable(made: Any) -> bool:
-    """Whether something may be a maker, a robot, a mechanism or a machine, or a law."""
+    """Whether an object may be a maker, a robot, a mechanism, a machine, or a law."""
     return callable(made) or any(hasattr(made, name) for name in ("friction", "contacts", "breakaway", "rate"))
 
 
 # ---- reading ----
 def _read(text: str, name: str, folder: Path) -> Study:
-    """The study in a file's text; all that is wrong with it comes as one error, line by line."""
+    """The study in a file's text; all errors are reported together, with their lines."""
     from stickslip.tables import document_of
 
     what = f"study file {name!r}"
@@ -141,7 +141,7 @@ def _made(document: dict[str, Any]) -> bool:
 
 
 def _make(document: dict[str, Any], text: str, folder: Path, problems: Problems) -> Any:
-    """The robot, the mechanism, or the function that makes one; None if it cannot be made."""
+    """The robot, the mechanism, or the function that makes one; None, with a problem noted, if it cannot be made."""
     from stickslip.robot import Robot
 
     try:
@@ -182,12 +182,12 @@ def _function(name: str, folder: Path) -> Any:
 
 
 def code_refused(key: str, name: str) -> str:
-    """Why the code that a study file names does not run."""
+    """The reason why the code named in a study file does not run."""
     return f"{key} = {name!r} names Python code, which could do anything you can; read it first, and if you trust it type --allow-code"
 
 
 def _options(table: Any, make: Any, problems: Problems) -> dict[str, Any]:
-    """The arguments of the solver that are known; names and values that are wrong are noted."""
+    """The known arguments of the solver; unknown names and invalid values are noted."""
     names = {name.partition(".")[0] for name in SOLVER}
     if not isinstance(table, dict):
         problems.add(f"solve = {table!r} is not a table; type [solve] and under it for example periods = 200")
@@ -196,13 +196,13 @@ def _options(table: Any, make: Any, problems: Problems) -> dict[str, Any]:
         if option not in names:
             problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")
     known = {k: v for k, v in table.items() if k in names}
-    if problems.found and known:  # else the command says it, with everything that is wrong with its own words
+    if problems.found and known:  # otherwise the command reports it, together with its own errors
         problems.found += [f"solve.{p}" for p in of_solver(_stand_in(make), known)]
     return known
 
 
 def _stand_in(make: Any) -> Any:
-    """A robot against which options can be judged where the file has none."""
+    """A robot for the check of the options if the file has none."""
     from stickslip.presets import coulomb_robot
 
     return coulomb_robot(0.5, 0.9) if make is None or callable(make) else make
@@ -210,7 +210,7 @@ def _stand_in(make: Any) -> Any:
 
 # ---- lines ----
 def lines_of(text: str) -> dict[str, int]:
-    r"""On which line each table and each key of a TOML text stands.
+    r"""The line numbers of the tables and keys of a TOML text.
 
     Examples
     --------
@@ -231,7 +231,7 @@ def lines_of(text: str) -> dict[str, int]:
 
 
 def located(sentences: list[str], lines: dict[str, int]) -> list[str]:
-    """The sentences with the line of what they are about, or of the table in which it is missing; in the order of the lines.
+    """The sentences with the line of their subject, or of the table in which it is missing; in the order of the lines.
 
     Examples
     --------

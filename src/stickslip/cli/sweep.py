@@ -13,7 +13,7 @@ from stickslip.cli.resuming import remembered
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
 
-_SHOWN = 60  # rows of the table that are printed
+_SHOWN = 60  # rows of the printed table
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
 _NOT_OURS = (".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
@@ -42,7 +42,7 @@ def act(asked: Any) -> Outcome:
 
 # ---- what is asked ----
 def out_file(out: str | None) -> Path | None:
-    """The file that --out names, or None for a study folder; the ending of a file that is not ours is not a folder's name."""
+    """The file of --out, or None for a study folder; a name with an unsupported file extension is refused."""
     if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (as_path(out, "sweep") / "manifest.json").exists():
         return None
     return show.writable("--out", out, FILES)
@@ -91,7 +91,7 @@ def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str,
 
 
 def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
-    """Arguments of `sweep` from the options; what goes to one file is computed in memory."""
+    """Arguments of `sweep` from the options; results for a single file are computed in memory."""
     if file is not None and (asked.resume or asked.shard):
         raise InputError("--out", [f"{str(file)!r} is a file; --resume and --shard are for a study folder; type for example --out study"])
     if not asked.out and (asked.resume or asked.shard):
@@ -110,7 +110,7 @@ def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
 
 # ---- what is told ----
 def _axes(grid: Any) -> list[str]:
-    """The axes in the order of the results. A dataset keeps its own, which is another one once it was transposed."""
+    """The axes in the order of the results. A dataset has its own order, which differs if it was transposed."""
     return [str(d) for d in grid["mean_velocity"].dims]
 
 
@@ -120,7 +120,7 @@ def _column(grid: Any, name: Any) -> Any:
 
 
 def _record(grid: Any, study: Any, written: str | None) -> dict[str, Any]:
-    """Everything, for machines."""
+    """All results, for JSON."""
     from stickslip.sweeps.writing import one_row_a_case
 
     flat = one_row_a_case(grid)
@@ -130,13 +130,13 @@ def _record(grid: Any, study: Any, written: str | None) -> dict[str, Any]:
 
 
 def _text(grid: Any, study: Any, written: str | None) -> str:
-    """The first rows of the grid, and how its cases ended."""
+    """The first rows of the grid, and a summary of how the cases ended."""
     from stickslip.report.of_study import headed
     from stickslip.sweeps.result_columns import is_of_cases
 
     axes = _axes(grid)
     varying = [str(n) for n in grid.coords if n not in axes and set(grid[n].dims) & set(axes)]
-    names = (*axes, *varying, *(name for name in _COLUMNS if is_of_cases(grid, name)))  # of several contacts there is a type of each
+    names = (*axes, *varying, *(name for name in _COLUMNS if is_of_cases(grid, name)))  # several contacts have a type each
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
@@ -150,7 +150,7 @@ def _text(grid: Any, study: Any, written: str | None) -> str:
 
 
 def _ends(grid: Any) -> str:
-    """How many cases ended how."""
+    """Numbers of cases by status."""
     import numpy as np
 
     from stickslip.status import STATUS
@@ -161,7 +161,7 @@ def _ends(grid: Any) -> str:
 
 
 def _unperiodic(grid: Any, study: Any) -> list[str]:
-    """A sentence on the cases that ran to their end and did not repeat; none where nothing has a period to repeat after."""
+    """A sentence on the cases that ran to their end without repeating; empty if no model has a period."""
     if study.options.get("duration") is not None:
         return []
     from stickslip.steadiness import UNSETTLED
@@ -173,14 +173,14 @@ def _unperiodic(grid: Any, study: Any) -> list[str]:
 
 
 def unsettled(grid: Any) -> list[str]:
-    """A sentence on the cases whose mean velocity has not settled."""
+    """A sentence on the cases whose mean velocity has not reached a steady value."""
     from stickslip.steadiness import unsettled_note
 
     return unsettled_note(grid["steadiness"].values, grid["settling_error"].values) if "steadiness" in grid else []
 
 
 def _notes(grid: Any) -> list[str]:
-    """Why cases were refused or failed."""
+    """The reasons why cases were refused or failed."""
     import json
 
     notes = json.loads(grid.attrs.get("notes", "{}"))

@@ -9,7 +9,7 @@ FOLDER = Path(__file__).parent / "examples"
 
 
 def transcript(command: str) -> str:
-    """The example of a command: lines that begin with ``$`` are typed, the others come back; ``…`` stands for anything.
+    """The example of a command: lines that begin with ``$`` are typed, the others are output; ``…`` stands for anything.
 
     Examples
     --------
@@ -21,7 +21,7 @@ def transcript(command: str) -> str:
 
 
 def commands_in(text: str) -> list[tuple[str, str]]:
-    r"""What is typed in a transcript, and what comes back for it.
+    r"""The typed commands of a transcript with their output.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Tells our exceptions from those raised by the code that a command was asked to run."""
+"""Distinguishes our own exceptions from those raised by the code that a command was asked to run."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pathlib import Path
 
 
 def in_your_code(error: BaseException) -> str | None:
-    """Where in the user's own code it went wrong and how, as a sentence; None if the mistake is ours.
+    """Location and kind of an error in the user's own code, as a sentence; None if the error is ours.
 
-    The innermost line that is neither a library's nor Python's decides.
+    The innermost frame outside this package, Python and its libraries decides.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ _OURS = (str(Path(__file__).resolve().parent.parent),)
 
 
 def _is_yours(file: str) -> bool:
-    """Whether a file is not part of us, of Python or of an installed library."""
+    """Whether a file belongs neither to this package nor to Python or an installed library."""
     from stickslip.engine.cache import folder
 
     paths = sysconfig.get_paths()
