@@ -1,4 +1,4 @@
-"""Figures of runs, records, benches, maps and continuations. They draw results that were computed before."""
+"""Figures of runs, records, benches, maps and continuations, drawn from results that were computed before."""
 
 from stickslip.plot.atlas_figure import atlas
 from stickslip.plot.attractors_along import attractors
@@ -30,5 +30,5 @@ __all__ = [
 
 
 def __dir__() -> list[str]:
-    """The figures alone, without the modules that draw them."""
+    """List the figures only, not the modules that draw them."""
     return list(__all__)

@@ -1,4 +1,4 @@
-"""An atlas as a figure: regions by the motions that attract there, the borders between them, and special points."""
+"""Figure of an atlas: regions by the coexisting attractors, the borders between them, and special points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.plot.spacing import cells, logarithmic, places
 from stickslip.plot.special_kinds import marker_of, name_of
 from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above
 
-#: Fills of regions that are not of one plain type: told apart from those and from one another.
+#: Fill colours of regions without a single plain type, distinct from the type colours and from one another.
 _FILLS = (
     "#CDB4DB",
     "#8FD3B6",
@@ -28,15 +28,15 @@ _FILLS = (
     "#A98467",
     "#D9D9D9",
 )
-_FINE, _LETTERS = 240, 3  # places of a side; letters of a region's name for which there is room inside
-_COLUMNS = {3: 16, 2: 30}  # of the legend, by the letters of its longest entry
+_FINE, _LETTERS = 240, 3  # grid points along each side; length of a name that is written into its region
+_COLUMNS = {3: 16, 2: 30}  # number of columns of the legend: the longest entry that each allows
 _MISSING = "not computed"
-_ON_A_LINE = 0.05  # of the plane: a mark so near to a line of its kind is left out
+_ON_A_LINE = 0.05  # fraction of the axis ranges: marks closer to a line of their kind are left out
 
 
 @drawing
 def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
-    """Regions of an atlas with their names, the borders that were followed as lines, and the special points that lie on no line.
+    """Regions of an atlas with their names, the followed borders as lines, and the special points that lie on no line.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     points : bool
-        Whether to mark special points next to which a motion attracts, with a symbol for each kind.
+        Whether to mark special points of stable motions, with a symbol for each kind.
 
     Returns
     -------
@@ -77,13 +77,13 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
 
 
 def _fills(found: Any) -> dict[str, str]:
-    """A colour for each region: that of its type where it is one plain motion."""
+    """A colour for each region: that of the motion type, if the region has a single plain motion."""
     own = iter(_FILLS * (1 + len(found.regions) // len(_FILLS)))
     return {label: TYPE_COLOURS[label] if label in TYPE_COLOURS and label != "other" else next(own) for label in found.regions}
 
 
 def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
-    """Fill the cells; returns the names that had room inside."""
+    """Fill the cells; returns the names that were written into their regions."""
     cells(ax, across.values, up.values, codes, [*fills.values(), "#FFFFFF"])
     (x, columns), (y, rows) = places(across.values, _FINE), places(up.values, _FINE)
     seen = codes[np.ix_(rows, columns)]
@@ -91,7 +91,7 @@ def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -
 
 
 def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
-    """Marks of special points of motions that attract, but for those of kinds whose borders are lines; handles for the legend."""
+    """Draw the special points of stable motions, except those on a border line of their kind; returns handles for the legend."""
     lines = {border.kind for border in found.borders}
     handles = []
     for i, kind in enumerate(sorted({s.kind for s in found.found})):
@@ -104,7 +104,7 @@ def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
 
 
 def _on_a_line(found: Any, point: Any) -> bool:
-    """Whether a special point lies on a border that is drawn."""
+    """Whether a special point lies on a drawn border."""
     spans = np.array([np.ptp(found.map[name].values) for name in found.parameters])
     return any(border.distance(point.values, spans) < _ON_A_LINE for border in found.borders if border.kind == point.kind)
 

@@ -1,4 +1,4 @@
-"""Attractors along a parameter: how fast each moves, or what share of the starts it attracts."""
+"""Attractors along a parameter: the mean velocity of each, or its share of the initial states."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ _BESIDE = ("period", "share", "share_low", "share_high", "mode")
 
 @drawing
 def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
-    """Attractors along a parameter, one line each; a ring where a motion has no period.
+    """Attractors along a parameter, with a line for each; rings mark motions without a period.
 
     Parameters
     ----------
     found : xarray.Dataset
         From `stickslip.attractors`.
     quantity : str, optional
-        "mean_velocity", "share" (the fraction of the starts, with its 95 % interval as a band), or a number of the strobe state, such as
-        "v". If not given, the mean velocity; of a flow, which has none, its first state.
+        "mean_velocity", "share" (the fraction of the initial states, with its 95 % interval as a band), or a coordinate of the strobe
+        state, such as "v". If not given, the mean velocity or, for a flow, which has none, its first state.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -60,7 +60,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
 
 
 def _text(one: Any) -> str:
-    """An attractor by its number and its periods."""
+    """The legend entry of an attractor: its number and its periods."""
     periods = sorted({int(p) for p in one.period.values if p >= 0}, key=lambda p: (p == 0, p))
     words = ", ".join(str(p) if p else "none" for p in periods)
     return f"{int(one.attractor)}: period {words}"

@@ -1,4 +1,4 @@
-"""Pictures of the bench: all experiments on one law, or several laws side by side."""
+"""Figures of the bench: all experiments on one law, or several laws side by side."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from stickslip.benching import Bench, Benches
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, DASHES, INK, drawing, prefix
 
-#: Numbers that stand in the last panel, where they are known.
+#: Quantities listed in the last panel, if available.
 _TOLD = (
     "slow_forward", "slow_backward", "fall", "lag", "stiffness", "gap", "loss_share", "loss_exponent", "breakaway_slow", "breakaway_fast",
     "stick_slip", "stick_slip_period", "peak_velocity", "drift",
 )  # fmt: skip
-#: Experiments of the overview; drift stands there as a number, because it spans many decades.
+#: Experiments of the overview; drift is given as a number, because it spans many decades.
 _COLUMNS = ("steady", "lag", "hysteresis", "dissipation", "breakaway", "stick_slip")
 
 
 @drawing
 def bench(found: Benched, figure: Page = None) -> Any:
-    """The figure of a bench: a panel for each experiment and the numbers; of several laws a row of panels for each.
+    """The figure of a bench: a panel for each experiment and one for the numbers; for several laws, a row of panels for each law.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def _one(found: Bench, figure: Any) -> Any:
 
 
 def _draw(ax: Any, experiment: Any, small: bool = False) -> None:
-    """One experiment, its axes in units with prefixes where they are linear."""
+    """Draw one experiment; linear axes have units with SI prefixes."""
     across, x_prefix = (1.0, "") if "x" in experiment.logarithmic else prefix(*(c.x for c in experiment.curves))
     up, y_prefix = (1.0, "") if "y" in experiment.logarithmic else prefix(*(_finite(c.y) for c in experiment.curves))
     for i, curve in enumerate(experiment.curves):
@@ -101,7 +101,7 @@ def _finite(y: Any) -> Any:
 
 
 def _scales(ax: Any, experiment: Any) -> None:
-    """Logarithms where they are asked for, and a y axis on which a constant looks constant."""
+    """Logarithmic axes where requested, and a y axis on which a constant looks constant."""
     if "x" in experiment.logarithmic:
         from matplotlib.ticker import NullFormatter
 
@@ -118,7 +118,7 @@ def _scales(ax: Any, experiment: Any) -> None:
 
 
 def _no_noise(ax: Any) -> None:
-    """A span below rounding is drawn as a flat line."""
+    """Draw a variation below rounding as a flat line."""
     low, high = float(ax.dataLim.y0), float(ax.dataLim.y1)
     size = max(abs(low), abs(high))
     if high - low < 1e-6 * size or size == 0:
@@ -145,7 +145,7 @@ def _short(quantity: Any) -> str:
 
 
 def _many(found: Benches, figure: Any) -> Any:
-    """A row of small panels for each law, with the same axes down each column where that shows something."""
+    """A row of small panels for each law."""
     shown = [key for key in _COLUMNS if any(e.key == key for e in found.benches[0].experiments)]
     figure = figure or _figure(1.75 * (len(shown) + 0.9), 0.5 + 1.0 * len(found))
     panels = figure.subplots(len(found), len(shown) + 1, squeeze=False, width_ratios=[0.75, *([1.0] * len(shown))])
@@ -170,7 +170,7 @@ def _name(ax: Any, found: Bench) -> None:
 
 
 def _sparse(ax: Any, experiment: Any) -> None:
-    """Few ticks, which say the units with them."""
+    """Few ticks, labelled with their units."""
     from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter
 
     ax.tick_params(labelsize=5, length=1.8, pad=1.2)

@@ -12,7 +12,7 @@ from stickslip.plot.spacing import logarithmic
 from stickslip.plot.special_kinds import marker_of, name_once
 from stickslip.plot.style import COLOURS, INK, axes, drawing, labelled, legend_above, scaled
 
-_STAYS = 1e-6  # of a parameter: a change that is not shown
+_STAYS = 1e-6  # relative change of a parameter that counts as constant
 
 
 @drawing
@@ -63,7 +63,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
 
 
 def _widened(ax: Any, side: str, values: Any) -> None:
-    """Room beside a curve along which a parameter stays what it is: its rounding errors are not to fill the figure."""
+    """Widen the axis of a parameter that is constant along the curve, so that rounding errors do not fill the figure."""
     middle = float(np.median(values))
     if np.ptp(values) <= _STAYS * abs(middle):
         getattr(ax, f"set_{side}lim")(*sorted((0.9 * middle, 1.1 * middle)))

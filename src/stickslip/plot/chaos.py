@@ -13,12 +13,12 @@ from stickslip.plot.spacing import cells, edges, logarithmic
 from stickslip.plot.special_kinds import name_of
 from stickslip.plot.style import COLOURS, INK, axes, drawing, side_of
 
-#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided; told apart with any colour vision.
+#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided; distinguishable with any colour vision.
 MOTIONS = {
     "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 to 32": "#12456B", "chaotic": "#D55E00",
     "not decided": "#9A9A9A",
 }  # fmt: skip
-_LOWEST = -2.0  # exponents below it have one colour
+_LOWEST = -2.0  # lower exponents all have one colour
 
 
 @drawing
@@ -32,10 +32,10 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     quantity : str
-        "motion": period numbers, and where the largest exponent is positive by three of its errors. "exponent": the largest exponent,
+        "motion": period numbers, and chaos where the largest exponent exceeds three standard errors. "exponent": the largest exponent,
         orange where neighbouring motions diverge, violet where they converge.
     curves : Curve or list of Curve
-        From `stickslip.special_curve`, in the same two parameters: drawn over the map.
+        From `stickslip.special_curve`, in the same two parameters; drawn over the map.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
 
 
 def _kinds(found: Any) -> Any:
-    """The number of the motion's kind in `MOTIONS` at every point; masked where nothing was computed."""
+    """The index of the kind of motion in `MOTIONS` at each point; masked where nothing was computed."""
     period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
     bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
     return np.ma.masked_where(period < 0, np.where(period > 0, bins, np.where(chaotic, 6, 7)))
@@ -99,7 +99,7 @@ def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
 
 
 def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, float]) -> list[Any]:
-    """Curves of special points, white below black so that they show on every colour; one handle for each kind."""
+    """Draw curves of special points in black with a white outline, visible on every colour; returns a handle for each kind."""
     handles: dict[str, Any] = {}
     for curve in curves if isinstance(curves, Iterable) else (curves,):
         if set(getattr(curve, "parameters", ())) != {across[0], upward[0]}:

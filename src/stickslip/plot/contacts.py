@@ -1,4 +1,4 @@
-"""Modes of every contact as a chart of bars: one row for each contact and each stop."""
+"""Modes of every contact as a bar chart: one row for each contact and each stop."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_abov
 
 Moving = Annotated[Any, Kind(lambda v: hasattr(v, "direction"), "what ss.motion returns; type ss.motion(run)")]
 
-AIR = "#d6e6f5"  # pale: nothing rubs there
-#: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, a stop that is pressed, and flight.
+AIR = "#d6e6f5"  # pale: no contact, no friction
+#: Names, colours and hatches of the bars, in the order of the legend: +1, 0, -1, a stop in contact, and flight.
 MODES: dict[int, tuple[str, str, str]] = {
     1: ("forwards", COLOURS[0], ""), -1: ("backwards", COLOURS[1], "////"), 0: ("sticks", SHADE, ""),
     2: ("stop pressed", COLOURS[2], "...."), 3: ("in flight", AIR, ""),
@@ -67,7 +67,7 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
 
 @drawing
 def pattern(motion: Moving, ax: Ax = None) -> Any:
-    """The motion period of each contact: where it slides forwards, sticks, and slides backwards, in the order of its pattern.
+    """The motion period of each contact: its intervals of forward sliding, sticking and backward sliding, in order.
 
     Parameters
     ----------
@@ -101,12 +101,12 @@ def pattern(motion: Moving, ax: Ax = None) -> Any:
 
 
 def _lost(run: Any, start: float, end: float) -> dict[str, list[float]]:
-    """When contacts were lost, by name."""
+    """Times at which contacts were lost, by name."""
     return {event.part: [event.t] for event in run.events if event.kind == "contact lost" and start <= event.t <= end}
 
 
 def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, time: float) -> list[Any]:
-    """Draw the bars; what stands for them in the legend."""
+    """Draw the bars; returns handles for the legend."""
     from matplotlib.patches import Patch
 
     seen = set()
@@ -124,7 +124,7 @@ def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, ti
 
 
 def _marks(ax: Any, rows: list[str], times: tuple[Any, Any, Any], start: float, time: float) -> list[Any]:
-    """Draw hits, landings and lost contacts; what stands for them in the legend."""
+    """Draw hits, landings and lost contacts; returns handles for the legend."""
     found = []
     for (word, marker), of in zip((("hit", "v"), ("landing", "v"), ("contact lost", "X")), times, strict=True):
         at = [((t - start) * time, rows.index(name)) for name, times in of.items() for t in times]

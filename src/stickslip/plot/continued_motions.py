@@ -28,7 +28,7 @@ def continuation(
     labels: Sequence[str] | None = None,
     special: bool = True,
 ) -> Any:
-    """Branches of periodic orbits: stable parts as full lines, unstable ones dashed, special points marked.
+    """Branches of periodic orbits: stable parts as solid lines, unstable ones dashed, special points marked.
 
     A branch of period p shows the strobe points of all its p drive periods where `observable` is a coordinate of the state.
 
@@ -37,15 +37,15 @@ def continuation(
     branch : Branch or list of Branch
         From `stickslip.continuation`.
     observable : str, optional
-        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of several bodies "v.body" and so on;
-        of limit cycles also "duration" and "x". If not given, the velocity on the strobe, of a flow its first state, of limit cycles
-        their duration; of several bodies the mean velocity, over a diagram the velocity of the first body on the strobe.
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; for several bodies "v.body" and so on;
+        for limit cycles also "duration" and "x". The default is the velocity on the strobe; for a flow its first state; for limit cycles
+        their duration; for several bodies the mean velocity or, with a diagram, the velocity of the first body on the strobe.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional
         From `stickslip.bifurcation`: its points are drawn as pale dots below the branches.
     labels : list of str, optional
-        Names of the branches; their periods if not given, of limit cycles the turns of the spring in one.
+        Names of the branches. The default is their periods; for limit cycles, the number of turns of the spring.
     special : bool
         Whether to mark special points. Borders of motion types are marked under set-valued laws only, where they need no threshold.
 
@@ -97,7 +97,7 @@ def continuation(
 
 
 def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
-    """What is shown if nothing is named: the velocity on the strobe, of a flow its first state; with a diagram, what both have."""
+    """The default observable; with a diagram, one that branch and diagram have in common."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
     known = ["duration"] if cycles else [*(first.names if is_flow(first.model) else ("v", *parts)), "mean_velocity"]
@@ -106,7 +106,7 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
 
 
 def _called(period: int, cycle: bool) -> str:
-    """What a branch is called."""
+    """The default name of a branch."""
     if cycle:
         return "limit cycle" if period == 1 else f"limit cycle of {period} turns"
     return f"period {period}"
@@ -120,11 +120,11 @@ _OF_CYCLES = OBSERVABLES | {
     "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
     "duration": "duration of the cycle",
 }  # fmt: skip
-_ROUNDING = 1e-9  # of the velocity scale: a smaller mean velocity is rounding, and drawn as none
+_ROUNDING = 1e-9  # relative to the velocity scale: a smaller mean velocity is rounding, and drawn as zero
 
 
 def _values(branch: Any, observable: str) -> Any:
-    """The observable along a branch: (points, 1), or (points, period) for a coordinate of the state."""
+    """The observable along a branch, of shape (points, 1), or (points, period) for a coordinate of the state."""
     numbers = [str(n) for n, column in branch.points.data_vars.items() if column.ndim == 1 and column.dtype.kind in "biuf"]
     if observable not in numbers:
         raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(numbers)}"])
@@ -159,13 +159,13 @@ def _line(ax: Any, branch: Any, observable: str, values: Any, right: float, up: 
     for column in values.T:
         for state, style in ((True, _STABLE), (False, _UNSTABLE)):
             keep = stable == state
-            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # parts touch where stability changes
+            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # the parts meet where the stability changes
             ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, zorder=4, **style)
     ax.plot([], [], color=colour, label=name)
 
 
 def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, Any]:
-    """Parameter, observable and stability along a branch, with the special points at which stability changes among them."""
+    """Parameter, observable and stability along a branch, including the special points at which the stability changes."""
     x, stable = branch.values, np.array([o.stable for o in branch.orbits])
     places, extra = [], []
     for i in np.flatnonzero(stable[1:] != stable[:-1]):
@@ -181,7 +181,7 @@ def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, 
 
 
 def _at(orbit: Any, observable: str) -> Any:
-    """The observable of one orbit: a number, or one for each of its drive periods."""
+    """The observable of one orbit: a single value, or one for each of its drive periods."""
     return _strobed(orbit, observable) if observable in orbit.names else [_of_orbit(orbit, observable)]
 
 
@@ -190,7 +190,7 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
         raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
     y = diagram[observable]
     x = diagram[parameter].broadcast_like(y).values.ravel() * right
-    dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than a branch over them
+    dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than the branches over them
     ax.plot(x, y.values.ravel() * up, "o", zorder=1, rasterized=True, **dots)
     ax.plot([], [], "o", label="brute force", **dots | {"markersize": 4})
 
@@ -200,7 +200,7 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
     for b in branches:
         for s in b.special:
             if s.kind == "type-border" and machine_of(s.orbit.model).has_inner_states:
-                continue  # words with thresholds: no points of the dynamics
+                continue  # types that depend on thresholds are not properties of the dynamics
             marker = marker_of(s.kind)
             values = _at(s.orbit, observable)
             face = COLOURS[6] if marker == "|" else "white"

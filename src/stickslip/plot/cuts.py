@@ -1,4 +1,4 @@
-"""Cuts through a map: the mean velocity along one axis, and the motion types under it."""
+"""Cuts through a map: the mean velocity along one axis, and the motion types below it."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from stickslip.sweeps.result_columns import is_of_cases
 
 @drawing
 def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Ax = None) -> Any:
-    """The mean velocity along one axis, for some values of the other; below them the motion types, a strip for each line.
+    """The mean velocity along one axis, for some values of the other; below it the motion types, a strip for each line.
 
     Parameters
     ----------
     grid : Dataset
-        From `sweep` or `map`. A dimension ``way`` (see ``continue_along``) is drawn as a full and a dashed line.
+        From `sweep` or `map`. A dimension ``way`` (see ``continue_along``) is drawn as a solid and a dashed line.
     along : str
         The horizontal axis.
     at : dict, optional
@@ -96,9 +96,9 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
 
 
 def _strips(ax: Any, curves: list[Any], x: Any) -> None:
-    """The motion types along the axis, a strip for each curve under all of them, with the curve's line at its left end."""
+    """Draw the motion types along the axis: a strip below the curves for each curve, with the curve's line style at its left end."""
     height = 0.06
-    if not all(is_of_cases(curve, "motion_type") for curve in curves):  # of machines of several contacts there is one of each
+    if not all(is_of_cases(curve, "motion_type") for curve in curves):  # with several contacts, each has its own type
         return
     for i, curve in enumerate(curves):
         top = height * (len(curves) - i) - 0.01

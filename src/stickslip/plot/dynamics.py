@@ -15,15 +15,15 @@ from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled
 
 @drawing
 def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> Any:
-    """A bifurcation diagram by brute force; upwards and downwards in two colours, so that hysteresis shows.
+    """A brute-force bifurcation diagram; upward and downward sweeps in two colours, so that hysteresis shows.
 
     Parameters
     ----------
     diagram : xarray.Dataset
         From `stickslip.bifurcation`.
     observable : str, optional
-        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min"; of several bodies "v.body" and so on. If not given, the
-        velocity on the strobe, that of the first body of several, and the first state of a flow.
+        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min"; for several bodies "v.body" and so on. If not given, the
+        velocity on the strobe (of the first body), or the first state of a flow.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -51,7 +51,7 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     for i, direction in enumerate(diagram.direction.values):
         part = y.sel(direction=direction)
         x = across.broadcast_like(part).values.ravel() * right
-        size = dot_size(diagram.sizes[across.name]) / (1 + i)  # those downwards lie on those upwards
+        size = dot_size(diagram.sizes[across.name]) / (1 + i)  # the points of the downward sweep cover those of the upward one
         ax.plot(x, part.values.ravel() * up, "o", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
         ax.plot([], [], "o", markersize=4 / (1 + i), markeredgewidth=0, color=COLOURS[i], label=str(direction))
     logarithmic(ax, "x", np.sort(across.values) * right)
@@ -63,7 +63,7 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
 
 @drawing
 def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
-    """Which initial state leads to which attractor, over the first two axes of the grid of initial states with several values.
+    """The attractor of each initial state, over the first two axes of the grid that have several values.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     edges : EdgeState or list of them, optional
-        From `stickslip.edge_state`: their strobe points are crosses on the borders.
+        From `stickslip.edge_state`; their strobe points are drawn as crosses on the borders.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
 
 
 def _edges_on(edges: Any, names: list[str]) -> list[Any]:
-    """Edge states that have the coordinates of a map."""
+    """Draw edge states that have the coordinates of a map."""
     many = list(edges) if isinstance(edges, (list, tuple)) else [edges]
     if not all(hasattr(edge, "strobe_points") and set(names) <= set(edge.names) for edge in many):
         allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"
@@ -129,7 +129,7 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
 
 
 def _text(attractor: Any) -> str:
-    """An attractor by its mean velocity, or its period where it makes no way, and its share."""
+    """The legend entry of an attractor: its mean velocity, or its period if it has no net displacement, and its share."""
     period = f"period {attractor.period}" if attractor.period else "no period"
     way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else period
     return f"{way}, {100 * attractor.share:.0f} %"
@@ -223,7 +223,7 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     ax = axes(ax)
     floor = float(lines.amplitude.max()) * 1e-6
     for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
-        shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # of what never moves
+        shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # for a quantity without motion
         part = lines.where((lines.harmonic == whole) & shown, drop=True)
         if part.order.size:
             ax.vlines(part.order, floor, part.amplitude, color=colour, linewidth=1.0)

@@ -1,4 +1,4 @@
-"""Pictures of edge states: the track along the border of two basins, the motion on it, and the attractors on either side."""
+"""Figures of edge states: the track along the border of two basins, the edge state, and the attractors on either side."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above, name
 def edge_state(edge: Any, ax: Ax = None) -> Any:
     """An edge state with the track that led to it and the attractors on either side, on the strobe.
 
-    Over the first two coordinates; of a state with one coordinate over the drive periods of the track.
+    The axes are the first two coordinates; a state with one coordinate is drawn over the drive periods of the track.
 
     Parameters
     ----------

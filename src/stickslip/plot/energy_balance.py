@@ -1,4 +1,4 @@
-"""Where the energy of a run goes: stacked bars for each drive period."""
+"""The energy balance of a run: stacked bars for each drive period."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from stickslip.plot.style import COLOURS, INK, SHADE, axes, drawing, legend_abov
 Balance = Annotated[Any, Kind(lambda v: hasattr(v, "friction_of"), "what ss.energy returns; type ss.energy(ss.solve(robot))")]
 
 _COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "damping": COLOURS[5]}
-_NONE = 1e-12  # of the largest work: smaller ones are not drawn
+_NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
 
 
 @drawing
 def energy(found: Balance, ax: Ax = None) -> Any:
-    """The energy balance of a run, for each drive period: work supplied upwards, work taken out downwards.
+    """The energy balance of a run for each drive period: work supplied upwards, work dissipated downwards.
 
-    The bars of a period add up to the change of the kinetic and the potential energy, which is a line; periods that are left out of the
-    mean velocity are shaded.
+    The bars of a period add up to the change of kinetic and potential energy, which is drawn as a line; transient periods, left out of
+    the mean velocity, are shaded.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def energy(found: Balance, ax: Ax = None) -> Any:
 
 
 def _works(found: Any) -> dict[str, Any]:
-    """What is drawn as bars, with the sign with which it changes the energy."""
+    """The works to draw as bars, with the sign of their contribution to the energy."""
     works = {name: (1.0 if name in ("drive", "gravity") else -1.0) * np.asarray(getattr(found, name)) for name in _COLOUR}
     largest = max((np.max(abs(work), initial=0.0) for work in works.values()), default=0.0)
     return {name: work for name, work in works.items() if np.max(abs(work), initial=0.0) > _NONE * largest}

@@ -1,4 +1,4 @@
-"""Pictures of runs of switching flows: states over time, and one against another."""
+"""Figures of runs of switching flows: states over time, and one against another."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) 
     ----------
     run : FlowRun
     *names : str
-        Which states; all if not given.
+        Names of the states; all if not given.
     duration : float, optional
         How much of the end of the run to show; all if not given.
     ax : matplotlib Axes, optional
@@ -85,7 +85,7 @@ def _check(run: Any, names: Any) -> None:
 
 
 def _sampled(run: Any, duration: float | None) -> tuple[Any, Any]:
-    """The states over so much of the end of a run, all of it if that is not said, with a pair of points at each switch."""
+    """The states over the last `duration` of a run, or all of it, with a pair of points at each switch."""
     first, end = float(run.nodes[0]), float(run.nodes[-1])
     begin = first if duration is None else max(end - duration, first)
     events = np.array([event.t for event in run.events if begin < event.t < end])

@@ -1,4 +1,4 @@
-"""How much each number of a machine matters: relative derivatives, and parts of a variance."""
+"""The influence of each number of a machine: relative derivatives, and fractions of a variance."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Parts = Annotated[
 
 @drawing
 def sensitivity(found: Slopes, ax: Ax = None) -> Any:
-    """A bar for each number of a machine: the change of the mean velocity in per cent if the number grows by one per cent.
+    """A bar for each number of a machine: the relative change of the mean velocity per relative change of the number.
 
     Numbers without a relative derivative, such as those that are zero, are left out.
 

@@ -1,4 +1,4 @@
-"""How sure something is: methods against a reference, laws against data, experiments that are planned."""
+"""Figures of reliability: methods against a reference, laws against data, planned experiments."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Checked = Annotated[Any, Kind(lambda v: hasattr(v, "judges"), "what ss.check ret
 Ranks = Annotated[Any, Kind(lambda v: hasattr(v, "supported"), "what ss.rank returns; type ss.rank([fit, another_fit])")]
 Plan = Annotated[Any, Kind(lambda v: hasattr(v, "experiments") and hasattr(v, "told"), "what ss.design returns; type ss.design(...)")]
 
-_SAME = 1e-17  # of the answer: where a difference of 0 is drawn
-_APART = 4.0  # difference of AICc below which data do not tell two laws apart
-_TOLD = 25.0  # per cent: a parameter with a smaller error is determined
-_ACROSS = 26  # letters of an experiment in a line
-_SHOWN = 8  # experiments
-_LEAST, _MOST = 1e-3, 1e3  # per cent, between which errors are drawn
+_SAME = 1e-17  # relative difference at which a difference of 0 is drawn
+_APART = 4.0  # difference of AICc below which the data do not distinguish two laws
+_TOLD = 25.0  # per cent: a parameter with a smaller error counts as determined
+_ACROSS = 26  # number of letters of an experiment's name in a line
+_SHOWN = 8  # largest number of experiments shown
+_LEAST, _MOST = 1e-3, 1e3  # per cent: errors are clipped to this range
 
 
 @drawing

@@ -1,4 +1,4 @@
-"""Pictures of maps: motion types with the exact borders over them, and mean velocity with its best point."""
+"""Figures of maps: motion types with the exact borders over them, and mean velocity with its optimum."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from stickslip.plot.style import INK, axes, drawing, legend_above, prefix, symbo
 from stickslip.steadiness import STEADINESS, UNSETTLED
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-#: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
+#: Fill colours of the motion types: greys without sliding, then alternately light and dark, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
     "rest": "#F1F1F1", "presliding": "#C6CBD1", "II": "#BCDFF4", "I": "#2F7FB8", "III": "#F0B03C", "IV": "#D2691E", "other": "#B279A2",
     "unsolved": "#FFFFFF",
 }  # fmt: skip
 #: Types whose names are written in white.
 DARK = ("I", "IV", "other")
-_PREFIXED = ("m", "V", "N", "s", "m/s", "N/m")  # units that take a prefix
-_SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to bear its name inside
-_FINE = 240  # points of each side of a map at which its regions are looked at
-_SPECK = (4, 0.001)  # cells, share of the map: a smaller region has no border drawn around it
-_ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the corners of cells are rounded off in a border
-_OWN = 0.99  # of the cells have the types of Coulomb friction where its borders are the map's own; the rest may lie on a border
+_PREFIXED = ("m", "V", "N", "s", "m/s", "N/m")  # units that take an SI prefix
+_SMALLEST = 0.045  # fraction of a side: half-width of a region that has room for its name
+_FINE = 240  # grid points along each side for the analysis of regions
+_SPECK = (4, 0.001)  # cells, fraction of the map: smaller regions have no border drawn around them
+_ROUNDED = (0.8, 0.008)  # cells, fraction of a side: the larger of the two is the radius over which corners of cells are rounded
+_OWN = 0.99  # fraction of the cells that must have the types of Coulomb friction if its borders are drawn; the rest may lie on a border
 _HATCH = "//////"  # over cells whose mean velocity has not settled
 _ROW = 11.5  # height of a row of a legend [points]
 
@@ -44,8 +44,8 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     x, y : str, optional
         Horizontal and vertical axis; by default the first and the second.
     borders : bool or "twin"
-        Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they separate. Under
-        another law they are the borders of the same robot with Coulomb friction, and are drawn on request ("twin").
+        Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they separate. For
+        another law, "twin" draws the borders of the same robot with Coulomb friction.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -87,7 +87,7 @@ def velocity_map(
     ax: Ax = None,
     quantity: str = "mean_velocity",
 ) -> Any:
-    """The mean velocity over a plane, or another number, with the borders of the motion types and the fastest point marked.
+    """The mean velocity, or another number, over a plane, with the borders of the motion types and the fastest point marked.
 
     For a machine of several parts, select one first: ``velocity_map(grid.sel(body="module 1"), quantity="body_velocity")``.
 
@@ -98,7 +98,7 @@ def velocity_map(
     x, y : str, optional
         Horizontal and vertical axis; by default the first and the second.
     borders : bool
-        Whether to draw lines between the motion types that were computed.
+        Whether to draw lines between the computed motion types.
     optimum : bool
         Whether to mark the point of largest speed.
     ax : matplotlib Axes, optional
@@ -143,7 +143,7 @@ def velocity_map(
 
 
 def _numbers(grid: Any, quantity: str) -> Any:
-    """A column of numbers of a dataset."""
+    """A numeric column of a dataset."""
     column = column_of("plot", grid, quantity)
     if column.dtype.kind != "f":
         has = ", ".join(str(n) for n in grid.data_vars if grid[n].dtype.kind == "f")
@@ -153,7 +153,7 @@ def _numbers(grid: Any, quantity: str) -> Any:
 
 # ---- parts ----
 class _Axis(NamedTuple):
-    """An axis as it is drawn: values over an SI prefix, and what stands beside it."""
+    """An axis for drawing: values scaled by an SI prefix, the factor, and the label."""
 
     values: Any
     factor: float
@@ -161,7 +161,7 @@ class _Axis(NamedTuple):
 
 
 def scaled(grid: Any, name: str) -> _Axis:
-    """An axis of a dataset as it is drawn."""
+    """An axis of a dataset, scaled for drawing."""
     values, unit = np.asarray(grid[name].values, float), grid[name].attrs.get("units", "1")
     factor, letter = prefix(values) if unit in _PREFIXED else (1.0, "")
     return _Axis(values * factor, factor, plain_label(grid, name, letter))
@@ -175,7 +175,7 @@ def plain_label(grid: Any, name: str, letter: str = "") -> str:
 
 
 def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
-    """The frame from the first values to the last, both axes' names, and what was mapped."""
+    """Set limits, labels, frame and title of a map."""
     for axis, limit in ((across, ax.set_xlim), (up, ax.set_ylim)):
         if np.ptp(axis.values) > 0:
             limit(axis.values.min(), axis.values.max())
@@ -190,7 +190,7 @@ def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
 
 
 def _mapped(grid: Any) -> str:
-    """The law and the numbers that a map stays at, as far as its dataset says so."""
+    """The law and the fixed numbers of a map, as far as its dataset contains them."""
     law = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {}).get("law", "")
     fixed = json.loads(grid.attrs.get("fixed", "{}"))
     told = [f"{n} = {v:.6g}" for n, v in fixed.items() if n not in grid.coords and isinstance(v, (int, float)) and not isinstance(v, bool)]
@@ -202,7 +202,7 @@ def _mapped(grid: Any) -> str:
 
 
 def _stays(number: Any, name: str) -> str:
-    """A number that a map stays at, by its symbol if it has one, with its unit."""
+    """A fixed number of a map, by its symbol if it has one, with its unit."""
     unit, symbol = number.attrs.get("units", "1"), symbols(number.attrs.get("long_name", name)).rpartition(" ")[2]
     factor, letter = prefix(float(number)) if unit in _PREFIXED else (1.0, "")
     shown = "" if unit in ("1", "") else "°" if unit == "degrees" else f" {letter}{unit}"
@@ -210,7 +210,7 @@ def _stays(number: Any, name: str) -> str:
 
 
 def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
-    """The map as it is seen within its frame: places on both axes, and the code of the nearest cell at each."""
+    """The map on a fine grid that is uniform in the frame: coordinates on both axes, and the code of the nearest cell at each point."""
     (x, columns), (y, rows) = (places(axis.values, _FINE) for axis in (across, up))
     return x, y, codes[np.ix_(rows, columns)]
 
@@ -228,7 +228,7 @@ def name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bo
 
 
 def _parts_them(grid: Any) -> bool:
-    """Whether the motion types of Coulomb friction are those of the map, but for cells on a border."""
+    """Whether the motion types of the map are those of Coulomb friction, except for cells on a border."""
     if not {"alpha_plus", "alpha_minus"} <= set(grid.variables):
         return False
     plus, minus, types = (
@@ -249,7 +249,7 @@ def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up
 
 
 def outlined(ax: Any, x: Any, y: Any) -> None:
-    """A black line on a white one, which shows on every colour."""
+    """Draw a black line with a white outline, visible on every colour."""
     ax.plot(x, y, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
     ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
 
@@ -281,7 +281,7 @@ def _legend(ax: Any, names: list[str], line: str | None, unsettled: bool = False
 
 
 def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
-    """Lines between the regions of different types, the corners of cells rounded off and specks left out; False if there are none."""
+    """Draw lines between regions of different type, with rounded cell corners and without specks; False if there are none."""
     import contourpy
 
     if not is_of_cases(grid, "motion_type"):
@@ -292,7 +292,7 @@ def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: 
         return False
     x, y, codes = _places(codes.reshape(types.shape), across, up)
     shares, drawn = _rounded(codes, len(names), types.shape), False
-    for k in range(len(names) - 1):  # the last one's borders are those of the others
+    for k in range(len(names) - 1):  # the borders of the last type are those of the others
         ahead = shares[k] - np.delete(shares, k, axis=0).max(axis=0)
         for line in contourpy.contour_generator(x, y, ahead).lines(0.0):
             outlined(ax, *np.asarray(line).T)
@@ -301,13 +301,13 @@ def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: 
 
 
 def _rounded(codes: Any, count: int, cells: tuple[int, ...]) -> Any:
-    """How much of the neighbourhood of each place belongs to each type; what would be a speck belongs to none."""
+    """The fraction of each type in the neighbourhood of each point; small specks are removed."""
     from scipy.ndimage import gaussian_filter, label
 
     width = [_FINE * max(_ROUNDED[0] / max(n - 1, 1), _ROUNDED[1]) for n in cells]
     shares = np.array([gaussian_filter((codes == k).astype(float), width, mode="nearest") for k in range(count)])
     least = _FINE**2 * max(_SPECK[0] / np.prod([max(n - 1, 1) for n in cells]), _SPECK[1])
-    for k in 2 * list(range(count)):  # twice: what a speck was may become one of a neighbour
+    for k in 2 * list(range(count)):  # twice: a former speck may have joined a neighbour
         parts, found = label(shares.argmax(axis=0) == k)
         sizes = np.bincount(parts.ravel(), minlength=found + 1)
         shares[k][np.isin(parts, 1 + np.flatnonzero(sizes[1:] < least))] = -1.0
@@ -315,7 +315,7 @@ def _rounded(codes: Any, count: int, cells: tuple[int, ...]) -> Any:
 
 
 def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:
-    """A star at the largest speed, with its value, written towards the middle of the map."""
+    """Draw a star at the largest speed, with its value, placed towards the middle of the map."""
     i, j = np.unravel_index(np.nanargmax(abs(V)), V.shape)
     x, y = across.values[j], up.values[i]
     ax.plot(x, y, marker="*", markersize=9, color="white", markeredgecolor="black", markeredgewidth=0.7, zorder=8, clip_on=False)

@@ -1,4 +1,4 @@
-"""Figures of optima: each number around the best machine, its drive beside the original one, and Pareto fronts."""
+"""Figures of optima: the effect of each number around the best machine, its drive and the original one, and Pareto fronts."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from stickslip.quantities import pretty_unit
 from stickslip.variables import unit_of
 
 Best = Annotated[Any, Kind(lambda v: hasattr(v, "cuts"), "what ss.optimise returns; type ss.optimise(robot, over=..., maximise=...)")]
-_MOST = 7  # numbers that are told apart by colour: those that do most
+_MOST = 7  # largest number of lines: those with the largest effect
 _STAR: Any = {"marker": "*", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.7, "clip_on": False}
 _SHADED: Any = {"color": SHADE, "linewidth": 0, "zorder": 0}
-_TIMES = 2000  # of a period
+_TIMES = 2000  # points over a period
 _MOTION = {"relative_acceleration": "acceleration", "relative_velocity": "velocity"}
 
 
@@ -102,7 +102,7 @@ def _cuts(found: Any, ax: Any) -> Any:
 
 
 def _across(found: Any, name: str) -> tuple[float, str]:
-    """The prefix of one number, and the label of its axis."""
+    """Scale factor and axis label for one number."""
     label, unit = axis_of(name, found.model) or (name, "1")
     factor, letter = scaled(found.cuts[name][1], unit)
     return factor, named(label, pretty_unit(unit), letter)
@@ -118,17 +118,17 @@ def _text(found: Any, name: str) -> str:
 
 
 def _best(found: Any, name: str) -> float:
-    """A number of the best machine; of several that are moved together the first."""
+    """A number of the best machine; the first one if several vary together."""
     return float(found.varied[numbers_meant(name, found.varied)[0]])
 
 
 def _beyond(beyond: Any) -> Any:
-    """Points beyond a limit and those next to them, so that lines meet."""
+    """Points beyond a limit and their neighbours, so that the lines meet."""
     return beyond | np.append(beyond[1:], False) | np.append(False, beyond[:-1])
 
 
 def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
-    """The drives of both machines over a period; of several those that are not the same."""
+    """The drives of both machines over a period; identical ones are drawn once."""
     limited = [name for name in _MOTION if name in found.search.subject_to]
     name = next(name for name in (*limited, *_MOTION) if np.isfinite(found.values[name]) and np.isfinite(found.given[name]))
     curves: dict[int, Any] = {}
@@ -158,14 +158,14 @@ def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
 
 
 def _curve(drive: Any, name: str) -> Any:
-    """A drive's motion over its period."""
-    times = np.arange(_TIMES) / _TIMES * float(drive.period)  # the end of the period is the beginning of the next
+    """Relative acceleration or velocity of a drive over its period."""
+    times = np.arange(_TIMES) / _TIMES * float(drive.period)  # the end of the period coincides with the beginning of the next
     return np.broadcast_to(getattr(drive, _MOTION[name])(times), times.shape)
 
 
 @drawing
 def front(found: Grid, ax: Ax = None) -> Any:
-    """The Pareto front of two quantities: the largest value of one at each level of the other, which is to be small.
+    """The Pareto front of two quantities: the largest value of one for each level of the other, which should be small.
 
     Parameters
     ----------

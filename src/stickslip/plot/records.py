@@ -11,12 +11,12 @@ from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
 from stickslip.units import SI, quantity_of
 
-_DOTS = 3000  # samples that are drawn
-_BINS = 40  # of the drive's phase, over which residuals are averaged
+_DOTS = 3000  # largest number of samples drawn
+_BINS = 40  # bins of the drive's phase in which residuals are averaged
 
 
 def _dots(x: Any, y: Any) -> tuple[Any, Any]:
-    """Not more samples than a picture can show, evenly chosen."""
+    """At most as many samples as a figure can show, evenly spaced."""
     step = max(len(x) // _DOTS, 1)
     return x[::step], y[::step]
 
@@ -32,7 +32,7 @@ def _words(kind: str, unit: str) -> str:
 
 @drawing
 def comparison(found: Compared, ax: Ax = None) -> Any:
-    """A record and several laws over one drive period, as Figs 7 to 10 of the paper.
+    """A record and several laws over one drive period, as in Figs 7 to 10 of the paper.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 
 
 def _target(fit: Any, record: int) -> Any:
-    """What was fitted in one record; `InputError` where there is none of this number."""
+    """The fitted data of one record; `InputError` if there is no record of this number."""
     targets = fit.problem.targets
     if not is_whole(record) or not 0 <= record < len(targets):
         raise InputError("plot", [f"record = {record!r}; allowed is a whole number from 0 to {len(targets) - 1}; type record=0"])
@@ -129,7 +129,7 @@ def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
 
 
 def _means(fit: Any, ax: Any) -> Any:
-    """Mean velocities, measured against fitted."""
+    """Mean velocities: fitted against measured."""
     y, model = fit.problem.y, np.concatenate(fit.predicted)
     factor, unit = prefix(y, model)
     ends = np.array([0.0, 1.08 * max(y.max(), model.max())]) * factor
@@ -140,7 +140,7 @@ def _means(fit: Any, ax: Any) -> Any:
 
 
 def _phase_mean(phase: Any, rest: Any) -> tuple[Any, Any, Any]:
-    """Middles of parts of the drive's period, means of the residuals there, and their standard errors."""
+    """Centres of the phase bins, means of the residuals in them, and their standard errors."""
     index = np.minimum((phase * _BINS).astype(int), _BINS - 1)
     count = np.maximum(np.bincount(index, minlength=_BINS), 1)
     mean = np.bincount(index, rest, _BINS) / count

@@ -1,4 +1,4 @@
-"""Pictures of one run or of several: velocity against time, phase portrait, forces."""
+"""Figures of one or several runs: velocity against time, phase portrait, forces."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from stickslip.summary import Summary
 from stickslip.variables import unit_of
 
 _POINTS = 1200  # per curve
-_WIDE = 30  # letters of a legend's row
-_MANY = 6000  # of an autonomous run, which is shown whole
+_WIDE = 30  # letters in a row of the legend
+_MANY = 6000  # points of an autonomous run, which is shown whole
 
 
 def _runs(run: Any, several: bool = False) -> list[Any]:
@@ -37,18 +37,18 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
 
 
 def only_run(run: Any) -> Any:
-    """A run of any machine; `InputError` of several."""
+    """The single run of any machine; `InputError` for several runs."""
     runs = _runs(run, several=True)
     return runs[0] if len(runs) == 1 else _runs(None)
 
 
 def _parts(run: Any, dim: str) -> list[str]:
-    """Names of the bodies or contacts of a machine that lists them; none of a robot or a bench."""
+    """Names of the bodies or contacts of a machine with several; empty for a robot or a bench."""
     return [] if machine_of(run.model).is_single else names_of(run.parted)[dim]
 
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:
-    """What has a curve, as (name, number of the run, index of its columns): each run, or each part of a run's machine."""
+    """The curves as (name, number of the run, index of its columns): one for each run, or for each part of a run's machine."""
     found: list[tuple[str, int, Any]] = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         parts = _parts(run, dim)
@@ -105,14 +105,14 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
-    """Where the only contact sticks: exactly under a set-valued law, by the rule of `motion` under one with inner states."""
+    """Intervals in which the only contact sticks: exact for a set-valued law, by the rule of `motion` for one with inner states."""
     (stretches,) = contact_modes(run, start, end).values()
     always = all(sign == 0 for _, _, sign in stretches)
     return [] if always and law_of(run.model).dynamic else [(a, b) for a, b, sign in stretches if sign == 0]
 
 
 def _finish(ax: Any, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
-    """A legend above the axes: of several curves their names, and what else wants a word."""
+    """Add a legend above the axes: the names of several curves, and additional handles."""
     curves = ax.get_legend_handles_labels()[0] if len(drawn) > 1 else []
     if curves or more:
         handles = [*curves, *more]
@@ -121,13 +121,13 @@ def _finish(ax: Any, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
 
 
 def _columns(handles: Sequence[Any]) -> int:
-    """How many columns of a legend the figure is wide enough for."""
+    """The number of legend columns that fit into the figure."""
     longest = sorted((len(str(handle.get_label())) for handle in handles), reverse=True)[:4]
     return 4 if sum(longest) <= _WIDE else 3
 
 
 def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float, name: str = "") -> list[Any]:
-    """Bands where the contact sticks, and the word for them in the legend."""
+    """Shade the intervals in which the contact sticks; returns a handle for the legend."""
     from matplotlib.patches import Patch
 
     for a, b in rests:
@@ -136,7 +136,7 @@ def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: floa
 
 
 def time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
-    """A time axis that counts from the start of the first drive period shown."""
+    """Set up a time axis that starts at the first drive period shown."""
     since = (
         f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}$ s" if span[0] else "$t$"
     )
@@ -211,8 +211,8 @@ def phase(
 
     The mean motion over the periods shown is subtracted, as in the paper ("subtracting the rigid displacements"), so that a periodic
     motion gives a closed curve with one strobe point for each of its drive periods. Without a drive there are no strobe points, and the
-    displacement is that from the spring's far end, so that a limit cycle is a closed curve. For a machine of several bodies there is one
-    curve for each body.
+    displacement is measured from the pulled end of the spring, if there is one, so that a limit cycle is a closed curve. For a machine of
+    several bodies there is one curve for each body.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def phase(
     duration : float, optional
         How much of the end of the runs to show [s], for an autonomous mechanism; all if not given.
     x, y : str, optional
-        Of a run of a `SwitchingFlow` the states to draw against each other; the first two if not given.
+        For a run of a `SwitchingFlow`, the states to draw against each other; the first two if not given.
 
     Returns
     -------
@@ -269,7 +269,7 @@ def _displacement(model: Any) -> str:
 
 
 def _strobe_word() -> Any:
-    """What the circles are, for the legend."""
+    """The legend handle of the strobe points."""
     from matplotlib.lines import Line2D
 
     style: Any = {"linestyle": "", "marker": "o", "markersize": 4, "color": "white", "markeredgecolor": INK, "markeredgewidth": 1.1}
@@ -277,14 +277,14 @@ def _strobe_word() -> Any:
 
 
 def _shown(run: Any) -> int | None:
-    """One motion period, or what there is of 16 drive periods if none was found; None without a drive."""
+    """One motion period, or up to 16 drive periods if none was found; None without a drive."""
     if run.model.period is None:
         return None
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
 def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any, Any]:
-    """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none without a drive."""
+    """Displacement without drift and velocity over a span, and both at the strobe times (empty without a drive)."""
     start, end = span
     if run.model.period is None:
         t, v = sampled(run, start, end, "v")
@@ -305,7 +305,7 @@ def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any
 def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
 
-    For a mechanism only the friction force is drawn, for a machine of several contacts that of each.
+    Without a drive, only the friction force is drawn; for a machine of several contacts, that of each.
 
     Parameters
     ----------
@@ -370,7 +370,7 @@ def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: floa
 
 
 def limits(run: Any, t: Any) -> tuple[Any, ...]:
-    """Break-away forces at instants: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
+    """Break-away forces at given times: a set-valued law's own; for a dynamic law with static coefficients, the load times these."""
     law, load = law_of(run.model), normal_load(run.model, t, 0.0) + 0.0 * t
     limits = law.limits(load) if not law.dynamic or hasattr(law.law, "f_plus") else None
     return () if limits is None else tuple(limit + 0.0 * t for limit in limits)

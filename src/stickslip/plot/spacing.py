@@ -1,4 +1,4 @@
-"""Axes whose values grow by a constant factor are logarithmic."""
+"""Axes with geometrically spaced values are logarithmic."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stickslip.maths import exp
 
 
 def geometric(values: Any) -> bool:
-    """Whether numbers grow by a constant factor and not by a constant step."""
+    """Whether numbers grow by a constant factor rather than by a constant step."""
     if len(values) < 3 or not (values > 0).all():
         return False
     ratios = np.diff(np.log(values))
@@ -19,9 +19,9 @@ def geometric(values: Any) -> bool:
 
 
 def edges(values: Any) -> Any:
-    """The edges of cells around numbers, half way between neighbours (by their logarithms where they grow by a factor)."""
+    """The edges of cells around numbers, halfway between neighbours (in their logarithms if they grow by a constant factor)."""
     if geometric(values):
-        return exp(edges(np.log(values)))  # which stays finite at the end of what a float holds
+        return exp(edges(np.log(values)))  # finite even at the limits of a float
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[1:] + values[:-1])
@@ -29,7 +29,7 @@ def edges(values: Any) -> Any:
 
 
 def cells(ax: Any, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
-    """Fill the cells around places with colours, by their number."""
+    """Fill the cells around grid points with the colours of their codes."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
@@ -37,7 +37,7 @@ def cells(ax: Any, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
 
 
 def logarithmic(ax: Any, letter: str, values: Any) -> None:
-    """A logarithmic axis with plain numbers, where the numbers grow by a constant factor."""
+    """Make an axis logarithmic, with plain numbers, if its values grow by a constant factor."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     if not geometric(values):
@@ -50,7 +50,7 @@ def logarithmic(ax: Any, letter: str, values: Any) -> None:
 
 
 def places(values: Any, count: int) -> tuple[Any, Any]:
-    """So many places from the least to the largest of numbers, evenly seen on their axis, and the number of the nearest value at each."""
+    """`count` points over the range of the values, uniform on their axis, and the index of the nearest value at each."""
     values = np.asarray(values, float)
     seen = np.log(values) if geometric(np.sort(values)) else values
     fine = np.linspace(seen.min(), seen.max(), count)

@@ -13,7 +13,7 @@ _KINDS = {
 
 
 def marker_of(kind: str) -> str:
-    """The marker of a special point; a star where a kind has none of its own.
+    """The marker of a special point; a star for kinds without their own.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def name_of(kind: str) -> str:
 
 
 def name_once(kind: str, told: set[str]) -> str | None:
-    """The name when it comes for the first time, and None from then on: a legend has one line for each kind.
+    """The name at its first occurrence, then None: a legend has one line for each kind.
 
     Examples
     --------

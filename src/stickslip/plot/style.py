@@ -1,4 +1,4 @@
-"""How our figures look: one column wide, colours that everybody can tell apart, axes with SI prefixes."""
+"""The style of our figures: one column wide, colours for any colour vision, axes with SI prefixes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from stickslip.quantities import LINES, SUBSCRIPTS
 
 P = ParamSpec("P")
 T = TypeVar("T")
-#: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
+#: Colours of Okabe and Ito (2008), dark ones first: distinguishable with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-#: Dashes go with the colours, so that a printed figure needs none.
+#: Dash patterns that accompany the colours, so that a figure can be printed without colour.
 DASHES = ("-", (0, (5, 1.6)), (0, (1, 1.1)), (0, (5, 1.2, 1, 1.2)), "-", "-", "-")
 INK, SHADE = "#333333", "#DFE3E8"
 #: Width of a journal column [inch].
@@ -46,17 +46,17 @@ def publication() -> Iterator[None]:
     mpl.rcParams.update(settings)
     try:
         yield
-    finally:  # these settings and no others: a back end that a notebook's first figure loads turns `interactive` on, and it must stay on
+    finally:  # only these settings: loading a back end for a notebook's first figure turns `interactive` on, and it must stay on
         mpl.rcParams.update(before)
 
 
 def drawing(function: Callable[P, T]) -> Callable[P, T]:
-    """A function that draws in the style of this package, and whose exceptions name arguments of a wrong kind."""
+    """Decorate a drawing function: it uses the style of this package, and its errors name arguments of a wrong kind."""
     return publication()(explains_arguments(function))
 
 
 def axes(ax: Any = None, height: float = 2.1) -> Any:
-    """The axes to draw in: those given, or those of a new figure of one column's width."""
+    """The given axes, or those of a new figure of one column's width."""
     if ax is not None:
         return ax
     import matplotlib.pyplot as plt
@@ -65,7 +65,7 @@ def axes(ax: Any = None, height: float = 2.1) -> Any:
 
 
 def dot_size(count: int) -> float:
-    """Diameter of a diagram's dots [point] for so many values across a column's width: small where they are many.
+    """Diameter of a diagram's dots [point] for a number of values across a column's width: small if there are many.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def dot_size(count: int) -> float:
 
 
 def name_rows(ax: Any, names: Sequence[str], room: float = 0.0) -> None:
-    """Names of rows at the left, without ticks; with room below the first and above the last, in rows, if that is asked for."""
+    """Row names at the left, without ticks; `room` is the margin below the first and above the last row, in rows."""
     ax.set_yticks(range(len(names)), names)
     if room:
         ax.set_ylim(-room, len(names) - 1 + room)
@@ -84,7 +84,7 @@ def name_rows(ax: Any, names: Sequence[str], room: float = 0.0) -> None:
 
 
 def legend_above(ax: Any, *entries: Any, **options: Any) -> None:
-    """A legend above the frame, at its right end; entries and options as of ``ax.legend``."""
+    """A legend above the frame, right-aligned; entries and options as for ``ax.legend``."""
     ax.legend(*entries, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, **options)
 
 
@@ -92,7 +92,7 @@ _SYMBOL = re.compile(rf"(?<!\S)([A-Za-zΑ-ωℓ])(?:_([0-9a-z,]+)|_?([0-9a-z+-]|
 
 
 def symbols(text: str) -> str:
-    """A name with the symbol at its end, as axes write it: the symbol in italics, with its index.
+    """A name with the symbol at its end typeset for an axis: in italics, with its index.
 
     Examples
     --------
@@ -126,22 +126,22 @@ def prefix(*arrays: Any) -> tuple[float, str]:
 
 
 def named(text: str, unit: str, factor_prefix: str = "") -> str:
-    """An axis label with its symbol and unit; what has no unit shows none."""
+    """An axis label with its symbol and unit, if it has one."""
     text = symbols(text)
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
 def scaled(values: Any, unit: str) -> tuple[float, str]:
-    """The prefix of an axis with a unit; numbers without one keep their size."""
+    """The scale factor and SI prefix of an axis with a unit; numbers without a unit are not scaled."""
     return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
 
 
 def labelled(column: Any, factor_prefix: str = "") -> str:
-    """An axis label from the name and the unit that a column of a dataset has."""
+    """An axis label from the name and the unit of a dataset column."""
     return named(column.attrs["long_name"], column.attrs["units"], factor_prefix)
 
 
 def side_of(column: Any) -> tuple[float, str]:
-    """By what the numbers of a column are multiplied on an axis, and the axis' label."""
+    """Scale factor and axis label of a dataset column."""
     factor, letter = scaled(column.values[np.isfinite(column.values)], column.attrs["units"])
     return factor, labelled(column, letter)

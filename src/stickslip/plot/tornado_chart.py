@@ -1,4 +1,4 @@
-"""Which uncertain numbers matter: a bar for each, the longest on top."""
+"""Influence of uncertain numbers: a bar for each, the longest on top."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate r
 def tornado(found: Bands, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
-    The grey band is the effect of all of them together: the central 90 % of the sample. First and total Sobol indices are shown at the
+    The grey band is the joint effect of all of them: the central 90 % of the sample. First and total Sobol indices are shown at the
     right, if they were computed.
 
     Parameters
@@ -53,7 +53,7 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
     name_rows(ax, order)
     ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
     _indices(ax, found, order)
-    handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
+    handles, labels = ax.get_legend_handles_labels()  # the band comes last: it belongs to all numbers
     order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
     legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
