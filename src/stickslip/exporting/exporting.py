@@ -1,4 +1,4 @@
-"""Take a law with you: as source text of another language, as a table of a study file, or as attributes of a simulator's joint."""
+"""Export a law: as source code in another language, as a table of a study file, or as attributes of a simulator's joint."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> N
 
 
 def _only_law(model: Any) -> Any:
-    """The law of a machine that has one contact, also if it has several bodies."""
+    """The law of a machine that has one contact, possibly with several bodies."""
     laws = machine_of(model).mechanics.laws
     if len(laws) != 1:
         given = f"{type(model).__name__} has {len(laws)} contacts"
@@ -168,7 +168,7 @@ def _only_law(model: Any) -> Any:
 
 
 def _load_of(model: Any) -> float:
-    """The load of a model with one contact; 1 of a law, whose coefficients then are forces."""
+    """The load of a model with one contact; 1 for a law, whose coefficients are then forces."""
     load = 1.0 if is_law(model) else getattr(model, "load", None)
     if not isinstance(load, (int, float)):
         raise InputError("export_law", [f"the load of this {type(model).__name__} is not a number of its own; type for example load=1.0"])

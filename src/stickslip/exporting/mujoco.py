@@ -1,4 +1,4 @@
-"""A friction law as a joint of MuJoCo can represent it (dry friction and damping, equal both ways), with the error of doing so."""
+"""A friction law as a MuJoCo joint can represent it (dry friction and damping, equal in both directions), with the resulting error."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from stickslip.benching.velocity import shown
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import adapted
 
-_COUNT = 41  # speeds, each way: a factor of 1.26 apart over four decades
-_ROUNDING = 1e-9  # of the largest force, what the linear programme leaves
+_COUNT = 41  # speeds in each direction: a factor of 1.26 apart over four decades
+_ROUNDING = 1e-9  # relative to the largest force: rounding of the linear programme
 
 
 def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[str, float], tuple[str, ...]]:
-    """The friction and the damping with the smallest largest error (a linear programme) at speeds of equal ratio.
+    """Friction and damping with the smallest maximum error (a linear programme) at geometrically spaced speeds.
 
     Returns
     -------
     tuple of dict, tuple
-        frictionloss [N], or N m of a hinge; damping [N s/m], or N m s/rad; error, the largest of the steady friction force over the range,
-        both ways [N]; worst, the velocity at which it is that large [m/s]; largest, the largest steady friction of the law [N]. And
-        sentences on what the joint cannot do that the law does.
+        frictionloss [N], or [N m] for a hinge; damping [N s/m], or [N m s/rad]; error, the largest one of the steady friction force over
+        the range, in both directions [N]; worst, the velocity at which it occurs [m/s]; largest, the largest steady friction of the law
+        there [N]. And sentences on properties of the law that the joint lacks.
     """
     from scipy.optimize import linprog
 
@@ -48,7 +48,7 @@ def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[st
 
 
 def _lost(bench: Setup, forces: list[float]) -> list[str]:
-    """What of the law is not in the joint."""
+    """The properties of the law that the joint lacks."""
     apart = max(abs(a - b) for a, b in zip(forces[:_COUNT], forces[_COUNT:], strict=True))
     found = [f"forward and backward friction, which differ by up to {apart:.4g} N"] if apart > 1e-9 * max(map(abs, forces)) else []
     held = max(map(abs, bench.holds))

@@ -1,4 +1,4 @@
-"""Names of a law and of its numbers that other languages take."""
+"""Names of a law and of its numbers that are valid in other languages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-#: Words of C and MATLAB, and functions of the MATLAB file: nothing of one's own has these names.
+#: Keywords of C and MATLAB, and functions of the MATLAB file, which cannot be used as names.
 _WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short
 signed sizeof static struct switch typedef union unsigned void volatile while
@@ -19,7 +19,7 @@ TAKEN = frozenset(_WORDS.split())
 
 
 def prefix_of(law: Any, name: str | None) -> str:
-    """What the functions of a law are called."""
+    """The prefix of the functions of a law."""
     if name is None:
         return type(law).__name__.lower() if _plain(type(law).__name__.lower()) else "law"
     if not isinstance(name, str) or not _plain(name):
@@ -28,7 +28,7 @@ def prefix_of(law: Any, name: str | None) -> str:
 
 
 def names_of_numbers(names: Iterable[str]) -> dict[str, str]:
-    """Dotted names of numbers -> names of fields, each of its own.
+    """Dotted names of numbers -> unique names of fields.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A friction law as source text of another language: C99, or MATLAB, which Octave runs too. The files' texts are in ``templates``."""
+"""A friction law as source code: C99, or MATLAB, which Octave also runs. The files' texts are in ``templates``."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ _SAME = {name: name for name in ("log", "sqrt", "sin", "cos", "atan", "tanh", "a
 
 @dataclass(frozen=True)
 class Files:
-    """What differs between the files of languages, besides their templates.
+    """The differences between the languages, apart from their templates.
 
     Parameters
     ----------
     template : str
     language : Language
     number, state, memory : str
-        How a number is called, with {} for its field, and a state and a memory, with {} for which.
+        Formats of the access to a number, with {} for its field, and to a state and a memory, with {} for the index.
     first : int
-        Index of the first.
+        First index of an array.
     limited : dict of str
-        Functions with the limits that they have in `stickslip.maths`.
+        Functions with their arguments limited as in `stickslip.maths`.
     """
 
     template: str
@@ -43,7 +43,7 @@ class Files:
     limited: dict[str, str]
 
     def each(self, place: str, ends: Iterable[str], columns: int = 1) -> list[str]:
-        """Lines that fill in the places of a table, row by row: {0} is what goes there, {1} and {2} are row and column."""
+        """Assignments to the elements of a table, row by row: {0} is the expression, {1} and {2} are row and column."""
         cells = ((end, *divmod(i, columns)) for i, end in enumerate(ends))
         return ["    " + place.format(end, row + self.first, column + self.first) for end, row, column in cells]
 
@@ -91,7 +91,7 @@ MATLAB = Files(
 
 
 def written(law: TracedLaw, name: str, files: Files, version: str) -> str:
-    """The file of a law in a language."""
+    """The source file of a law in a language."""
     templates = _templates()
     names, table = names_of_numbers(law.numbers), law.slopes
     bind = {number: files.number.format(field) for number, field in names.items()} | {w: w for w in ("v", "load", "applied")}
@@ -123,6 +123,6 @@ def _templates() -> Any:
 
 
 def _unused(takes: str, text: str) -> list[str]:
-    """The arguments of a C function that its text does not name."""
+    """The arguments of a C function that its text does not use."""
     own = [part.split()[-1].lstrip("*") for part in takes.split(", ")]
     return [word for word in own if not re.search(rf"\b{word}\b", text)]

@@ -1,4 +1,4 @@
-"""Reports: numbers and pictures put on one page that needs nothing else."""
+"""Reports: numbers and figures on self-contained pages."""
 
 from stickslip.report.html import page, svg_address, write
 from stickslip.report.of_atlas import atlas_page

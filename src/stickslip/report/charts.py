@@ -1,4 +1,4 @@
-"""Charts that a reader can ask: the curves of a picture as plain numbers, for the page's script. The picture stays for print."""
+"""Interactive charts: the curves of a figure as plain numbers, for the page's script. The static figure stays for print."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Table = tuple[str, Any, list[Any]]
 
 
 def tables_of(found: Iterable[Table], most: int | None = None) -> list[dict[str, Any]]:
-    """Tables with a caption, a head and rows, as pages take them; those without rows are left out."""
+    """Tables with a caption, a head and rows, in the form that pages take; tables without rows are left out."""
     return [{"caption": caption, "head": head, "rows": rows[:most]} for caption, head, rows in found if rows]
 
 
 class Figure(NamedTuple):
-    """A picture with its caption and, where one can ask it for values, its chart."""
+    """A figure with its caption and, if available, its interactive chart."""
 
     caption: str
     picture: str
@@ -34,13 +34,13 @@ def curve(label: str, y: Any, points: bool = False, number: int = 0, emphasis: b
     ----------
     label : str
     y : array (n,)
-        Its values; what is not finite is a gap.
+        Its values; non-finite ones leave gaps.
     points : bool
         Points without a line.
     number : int
-        Which colour and dash it has.
+        Number of its colour and dash pattern.
     emphasis : bool
-        Drawn in the colour of text, such as a line that joins points.
+        Whether to draw it in the colour of the text, such as a line that joins points.
     """
     return {"label": label, "y": _plain(y), "points": points, "dash": [] if points else list(_DASHES[number % 6]), "colour": number % 6,
             "plain": emphasis}  # fmt: skip
@@ -52,15 +52,15 @@ def chart(title: str, x: Any, across: tuple[str, str], up: tuple[str, str], curv
     Parameters
     ----------
     title : str
-        What it shows, for those who do not see it.
+        Text alternative for readers who cannot see it.
     x : array (n,)
-        In rising order.
+        In ascending order.
     across, up : tuple of str
         Name and unit of the axes.
     curves : iterable of dict
         From `curve`.
     shade : iterable of (from, to)
-        Stretches of x with another background.
+        Intervals of x with a shaded background.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def _plain(values: Any) -> list[float | None]:
 
 @cache
 def chart_library() -> dict[str, str]:
-    """uPlot, which the explorer ships, as text to stand in a page: its licence, script and style."""
+    """uPlot, which the explorer ships, as text to embed in a page: its licence, script and style."""
     folder = Path(__file__).parents[1] / "explorer" / "assets"
     names = {"licence": "uPlot.LICENSE.txt", "script": "uPlot.iife.min.js", "style": "uPlot.min.css"}
     return {name: (folder / file).read_text(encoding="utf-8").strip() for name, file in names.items()}

@@ -1,4 +1,4 @@
-"""Pictures as SVG text for a page."""
+"""Figures as SVG text for a page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def svg(draw: Callable[[Any], Any], width: float = 4.2, height: float = 2.6, salt: str = "report", layout: Any = None) -> str:
-    """One picture as SVG text; letters become paths, so that it looks the same everywhere.
+    """A figure as SVG text; letters become paths, so that it looks the same everywhere.
 
     Parameters
     ----------
@@ -17,9 +17,9 @@ def svg(draw: Callable[[Any], Any], width: float = 4.2, height: float = 2.6, sal
     width, height : float
         Size [inch].
     salt : str
-        What the names inside are made of, so that two pictures on a page have different ones.
+        Seed of the identifiers inside, which must differ between the figures of a page.
     layout : str, optional
-        The layout engine of matplotlib; that of our style where nothing is said.
+        The layout engine of matplotlib; by default that of our style.
 
     Examples
     --------

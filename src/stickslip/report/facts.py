@@ -1,4 +1,4 @@
-"""Facts about a run, each with its unit: of the whole machine, of each body, contact, link and stop."""
+"""Facts about a run with their units: on the machine, and on each body, contact, link and stop."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ Row = tuple[str, ...]
 
 
 def facts(run: Any) -> list[tuple[str, str]]:
-    """The rows of a run's page, by name and value."""
+    """Names and values for the page of a run."""
     if not machine_of(run.model).is_single:
         return _of_machine(run)
     return _of_robot(run) if run.model.period is not None else _of_bench(run)
 
 
 def millimetres(*velocities: float, model: Any = None) -> str:
-    """Velocities [m/s] in mm/s, of a machine about an axis in mrad/s, as a range if there are two."""
+    """Velocities [m/s] in mm/s (mrad/s for a machine about an axis); two are written as a range."""
     return " to ".join(f"{1e3 * v:.6g}" for v in velocities).replace("-", "−") + f" m{unit_of('v', model)}"
 
 
 def joules(work: float) -> str:
-    """A work [J] with its prefix."""
+    """A work [J] with an SI prefix."""
     from stickslip.plot.style import prefix
 
     factor, unit = prefix(work)
@@ -34,14 +34,14 @@ def joules(work: float) -> str:
 
 
 def mean_of(run: Any, body: str | None = None) -> float:
-    """Mean velocity of the machine or of a body [m/s]; what is rounding of a machine that stays where it is counts as 0."""
+    """Mean velocity of the machine or of a body [m/s]; values within rounding count as 0."""
     from stickslip.analysis.steady import mean_velocity
 
     return _told(run, float(mean_velocity(run, body=body)))
 
 
 def _told(run: Any, v: float) -> float:
-    """A velocity; 0 where it is rounding."""
+    """A velocity; 0 if it is rounding."""
     return v if abs(v) > 1e-11 * float(machine_of(run.model).velocity_scale) else 0.0
 
 
@@ -79,7 +79,7 @@ def _status(run: Any) -> str:
 
 
 def _of_bench(run: Any) -> list[tuple[str, str]]:
-    """Of an autonomous mechanism."""
+    """The facts on an autonomous mechanism."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.run_segments import shares
     from stickslip.analysis.steady import mean_velocity
@@ -117,7 +117,7 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
 
 
 def _whose(model: Any) -> str:
-    """Whose mean velocity is that of a machine."""
+    """The body to which the mean velocity of a machine refers, or "the centre of mass"."""
     return machine_of(model).principal or "the centre of mass"
 
 
@@ -135,12 +135,12 @@ def _balance(run: Any) -> list[tuple[str, str]]:
 
 
 def _mean(works: Any, settle: int) -> float:
-    """Work in a period after settling, or in the only row of a run without a period."""
+    """Mean work per period after the transient, or the work of a run without a period."""
     return float(works[min(settle, len(works) - 1) :].mean())
 
 
 def tables(run: Any) -> list[dict[str, Any]]:
-    """Tables of the bodies, the contacts, and the links and stops of a machine of several; none of one body."""
+    """Tables of the bodies, contacts, links and stops of a machine of several bodies; empty for a single body."""
     if machine_of(run.model).is_single:
         return []
     return tables_of((_bodies(run), _contacts(run), _links(run)))
@@ -160,7 +160,7 @@ def _bodies(run: Any) -> Table:
 
 
 def _contacts(run: Any) -> Table:
-    """Motion of each contact and what friction takes there."""
+    """Motion of each contact and its friction loss."""
     from stickslip.analysis.contact_modes import FLIGHT, contact_modes
     from stickslip.report.moving import shown_span
 
@@ -186,7 +186,7 @@ def _motions(run: Any) -> dict[str, Row]:
 
 
 def _losses(run: Any, which: str) -> dict[str, str]:
-    """What parts take in a period, or in the run, with units; nothing where energy is not balanced."""
+    """Losses of the parts per period, or in the run, with units; empty if energy is not balanced."""
     from stickslip.analysis.energy import energy
 
     try:
@@ -197,7 +197,7 @@ def _losses(run: Any, which: str) -> dict[str, str]:
 
 
 def _links(run: Any) -> Table:
-    """What links and stops take, and how often stops are hit."""
+    """Losses of links and stops, and the number of hits on stops."""
     from stickslip.analysis.contact_modes import hits
     from stickslip.analysis.works import label_of_stop
     from stickslip.report.moving import shown_span

@@ -1,4 +1,4 @@
-"""The fastest cases of a study, and a run of the first of them where the study says how to make its robot."""
+"""The fastest cases of a study, and a run of the fastest one if the study contains its robot."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 def order(grid: Any, most: int) -> list[dict[str, int]]:
-    """Places of the fastest cases, the fastest first; those without a velocity are left out.
+    """Indices of the fastest cases, the fastest first; cases without a velocity are left out.
 
     Examples
     --------
@@ -24,9 +24,9 @@ def order(grid: Any, most: int) -> list[dict[str, int]]:
 
 
 def run_again(grid: Any) -> Any:
-    """A run of the fastest case; None if the study does not say how its robots were made, or if it does not move alike.
+    """A run of the fastest case; None if the study does not contain its robot, or if the motion differs.
 
-    A study keeps the name of a preset, or the robot itself, and the arguments; that is all. A function of the user is not looked for.
+    A study contains the name of a preset, or the robot itself, and the arguments only. User functions are not looked up.
     """
     from stickslip.errors import StickslipError
     from stickslip.solvers import solve
@@ -46,7 +46,7 @@ def run_again(grid: Any) -> Any:
 
 
 def _robot(case: Any) -> Any:
-    """The machine of one case: by its preset, or the one that was given with its changes; None where neither is known."""
+    """The machine of one case, from its preset or from the stored one with its changes; None if neither is known."""
     import inspect
     import json
 
@@ -67,7 +67,7 @@ def _robot(case: Any) -> Any:
 
 
 def _arguments(case: Any, known: Any) -> dict[str, Any]:
-    """The arguments of one case that its maker knows: what varied, and what did not."""
+    """The arguments of one case that its maker takes, both varying and fixed."""
     import json
 
     fixed = json.loads(case.attrs.get("fixed", "{}"))
@@ -78,7 +78,7 @@ def _arguments(case: Any, known: Any) -> dict[str, Any]:
 
 
 def _alike(run: Any, velocity: float) -> bool:
-    """Whether the run is the case of the study: a motion that depends on its start may be another."""
+    """Whether the run agrees with the case of the study; with coexisting motions it may not."""
     from stickslip.analysis.steady import mean_velocity
 
     return abs(mean_velocity(run) - velocity) <= 1e-3 * abs(velocity)

@@ -1,4 +1,4 @@
-"""One self-contained HTML page from a template: style and pictures inside, no address outside."""
+"""One self-contained HTML page from a template: style and figures are embedded, without external addresses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.storage import moved_into_place, unwritable
 
 
 def svg_address(svg: str) -> str:
-    """An SVG picture as an address that an ``img`` can show.
+    """An SVG picture as a data address for an ``img`` element.
 
     Examples
     --------
@@ -24,24 +24,24 @@ def svg_address(svg: str) -> str:
 
 
 def grouped(number: int) -> str:
-    """A whole number with its thousands apart, by narrow spaces that do not break."""
+    """A whole number with its digits grouped in thousands by narrow no-break spaces."""
     return f"{number:,}".replace(",", "\u202f")
 
 
 def fixed(number: float, digits: int) -> str:
-    """A number with so many decimals and a true minus."""
+    """A number with a fixed number of decimals and a true minus sign."""
     return f"{number:.{digits}f}".replace("-", "−")
 
 
 def _formula(tex: str) -> Any:
-    """A displayed formula in a page."""
+    """A displayed formula for a page."""
     from markupsafe import Markup
 
     return Markup(mathml(tex, as_block=True))
 
 
 def environment(folder: str | Path) -> Any:
-    """What fills the templates of a folder."""
+    """The template environment of a folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     made = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -50,14 +50,14 @@ def environment(folder: str | Path) -> Any:
 
 
 def page(template: str, **content: Any) -> str:
-    """The text of a page; what stands in `content` is escaped where the template writes it.
+    """The text of a page; values in `content` are escaped where the template inserts them.
 
     Parameters
     ----------
     template : str
         Name of a file in ``report/templates``.
     **content
-        What the template asks for.
+        The values for the template.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def page(template: str, **content: Any) -> str:
 
 
 def outside_addresses(text: str) -> list[str]:
-    """Addresses outside the page that it would load or lead to.
+    """External addresses that the page would load or link to.
 
     Examples
     --------

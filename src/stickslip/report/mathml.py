@@ -1,29 +1,29 @@
-"""Equations as MathML, which browsers draw themselves: no script, no font, no network (decision 2026-11-21)."""
+"""Equations as MathML, which browsers render themselves: no script, no font, no network (decision 2026-11-21)."""
 
 from __future__ import annotations
 
 import re
 
 _OPERATOR = r"\\(?:arcsin|arctan|sinh|cosh|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
-#: An index below a letter with dots, which TeX puts beside it.
+#: An index below a letter with dots, which TeX places beside it.
 _DOTTED = re.compile(r"<munderover>\s*(<mi>[^<]*</mi>)\s*((?:(?!munderover).)*?)\s*(<mo[^>]*>[¨˙]</mo>)\s*</munderover>", re.S)
 
 
 def _spaced(tex: str) -> str:
-    """Put the thin spaces around sin, cos, ... that TeX would put there and MathML does not."""
+    """Add the thin spaces around sin, cos, ... that TeX adds and MathML does not."""
     tex = re.sub(rf"(?<=[\w}})])\s*({_OPERATOR})", r"\\,\1", tex)
     return re.sub(rf"({_OPERATOR})\s*(?=[A-Za-z\\|])", r"\1\\,", tex)
 
 
 def mathml(tex: str, as_block: bool = False) -> str:
-    r"""One formula as MathML, for an HTML page. The bars of an absolute value are told apart: browsers take both for a binary operator.
+    r"""A formula as MathML, for an HTML page. Opening and closing bars of absolute values are marked, as browsers take them for operators.
 
     Parameters
     ----------
     tex : str
-        LaTeX, as of `stickslip.latex`; ``aligned`` and ``cases`` may stand in it.
+        LaTeX, as from `stickslip.latex`; ``aligned`` and ``cases`` are allowed.
     as_block : bool
-        Whether it stands in lines of its own.
+        Whether it is a displayed formula.
 
     Examples
     --------

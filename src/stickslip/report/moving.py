@@ -8,28 +8,28 @@ from typing import Any
 from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
-_MOMENTS = 480  # instants of the moving picture
-_LONGEST = 4  # drive periods that it shows at most
+_MOMENTS = 480  # frames of the animation
+_LONGEST = 4  # largest number of drive periods shown
 _DIGITS = 6
 
 
 def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]:
-    """Everything that moves over the last motion period, or over the whole run of an autonomous system.
+    """All moving parts over the last motion period, or over the whole run of an autonomous system.
 
     Parameters
     ----------
     run : Trajectory
     span : (float, float), optional
-        From when to when [s].
+        Start and end [s].
 
     Returns
     -------
     dict
-        t from the start of the span in `unit` (ms, or s without a drive); bodies with name, mass [kg], place (which stands on the
-        track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass, and lift, how
-        high a body is above its track [mm], None of one that cannot fly; rows with the
-        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed, 3 flight) and hits, or landings; links,
-        pairs of bodies with whether they give way; lengths and speeds, the units of x and v, which about an axis are mrad and mrad/s.
+        t from the start of the span in `unit` (ms, or s without a drive); bodies with name, mass [kg], place (position on the track from
+        left to right, level above it), displacement x [mm] and velocity v [mm/s] (None for an inner mass), and lift, the height of the
+        body above its track [mm] (None if it cannot leave it); rows with the name of a contact or stop, its stretches (from, to, sign;
+        sign 2 is a stop in contact, 3 flight) and hits, or landings; links, pairs of bodies with a flag for elastic ones; lengths and
+        speeds, the units of x and v, which are mrad and mrad/s for rotation about an axis.
     """
     import numpy as np
 
@@ -49,7 +49,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
 
 
 def shown_span(run: Any) -> tuple[float, float]:
-    """The last motion period of a run, the last drive periods if it does not repeat soon; the whole run without a drive."""
+    """The last motion period of a run, or its last drive periods if it does not repeat soon; the whole run without a drive."""
     from stickslip.analysis.steady import period_number
 
     if run.model.period is None or not len(run.strobe_times) > 1:
@@ -65,10 +65,10 @@ def _plain(values: Any) -> list[float]:
 
 # ---- bodies ----
 def stage(model: Any) -> list[dict[str, Any]]:
-    """Name, mass [kg] and place of each body: (position on the track from left to right, storey above it).
+    """Name, mass [kg] and place of each body: (position on the track from left to right, level above it).
 
-    Bodies that rub on the track stand on it, in the order of where they start, the head in front; others above the body that they are
-    joined to, or that they rub on.
+    Bodies in contact with the track stand on it, ordered by initial position, the head in front; others are placed above the body to
+    which they are linked or on which they slide.
 
     Examples
     --------
@@ -98,12 +98,12 @@ def stage(model: Any) -> list[dict[str, Any]]:
 
 
 def _start(mechanics: Any, name: str) -> tuple[float, int]:
-    """Where a body starts; of several at one place the first is in front."""
+    """Sort key of a body: its initial position; of several at one position the first is in front."""
     return float(mechanics.parts[name].position), -mechanics.bodies.index(name)
 
 
 def _standing_on(mechanics: Any) -> dict[str, str | None]:
-    """For each body the one on the track above which it is drawn; None for those on the track."""
+    """For each body, the one on the track above which it is drawn; None for those on the track."""
     on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
     joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.prescribed]] + [stop.ends for stop in mechanics.stops]
     joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
@@ -117,7 +117,7 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
 
 
 def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
-    """Each body with its position and velocity; of a robot its inner masses too, whose velocities are not drawn."""
+    """Each body with its position and velocity; for a robot also its inner masses, without velocities."""
     parts = stage(run.model)
     single = machine_of(run.model).is_single
     for i, part in enumerate(parts[: len(run.bodies)]):
@@ -132,7 +132,7 @@ def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str,
 
 
 def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
-    """How high each body that can fly is above its track [mm]."""
+    """Height of each body that can leave its track above it [mm]."""
     from stickslip.analysis.moving_tracks import gaps
 
     mechanics: Any = machine_of(run.model).mechanics
@@ -140,7 +140,7 @@ def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
 
 
 def _links(model: Any) -> list[list[int]]:
-    """Pairs of bodies that a link joins, by their numbers, and whether it gives way; the ground is -1."""
+    """Pairs of linked bodies by index, with 1 for elastic links and 0 for others; the ground is -1."""
     machine = machine_of(model)
     if machine.is_single:
         return []

@@ -1,4 +1,4 @@
-"""A page about an atlas: regions, borders, special points with their accuracy, branches, and parts not reached."""
+"""Page on an atlas: regions, borders, special points with their accuracy, branches, and parts not reached."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from stickslip.report.charts import Figure, Table, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-_ROWS = 400  # of a table
+_ROWS = 400  # largest number of rows in a table
 _CAPTION = "Regions by the motions that attract there; lines are borders that were followed in both numbers."
 
 
 def atlas_page(found: Any, title: str, command: str = "") -> str:
-    """The page about an atlas.
+    """The page on an atlas.
 
     Parameters
     ----------
     found : Atlas
     title : str
-        What stands at its top.
+        Title of the page.
     command : str
-        What to type for the same page, if it was made by a command.
+        The command that makes the page, if it was made by one.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def atlas_page(found: Any, title: str, command: str = "") -> str:
 
 
 def _axes(found: Any) -> list[tuple[str, str]]:
-    """Both axes with their ranges, and the numbers that stay."""
+    """Both axes with their ranges, and the fixed numbers."""
     told = []
     for name in found.parameters:
         axis = found.map[name]

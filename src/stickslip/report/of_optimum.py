@@ -1,4 +1,4 @@
-"""A page about the best machine of a search: gains and costs, the numbers varied, active limits, and its motion."""
+"""Page on the best machine of a search: gains and costs, the varied numbers, active limits, and its motion."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from stickslip.report.charts import Figure, Table, chart, curve, tables_of
 from stickslip.report.drawn import svg
 from stickslip.report.of_run import run_page
 
-_PERIODS = 500  # of the run that is shown, until it has settled
+_PERIODS = 500  # transient periods of the run shown
 _SHOWN = ("mean_velocity", "drive_power", "cost_of_transport", "stroke", "relative_velocity", "relative_acceleration")
-_SLOPES = 16  # rows of the table of derivatives
+_SLOPES = 16  # rows in the table of derivatives
 
 
 def optimum_page(best: Any, title: str, command: str = "") -> str:
-    """The page about what `optimise` found: the search, then a run of the best machine.
+    """The page on a result of `optimise`: the search, then a run of the best machine.
 
     Parameters
     ----------
     best : Optimum
     title : str
-        What stands at its top.
+        Title of the page.
     command : str
-        What to type for the same page, if it was made by a command.
+        The command that makes the page, if it was made by one.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def optimum_page(best: Any, title: str, command: str = "") -> str:
 
 
 def _section(best: Any) -> dict[str, Any]:
-    """What the template asks for, of the search."""
+    """The values of the template for the search."""
     aim = f"The {_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
     return {
         "aim": f"{aim}; {best.tried} candidates were run. It is the best that the search met: it is not proved that there is none better.",
@@ -67,7 +67,7 @@ def _words(name: str) -> str:
 
 
 def _text(value: Any, unit: str = "") -> str:
-    """A number with its unit; a dash where there is none."""
+    """A number with its unit; a dash if it is missing."""
     missing = value is None or not isfinite(float(value))
     return "–" if missing else f"{float(value):.7g} {unit}".rstrip().replace("-", "−")
 
@@ -82,7 +82,7 @@ def _within(ends: tuple[float, float], unit: str) -> str:
 
 
 def _gains(best: Any) -> Table:
-    """What the best machine gains and costs against the one that was given."""
+    """Gains and costs of the best machine relative to the given one."""
     names = [name for name in dict.fromkeys((best.of, *_SHOWN)) if name in best.values]
     rows = []
     for name in names:
@@ -97,7 +97,7 @@ def _gains(best: Any) -> Table:
 
 
 def _varied(best: Any) -> Table:
-    """Numbers that varied, with their bounds, and those of waveforms."""
+    """The varied numbers with their bounds, and the waveforms."""
     own, now = dict(leaves(best.model)), best.varied
     rows = []
     for name, what in best.search.over.items():
@@ -111,7 +111,7 @@ def _varied(best: Any) -> Table:
 
 
 def _limits(best: Any) -> Table:
-    """Limits, and what the machine has of them."""
+    """Limits, and the values of the best machine."""
     rows = []
     for name, (low, high) in best.search.subject_to.items():
         numbers = (_text(value, unit_of_result(name, best.model)) for value in (low, high, best.values.get(name)))
@@ -120,7 +120,7 @@ def _limits(best: Any) -> Table:
 
 
 def _uncertain(best: Any) -> Table:
-    """What was not known exactly."""
+    """The uncertain numbers and the criterion of the robust search."""
     part = best.search.quantile
     counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
     rows = [(name, f"{' '.join(map(str, spread))} {unit_in(name, best.model)}".rstrip()) for name, spread in best.search.robust.items()]
@@ -129,7 +129,7 @@ def _uncertain(best: Any) -> Table:
 
 
 def _slopes(best: Any) -> Table:
-    """Derivatives, those with the largest effect first."""
+    """Derivatives, the largest effect first."""
     own, found, unit = dict(leaves(best.model)), best.sensitivities, unit_of_result(best.of, best.model)
     effects = {name: slope * own[name] / 100 for name, slope in found.items() if name in own and isfinite(slope)}
     order = sorted(effects, key=lambda name: -abs(effects[name]))[:_SLOPES]
@@ -144,7 +144,7 @@ def _slopes(best: Any) -> Table:
 
 
 def _history(best: Any) -> Figure:
-    """The best value against the candidates that were tried."""
+    """The best value against the number of candidates."""
     tried, value = best.search.history.T
     x, y = [*tried, best.tried], [*value, value[-1]]
     what, unit = f"{_words(best.of)}, the best so far", unit_of_result(best.of, best.model)

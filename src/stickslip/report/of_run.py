@@ -1,4 +1,4 @@
-"""A page about one run: how it moves, moving pictures, the numbers, and how to make it again."""
+"""Page on one run: its motion with an animation, the numbers, and how to repeat it."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from stickslip.report.facts import facts, tables
 from stickslip.report.html import page
 from stickslip.report.moving import moments
 
-#: The remark on a page about robots whose units are all 1.
+#: The remark on a page about dimensionless robots.
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 
 
 def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False, search: dict[str, Any] | None = None) -> str:
-    """The page about a run of any machine.
+    """The page on a run of any machine.
 
     Parameters
     ----------
     run : Trajectory
     title : str
-        What stands at its top.
+        Title of the page.
     command : str
-        What to type for the same page, if it was made by a command.
+        The command that makes the page, if it was made by one.
     dimensionless : bool
-        Whether all units of the robot are 1; a remark says so.
+        Whether all units of the robot are 1, which adds a remark.
     search : dict, optional
-        What to say of the search that found the machine (`of_optimum`).
+        Content on the search that found the machine (`of_optimum`).
 
     Returns
     -------
@@ -69,7 +69,7 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
 
 
 def _figures(run: Any) -> list[Figure]:
-    """Velocity, contacts of a machine that lists them, forces, phase portrait."""
+    """Velocity, contacts of a machine with several bodies, forces, phase portrait."""
     from stickslip import plot
     from stickslip.report import run_charts
 
@@ -92,7 +92,7 @@ def _figures(run: Any) -> list[Figure]:
 
 
 def _equations(model: Any) -> str:
-    """The equations as LaTeX; nothing where a part of the machine is not a formula, such as a record."""
+    """The equations as LaTeX; empty if a part of the machine is not a formula, such as a record."""
     from stickslip.engine.latex import latex
 
     try:
@@ -102,7 +102,7 @@ def _equations(model: Any) -> str:
 
 
 def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: bool = True) -> list[tuple[str, str, str]]:
-    """Name, value with its unit, and meaning of some numbers, of each of which words and unit are given as far as they are known."""
+    """Name, value with its unit, and meaning of numbers, given with (meaning, unit) or None."""
     found = []
     for name, value, axis in named:
         meaning, unit = axis or ("", "")
@@ -112,12 +112,12 @@ def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: boo
 
 
 def numbers_of(model: Any) -> list[tuple[str, str, str]]:
-    """The same of any machine, as its fields describe them."""
+    """`numbers` for any machine, as described by its fields."""
     return numbers((name, value, axis_in(field_description(model, name))) for name, value in leaves(model))
 
 
 def _toml(run: Any) -> str:
-    """The robot as a study file; empty if a part of it is the user's own class."""
+    """The robot as a study file; empty if a part of it is a user-defined class."""
     length = float(run.pieces.t[-1] - run.pieces.t[0])
     how = f"duration = {length!r}" if run.model.period is None else f"periods = {run.periods}\nsettle = {run.settle}"
     try:
@@ -133,7 +133,7 @@ def _provenance(run: Any) -> list[tuple[str, str]]:
 
 
 def sources(model: Any) -> list[str]:
-    """The references that the docstrings of a machine and of its parts name, each once."""
+    """The references in the docstrings of a machine and its parts, without repetition."""
     import inspect
     import re
 

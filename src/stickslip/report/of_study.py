@@ -1,4 +1,4 @@
-"""A page about a study: its axes, what moves how and how fast, maps or curves, the fastest cases, and where it comes from."""
+"""Page on a study: its axes, shares of motion types, maps or curves, the fastest cases, and provenance."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 from stickslip.sweeps.result_columns import column_of, is_of_cases
 
-_BEST = 12  # rows of the table of the fastest cases
+_BEST = 12  # rows in the table of the fastest cases
 
 
 def study_page(grid: Any, title: str, command: str = "") -> str:
-    """The page about the results of `sweep` or `map`.
+    """The page on the results of `sweep` or `map`.
 
     Parameters
     ----------
     grid : Dataset
     title : str
-        What stands at its top.
+        Title of the page.
     command : str
-        What to type for the same page, if it was made by a command.
+        The command that makes the page, if it was made by one.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
 
 
 def _provenance(grid: Any) -> list[tuple[str, str]]:
-    """What made the numbers, one line for each thing."""
+    """Provenance of the numbers, one line for each entry."""
     import json
 
     made = json.loads(grid.attrs.get("provenance", "{}"))
@@ -87,7 +87,7 @@ def _axes(grid: Any) -> list[tuple[str, str]]:
 
 
 def _numbers(grid: Any) -> list[tuple[str, str, str]]:
-    """The numbers that the robots of all cases share, besides those that were asked for."""
+    """The numbers that the robots of all cases share, besides the axes and arguments."""
     import json
 
     found = json.loads(grid.attrs.get("numbers", "{}"))
@@ -97,7 +97,7 @@ def _numbers(grid: Any) -> list[tuple[str, str, str]]:
 
 
 def _shares(grid: Any) -> list[tuple[str, int, float]]:
-    """How many cases move how; of several contacts how each of them does."""
+    """Number and share of each motion type; with several contacts, for each of them."""
     if is_of_cases(grid, "motion_type") or "contact" not in grid.dims:
         return _counted(column_of("report", grid, "motion_type").values)
     types = grid["motion_type"]
@@ -114,7 +114,7 @@ def _counted(values: Any) -> list[tuple[str, int, float]]:
 
 
 def _ends(grid: Any) -> list[tuple[str, int, float]]:
-    """How the cases ended, in words."""
+    """Number and share of each status, in words."""
     from stickslip.status import STATUS
 
     return [(STATUS.get(int(code), "settled"), n, share) for code, n, share in _counted(grid["status"].values)]

@@ -1,4 +1,4 @@
-"""The curves of a run as charts that can be asked for their values."""
+"""The curves of a run as interactive charts."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def velocity(run: Any) -> dict[str, Any]:
 
 
 def _by_part(names: Any, columns: Any) -> list[Any]:
-    """A curve for each body or contact of several; none of one."""
+    """A curve for each body or contact if there are several; otherwise empty."""
     return [] if columns.ndim == 1 else [curve(name, y, number=i) for i, (name, y) in enumerate(zip(names, columns.T, strict=True))]
 
 
 def forces(run: Any) -> dict[str, Any]:
-    """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] without a drive."""
+    """Drive force, if any, and friction force over two drive periods [mN over ms]; over the whole run [s] without a drive."""
     names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
     t, found, shade, across = _columns(run, 2, names)
     shown = "over two drive periods" if run.model.period is not None else "over the run"
@@ -57,7 +57,7 @@ def _shown(run: Any, periods: float) -> tuple[float, float]:
 
 
 def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
-    """Times from the beginning of the span, columns, where the contact sticks, and what the time axis says."""
+    """Times from the start of the span, columns, intervals of sticking, and the label of the time axis."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
     found = [sampled(run.parted, start, end, name) for name in names]
     rested = rests(run, start, end) if machine_of(run.model).is_single else []

@@ -1,4 +1,4 @@
-"""Curves through a study as charts that can be asked for their values: along its axis, or cuts through its plane."""
+"""Curves of a study as interactive charts: along its axis, or cuts through its plane."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
 
 
 def speeds(grid: Any) -> tuple[float, str]:
-    """By what to multiply the velocities of a study for a picture, and their unit then: "" where robots have no dimensions."""
+    """Factor and unit for the velocities of a study in a figure; the unit is "" for dimensionless robots."""
     unit = str(grid["mean_velocity"].attrs.get("units", "m/s"))
     return (1e3, "mm/s") if unit == "m/s" else (1.0, "" if unit == "1" else unit)
 
 
 def types_of(grid: Any) -> Any:
-    """The motion type of each case; of several contacts, which have one each, none."""
+    """The motion type of each case; empty with several contacts, which have one each."""
     import numpy as np
 
     return grid["motion_type"].values if is_of_cases(grid, "motion_type") else np.full(grid["mean_velocity"].shape, "")
@@ -44,7 +44,7 @@ def along(grid: Any, axis: str, label: str = "") -> dict[str, Any]:
 
 
 def together(parts: list[tuple[str, Any]], axis: str) -> dict[str, Any]:
-    """The mean velocities of several studies along their only axis, each by its name."""
+    """The mean velocities of several studies along their only axis, labelled by name."""
     order, x, across = _axis(parts[0][1], axis)
     factor = speeds(parts[0][1])[0]
     curves = [curve(name, factor * part["mean_velocity"].values[order], number=i) for i, (name, part) in enumerate(parts)]
@@ -70,14 +70,14 @@ def cuts(grid: Any, across: str, other: str, label: str = "") -> dict[str, Any]:
 
 
 def chosen(count: int) -> list[int]:
-    """Which of so many values have a line: both ends, and some between."""
+    """Indices of the values that have a line: both ends, and some between."""
     import numpy as np
 
     return [int(i) for i in np.unique(np.linspace(0, count - 1, min(_LINES, count)).round())]
 
 
 def _axis(grid: Any, name: str, sort: bool = True) -> tuple[Any, Any, tuple[str, str]]:
-    """Order, values in a unit with a prefix, and name with that unit."""
+    """Sorting order, values with an SI prefix, and name with unit."""
     import numpy as np
 
     unit, values = str(grid[name].attrs.get("units", "1")), np.asarray(grid[name].values, float)

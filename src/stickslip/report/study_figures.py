@@ -1,4 +1,4 @@
-"""The figures of a study: maps and cuts through them, or curves along its axis, each with its chart where it has one."""
+"""The figures of a study: maps and cuts through them, or curves along its axis, with an interactive chart where available."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _numeric(grid: Any) -> list[str]:
 
 
 def figures(grid: Any) -> list[Figure]:
-    """Two maps of a plane and cuts through it, or curves along one axis; for more axes of words one after the other, up to four."""
+    """Two maps of a plane and cuts through it, or curves along one axis, repeated for up to four combinations of other axes."""
     from stickslip import plot
     from stickslip.report.study_charts import along, chosen, cuts, together, types_of
 
@@ -46,7 +46,7 @@ def figures(grid: Any) -> list[Figure]:
 
 
 def _type_maps(part: Any, label: str) -> list[Figure]:
-    """A map of the motion types of a plane; of several contacts one for each, up to four."""
+    """A map of the motion types of a plane; with several contacts one for each, up to four."""
     from stickslip import plot
 
     if is_of_cases(part, "motion_type"):
@@ -57,7 +57,7 @@ def _type_maps(part: Any, label: str) -> list[Figure]:
 
 
 def _parts(grid: Any, axes: list[str]) -> list[tuple[str, Any]]:
-    """The dataset for each choice of its words, with a few words on it."""
+    """The dataset for each combination of the other axes, up to four, with a label."""
     from itertools import islice, product
 
     others = [str(d) for d in grid["mean_velocity"].dims if d not in axes]
