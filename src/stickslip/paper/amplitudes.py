@@ -16,10 +16,10 @@ __all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer
 
 #: Half of the last printed digit of a mean velocity [m/s].
 ROUNDING = 5e-5
-#: What the five frequencies of Figures 17 to 21 should give, in order.
+#: Motion types expected at the five frequencies of Figures 17 to 21, in order.
 WANTED = ("rest", "II", "I", "III", "IV")
 OMEGAS = np.array([c.changes["omega"] for c in CASES if c.section == "5.2"])
-#: Kinetic coefficients at which only types III and IV should appear, and amplitudes among which that is looked for [m].
+#: Kinetic coefficients at which only types III and IV should appear, and the amplitudes searched for that [m].
 KINETIC, RANGE = np.array([0.05, 0.10, 0.21]), (5e-4, 9e-4)
 
 Interval = tuple[float, float] | None
@@ -27,7 +27,7 @@ Interval = tuple[float, float] | None
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """Amplitudes of one angle of section 4 that reproduce what is printed.
+    """Amplitudes for one angle of section 4 that reproduce the printed values.
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ class Bracket:
     type : tuple or None
         Amplitudes [m] at which the exact Coulomb motion is of the printed type.
     joint : tuple or None
-        All three at once.
+        Amplitudes [m] at which all three conditions hold.
     misses : float
-        By how much the LuGre velocity misses its rounding at the best amplitude where the other two hold [m/s]; 0 if it does not.
+        Distance of the LuGre velocity from its rounding interval at the best amplitude where the other two hold [m/s]; 0 inside it.
     step : float
         Step of the scan [m].
     scan : dict
@@ -57,18 +57,18 @@ class Bracket:
 
     @property
     def good(self) -> Interval:
-        """All three at once, or the first two where the LuGre velocity cannot be had."""
+        """The interval of all three conditions, or of the first two if the LuGre velocity cannot be reproduced."""
         return self.joint or overlap(self.coulomb, self.type)
 
     @property
     def inside(self) -> bool:
-        """Whether the amplitude taken lies within."""
+        """Whether the chosen amplitude lies in the interval."""
         return self.good is not None and self.good[0] - 1e-9 <= self.experiment.amplitude <= self.good[1] + 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """What one amplitude for all of sections 5.2 to 5.4 has to do, and which ones do it.
+    """Conditions on a single amplitude for all of sections 5.2 to 5.4, and the values that satisfy them.
 
     Parameters
     ----------
@@ -76,11 +76,11 @@ class Candidates:
         For each multiple of 0.1 mm: amplitude [m], exact types at the five frequencies; LuGre motion at mu0 = 0.04: its kind, its period
         number (0 if it has none) and its largest multiplier (None if it has none).
     frequencies : tuple or None
-        Amplitudes [m] at which the five frequencies give rest, II, I, III, IV: by the exact borders.
+        Amplitudes [m] at which the five frequencies give rest, II, I, III, IV, by the exact borders.
     period_two : Followed
-        The stable motion of period two at mu0 = 0.04, from amplitude to amplitude, by continuation of its orbit.
+        The stable motion of period two at mu0 = 0.04 and its range of amplitudes, by continuation of its orbit.
     only_three_and_four : tuple or None
-        Amplitudes [m] from 0.5 to 0.9 mm at which mu0 = 0.05, 0.10 and 0.21 all give type III or IV: by the exact borders.
+        Amplitudes [m] from 0.5 to 0.9 mm at which mu0 = 0.05, 0.10 and 0.21 all give type III or IV, by the exact borders.
     """
 
     round_values: tuple[dict[str, Any], ...]
@@ -90,20 +90,20 @@ class Candidates:
 
     @property
     def chosen(self) -> tuple[float, ...]:
-        """The round values that do everything [m]."""
+        """The round values that satisfy all conditions [m]."""
         return tuple(r["amplitude"] for r in self.round_values if tuple(r["types"]) == WANTED and r["period"] == 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Amplitudes:
-    """Both inferences."""
+    """The inferred amplitudes of sections 4 and 5."""
 
     section4: tuple[Bracket, ...]
     section5: Candidates
 
     @property
     def common(self) -> Interval:
-        """An amplitude that would serve all four angles of section 4."""
+        """The interval of amplitudes common to all four angles of section 4; None if there is none."""
         found: Interval = (0.0, np.inf)
         for bracket in self.section4:
             found = overlap(found, bracket.good)
@@ -111,7 +111,7 @@ class Amplitudes:
 
 
 def infer(fast: bool, tell: Tell) -> Amplitudes:
-    """Scan the amplitude and keep what reproduces the printed numbers."""
+    """Scan the amplitude for the values that reproduce the printed numbers."""
     tell("inferring amplitudes", 0, 2)
     step = 4e-6 if fast else 5e-7
     section4 = tuple(_bracket(e, step) for e in EXPERIMENTS)
@@ -159,7 +159,7 @@ def _types(A: Any, **changes: Any) -> Any:
 
 
 def _motions(A: Any) -> list[dict[str, Any]]:
-    """The LuGre motions at mu0 = 0.04: periodic where Newton's method finds a stable orbit, else by the largest exponent."""
+    """The LuGre motions at mu0 = 0.04: periodic if Newton's method finds a stable orbit, otherwise judged by the largest exponent."""
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.presets import piezo_rig
 
@@ -193,7 +193,7 @@ def _interval(A: Any, good: Any) -> Interval:
 
 
 def overlap(one: Interval, other: Interval) -> Interval:
-    """Where both hold."""
+    """The intersection of two intervals."""
     if one is None or other is None:
         return None
     low, high = max(one[0], other[0]), min(one[1], other[1])

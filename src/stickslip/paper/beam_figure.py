@@ -1,4 +1,4 @@
-"""The figure of section 3's beam: its modes, how its tip answers to the frequency, and how it begins."""
+"""The figure of the beam of section 3: its modes, the frequency response of its tip, and the initial transient."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PERIODS = 20
 
 
 def draw(beam: Beam, folder: Path) -> Picture:
-    """Draw it."""
+    """Draw the figure."""
     panels = [partial(_shapes, beam), partial(_response, beam), partial(_beginning, beam)]
     return render(folder, "section3-beam", panels, height=2.4, columns=3, voltage=VOLTAGE, resonances=beam.beam.frequencies(MODES))
 

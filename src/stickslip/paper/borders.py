@@ -1,4 +1,4 @@
-"""Where the word for a motion changes along a number: each change to the last bit, from closed formulas and not from a scan."""
+"""Borders of the motion type along a number, to the last bit, from closed formulas instead of a scan."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ __all__ = ["FOUR", "Stretch", "all_four", "exact_types", "in_words", "kinds", "l
 
 FOUR = ("I", "II", "III", "IV")
 
-#: Points at which the formulas are asked before their changes are halved.
+#: Points at which the formulas are evaluated before bisection.
 POINTS = 2001
 Words = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A word, and from where to where it holds."""
+    """A word (such as a motion type) and the interval in which it holds."""
 
     word: Any
     low: float
@@ -44,7 +44,7 @@ def exact_types(robot: Any) -> Any:
 
 
 def stretches(words: Words, low: float, high: float, points: int = POINTS) -> tuple[Stretch, ...]:
-    """The words along a number and where each holds; a word that holds for less than a step between two points may be missed.
+    """The words along a number and the interval of each; one that holds for less than the distance of two points may be missed.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def stretches(words: Words, low: float, high: float, points: int = POINTS) -> tu
 
 
 def _between(words: Words, low: float, high: float, both: Any) -> Iterator[tuple[float, Any]]:
-    """Each change between two points, and the word after it."""
+    """Each change between two points, by bisection, and the word after it."""
     word, last = both
     while word != last:
         inner, outer = low, high
@@ -73,18 +73,18 @@ def _between(words: Words, low: float, high: float, both: Any) -> Iterator[tuple
 
 
 def longest(found: tuple[Stretch, ...], word: Any = True) -> tuple[float, float] | None:
-    """From where to where a word holds: the longest of its stretches, None if it never does."""
+    """The longest interval in which a word holds; None if it never does."""
     held = [(s.low, s.high) for s in found if s.word == word]
     return max(held, key=lambda s: s[1] - s[0]) if held else None
 
 
 def kinds(words: Any) -> int:
-    """How many of the four types are among the words."""
+    """The number of the four types among the words."""
     return len(set(words) & set(FOUR))
 
 
 def all_four(values: Any, rows: Any) -> Any:
-    """Those of the values in whose rows all four types appear."""
+    """The values whose rows contain all four types."""
     return values[[kinds(row) == 4 for row in rows.tolist()]]
 
 

@@ -14,16 +14,16 @@ __all__ = ["AMPLITUDE_5", "CASES", "EXPERIMENTS", "FAST_FIGURES", "OMEGA", "PRIN
 OMEGA = 65.4 * math.pi
 #: Amplitude taken for sections 5.2 to 5.4, which print none [m].
 AMPLITUDE_5 = 6e-4
-#: Where an amplitude comes from.
+#: Sources of an amplitude.
 PRINTED = "printed"
 _DATA = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
-#: Figures that the fast subset draws.
+#: Figures drawn in the fast subset.
 FAST_FIGURES = (6, 7, 8, 9, 10, 11, 15, 20, 22, 23, 27)
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment of section 4 with what the paper prints about it.
+    """One experiment of section 4 with the printed results.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Experiment:
     amplitude : float
         Inferred amplitude of the inner mass [m].
     type : str
-        Motion type that the paper gives it.
+        Motion type according to the paper.
     coulomb, lugre, measured : float
         Printed mean velocities [m/s]: simulated with either law, and measured.
     """

@@ -12,7 +12,7 @@ from stickslip.paper.claims_page import Claim, Study, judged
 
 __all__ = ["sinusoidal_tip", "sum_of_modes"]
 
-#: Frequencies [Hz] around the drive's and below the second resonance at which the sum of modes is compared.
+#: Frequencies [Hz] around the drive's and below the second resonance at which the sum of modes is tested.
 FREQUENCIES = np.concatenate([np.linspace(5, 30, 26), np.linspace(36, 60, 25)])
 #: Slope [rad] above which linear theory is off by more than about 1 per cent (docs, the piezo beam).
 STEEP = 0.15

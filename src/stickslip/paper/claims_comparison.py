@@ -93,7 +93,7 @@ def closer_in_shape(study: Study) -> Claim:
 
 
 def _curves(study: Study, e: Any) -> tuple[Any, Any, Any]:
-    """Both velocities over the last period, and where the Coulomb body rests."""
+    """Both velocities over the last period, and the mask of rest of the Coulomb body."""
     run, other = study.runs.coulomb[e.name], study.runs.lugre[e.name]
     t = np.linspace(run.strobe_times[-2], run.strobe_times[-1], 4001)[:-1]
     exact = run.at(t)

@@ -1,4 +1,4 @@
-"""Claims of sections 5.1 and 5.2: what amplitude and frequency of the drive do."""
+"""Claims of sections 5.1 and 5.2: the effects of amplitude and frequency of the drive."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def omega_as_amplitude(study: Study) -> Claim:
 
 
 def _gap(omega: Any, law: str) -> float:
-    """How far V/(A mu omega) over the frequency is from that over the amplitudes with the same A omega^2, as a part of the largest."""
+    """Largest difference of V/(A mu omega) over the frequency and over amplitudes with the same A omega^2, relative to its maximum."""
     same = AMPLITUDE_5 * (omega / OMEGA) ** 2
     one, two = (scaled_velocity(rig(CASES[0], omega=w, amplitude=A, law=law)) for w, A in ((omega, AMPLITUDE_5), (OMEGA, same)))
     return float(abs(one - two).max() / abs(two).max())

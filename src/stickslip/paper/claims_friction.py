@@ -15,7 +15,7 @@ from stickslip.paper.solved_runs import batch
 
 __all__ = ["all_types_by_kinetic", "kinetic_range", "only_three_and_four", "ratios_above_one"]
 
-#: At the lower end of the range itself mu_plus is zero: how far above it the scan begins, as a part of it.
+#: Relative distance of the start of the scan from the lower end of the range, where mu_plus is zero.
 ABOVE = 1e-9
 
 

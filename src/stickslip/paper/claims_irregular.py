@@ -17,16 +17,16 @@ __all__ = ["period_two", "quasi_periodic", "rk4_ladder"]
 #: Steps per period of the fixed-step comparison; the last few only in the full run.
 STEPS = (500, 1000, 1500, 2000, 2500, 3000, 5000, 10_000, 20_000, 50_000)
 FAST_STEPS = (500, 1000, 2000, 3000, 5000)
-#: ... with how many periods are run.
+#: Further step counts, with the numbers of periods.
 LONG_STEPS = ((200_000, 200), (1_000_000, 40))
 TOLERANCES = (1e-6, 1e-8, 1e-10)
 FIG22, FIG23 = (next(c for c in CASES if c.figure == n) for n in (22, 23))
 
 
 def rk4_ladder(study: Study) -> list[dict[str, Any]]:
-    """Classical RK4 at mu0 = 0.03 against steps per period: mean velocity and period number, where it stays finite.
+    """Classical RK4 at mu0 = 0.03 against steps per period: mean velocity and period number if the solution stays finite.
 
-    They are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints the same rows.
+    The rows are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints the same ones.
     """
     found = []
     plan = [(n, 200) for n in (FAST_STEPS if study.fast else STEPS)] + ([] if study.fast else list(LONG_STEPS))
@@ -45,7 +45,7 @@ def _converged(case: Any, method: str = "auto") -> list[tuple[float, float, int]
 
 
 def _steps(rows: list[dict[str, Any]]) -> str:
-    """At which steps per period."""
+    """The steps per period in words."""
     return f"{listed(grouped(r['steps']) for r in rows)} steps" if rows else "none of the step sizes"
 
 

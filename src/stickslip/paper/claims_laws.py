@@ -1,4 +1,4 @@
-"""Claims of section 2.2 about the laws that the paper does not use: Dahl's and the bristle model."""
+"""Claims of section 2.2 about laws that the paper does not use: Dahl's and the bristle model."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from stickslip.solvers import solve
 
 __all__ = ["bristle_is_slow", "dahl_without_stick_slip"]
 
-#: Spring of the pulled mass [N/m]: it stretches a thousand times as far as the bristles.
+#: Spring of the pulled mass [N/m]: it extends a thousand times as far as the bristles.
 SPRING = 400.0
-#: Part of a drive period that the bristle model runs, and periods of the robot under Dahl friction, with scipy's DOP853.
+#: Fraction of a drive period run with the bristle model, and periods of the robot under Dahl friction, with scipy's DOP853.
 PART, PERIODS = 0.3, 8
-#: The body counts as still below this share of its largest speed.
+#: Threshold of rest, relative to the largest speed of the body.
 STILL = 0.02
 _PLAIN: dict[str, Any] = {"method": "dop853", "rtol": 1e-6}
 
@@ -46,7 +46,7 @@ def dahl_without_stick_slip(study: Study) -> Claim:
 
 
 def _still(robot: Any) -> float:
-    """Share of the last of some periods in which the body is as good as still."""
+    """Fraction of the last of some periods in which the body is nearly at rest."""
     run = solve(robot, periods=PERIODS, **_PLAIN)
     v = abs(run.at(np.linspace(run.strobe_times[-2], run.strobe_times[-1], 2001))["v"])
     return float(np.mean(v < STILL * v.max()))

@@ -1,4 +1,4 @@
-"""The claims page: each claim of the paper with a verdict that was computed, its evidence, and how sure it is."""
+"""The claims page: each claim of the paper with a computed verdict, its evidence and its certainty."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
 
 @dataclass(frozen=True)
 class Part:
-    """A claim about one case or one reading, when the whole claim has several."""
+    """A claim about one case or one reading, if the whole claim has several."""
 
     label: str
     verdict: str
@@ -40,9 +40,9 @@ class Claim:
     key : str
         Short name.
     section : str
-        Where the paper makes it.
+        Section of the paper.
     claim : str
-        What is claimed, in a sentence.
+        The claim in a sentence.
     quote : str
         The paper's own words.
     verdict : str
@@ -50,11 +50,11 @@ class Claim:
     evidence : tuple of str
         Sentences with the numbers of this run.
     certainty : str
-        "high", "moderate" or "low", and why.
+        "high", "moderate" or "low", with the reason.
     numbers : dict
-        The same numbers for machines, SI units.
+        The same numbers as data, SI units.
     parts : tuple of Part
-        Verdicts case by case or reading by reading, where there are several.
+        Verdicts for the cases or readings, if there are several.
     """
 
     key: str
@@ -70,7 +70,7 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What the claims are judged on."""
+    """The data on which the claims are judged."""
 
     fast: bool
     runs: Runs
@@ -85,10 +85,10 @@ class Study:
 
 
 def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> Claim:
-    """The claim of a key in the words of ``sentences.toml``, in which its numbers and other values stand.
+    """The claim of a key: its texts in ``sentences.toml``, filled with its numbers and other values.
 
-    Whether it holds is None where nobody can say. A part is whether it holds, and values of its own; where the text has one
-    template of a part, it serves them all.
+    `holds` is None if the claim cannot be decided. Each part is a pair of `holds` and its own values; the templates of parts are used
+    in turn, a single one for all of them.
     """
     told, values = dict(texts("claims")[key]), {**numbers, **values}
     found = tuple(_part(template, *part, values) for template, part in zip(cycle(told.pop("parts", ((),))), parts))

@@ -1,4 +1,4 @@
-"""Section 5.4 from several starts: where, over static coefficient and amplitude, two motions of one LuGre body coexist."""
+"""Section 5.4 from several initial states: coexisting motions of a LuGre body over static coefficient and amplitude."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from stickslip.paper.solved_runs import batch
 
 __all__ = ["STARTS", "Coexistence", "Range", "coexistence"]
 
-#: Velocities at the start in units of A mu omega, at drive phase 0 with unstretched bristles; the first is rest.
+#: Initial velocities in units of A mu omega, at drive phase 0 with unstretched bristles; the first is rest.
 STARTS = (0.0, -1.5, -1.0, 1.0)
-#: Mean velocities further apart than this, in units of A mu omega, are those of two motions (settled ones agree to 1e-6).
+#: Difference of mean velocities that distinguishes two motions, in units of A mu omega (settled ones agree to 1e-6).
 APART = 1e-3
 
 
 @dataclass(frozen=True)
 class Range:
-    """Amplitudes at which two stable motions exist under one of the printed static coefficients.
+    """Amplitudes at which two stable motions coexist for one of the printed static coefficients.
 
     Parameters
     ----------
     f0 : float
     slide, rest : Followed
-        The motion that slides, followed down to where it ends; and the one that a start from rest finds, followed up.
+        The sliding motion, followed down to its end; and the motion reached from rest, followed up.
     found : (float, float)
-        First and last amplitude at which the starts found both [m].
+        First and last amplitude at which both were reached from the initial states [m].
     """
 
     f0: float
@@ -42,24 +42,24 @@ class Range:
 
 @dataclass(frozen=True, eq=False)
 class Coexistence:
-    """What several starts find.
+    """Results from several initial states.
 
     Parameters
     ----------
     f0, amplitude : array
         Axes of the grid.
     spread : array (amplitude, f0)
-        Largest minus smallest mean velocity over the starts, in units of A mu omega: LuGre friction.
+        Largest minus smallest mean velocity over the initial states, in units of A mu omega, with LuGre friction.
     exact : array (amplitude, f0)
         The same for the exact motion with break-away at f0.
     printed : array
         The four printed f0.
     fine : array
-        Amplitudes at which these are looked at more closely.
+        Amplitudes of the finer scan at the printed f0.
     words : array (fine, printed, starts)
         LuGre words there, at the default thresholds.
     ranges : tuple of Range
-        Where two motions exist under a printed f0, by continuation.
+        Ranges in which two motions coexist at a printed f0, by continuation.
     """
 
     f0: Any
@@ -73,15 +73,15 @@ class Coexistence:
 
     @property
     def two(self) -> Any:
-        """Where the starts lead to different motions."""
+        """The mask of the cases in which different initial states lead to different motions."""
         return self.spread > APART
 
     def types(self, row: int) -> int:
-        """How many of the four types the four printed f0 can show at one amplitude, each from a start of its own choice."""
+        """The number of the four types that the printed f0 can show at one amplitude, each from its own choice of initial state."""
         return max(kinds(choice) for choice in itertools.product(*(sorted(set(words.tolist())) for words in self.words[row])))
 
     def as_data(self) -> dict[str, Any]:
-        """The same for machines, SI units."""
+        """The results as plain data, SI units."""
         return {
             "starts_over_A_mu_omega": STARTS, "f0": self.f0, "amplitude": self.amplitude, "spread_over_A_mu_omega": self.spread,
             "coexisting": int(self.two.sum()), "exact_coexisting": int((self.exact > APART).sum()), "cases": int(self.spread.size),
@@ -94,7 +94,7 @@ class Coexistence:
 
 
 def coexistence(fast: bool) -> Coexistence:
-    """Run the grid from every start, and follow both motions where two were found under a printed f0."""
+    """Solve the grid from every initial state, and follow both motions where two were found at a printed f0."""
     f0 = np.linspace(0.18, 1.0, 12 if fast else 42)
     A = 1e-5 * np.arange(50, 151, 10 if fast else 5)
     printed = np.array([c.changes["f0"] for c in CASES if c.section == "5.4"])
@@ -112,7 +112,7 @@ def coexistence(fast: bool) -> Coexistence:
 
 
 def _from_starts(f0: Any, A: Any, law: str) -> Any:
-    """A batch over amplitude, static coefficient and start."""
+    """A batch over amplitude, static coefficient and initial state."""
     shape = (len(A), len(f0), len(STARTS))
     amplitude = np.broadcast_to(A[:, None, None], shape)
     robot = rig(CASES[-1], law=law, amplitude=amplitude, f0=np.broadcast_to(f0[None, :, None], shape))
@@ -120,12 +120,12 @@ def _from_starts(f0: Any, A: Any, law: str) -> Any:
 
 
 def _spread(many: Any, A: Any) -> Any:
-    """How far apart the mean velocities of the starts are, in units of A mu omega."""
+    """Range of the mean velocities over the initial states, in units of A mu omega."""
     return np.ptp(many.mean_velocity, axis=-1) / (A[:, None] * OMEGA * rig(CASES[-1]).mass_ratio)
 
 
 def _range(f0: float, A: Any, start: float, beyond: float) -> Range:
-    """Both motions at a printed f0, from the amplitudes at which both were found to where each ends; `start` slides at the first."""
+    """Both motions at a printed f0, from amplitudes at which both were found to their ends; `start` leads to sliding at the first."""
     from stickslip.solvers import solve
 
     low, high = float(A[0]), float(A[-1])

@@ -12,18 +12,18 @@ from stickslip.paper.words import listed, percent, plain
 
 __all__ = ["content"]
 
-#: The evidence figure that belongs to a claim.
+#: The evidence figure for a claim.
 EVIDENCE = {"quasi_periodic": "evidence-step-size", "all_types_by_static": "evidence-static-friction"}
 
 
 def content(result: Any, notes: list[str]) -> dict[str, Any]:
-    """Everything for ``paper.html``."""
+    """All values for ``paper.html``."""
     data = {"result": result, "cases": CASES, "contents": _contents(result), "evidence": EVIDENCE, "full": FULL, "notes": notes}
     return {**_head(result), **data, **{say.__name__: say for say in (listed, percent, plain, span)}}
 
 
 def _contents(result: Any) -> list[tuple[str, str, list[tuple[str, str]]]]:
-    """Anchor and name of every section, with those of the claims and figures in it."""
+    """Anchor and name of every section, with those of its claims and figures."""
     below = {
         "claims": [(f"claim-{c.key}", f"{c.section}: {c.claim}") for c in result.claims],
         "figures": [(p.key, p.title) for p in result.figures if p.section not in ("evidence", "around", "3")],
@@ -32,7 +32,7 @@ def _contents(result: Any) -> list[tuple[str, str, list[tuple[str, str]]]]:
 
 
 def _head(result: Any) -> dict[str, str]:
-    """The title, and what was found in two sentences."""
+    """The title, and the results in two sentences."""
     verdicts = [c.verdict for c in result.claims]
     worst = max(max(abs(r.coulomb - r.experiment.coulomb), abs(r.lugre - r.experiment.lugre)) for r in result.table)
     types = all(r.type == r.experiment.type for r in result.table)

@@ -1,4 +1,4 @@
-"""How the paper's figures are put together: panels side by side in a file, and each on its own in the report."""
+"""Drawing of the paper's figures: panels side by side in a file, and individually in the report."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "curve", "render", "shade_
 
 Panel = Callable[[Any], None]
 
-#: The laws' colours and dashes: dotted and dashed as in the paper.
+#: Colours and dashes of the laws: dotted and dashed as in the paper.
 COULOMB: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (1, 1.1)), "linewidth": 1.5}
 LUGRE: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (5, 1.6)), "linewidth": 1.2}
 MEASURED: dict[str, Any] = {"color": "#000000", "linestyle": "-", "linewidth": 0.9}
@@ -25,14 +25,14 @@ MEASURED: dict[str, Any] = {"color": "#000000", "linestyle": "-", "linewidth": 0
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure that was drawn.
+    """A finished figure.
 
     Parameters
     ----------
     key : str
         Name of its files.
     title, caption, alt : str
-        What it is called, what it shows, and what a reader who cannot see it should know.
+        Title, caption and text alternative.
     section : str
         Section of the paper, or "evidence".
     files : tuple of Path
@@ -53,7 +53,7 @@ class Picture:
 def render(
     folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, text: str = "", **values: Any
 ) -> Picture:
-    """Draw panels side by side into PNG and SVG files, and each alone for the report; its text is that of its key, or a shared one."""
+    """Draw panels side by side into PNG and SVG files, and singly for the report; the texts are those of `key`, or of `text` if given."""
     from matplotlib.figure import Figure
 
     with publication():
@@ -67,13 +67,13 @@ def render(
         files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
         for file in files:
             whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
-            whole.set_layout_engine("none")  # the second file is laid out as the first: half of the work
+            whole.set_layout_engine("none")  # the second file reuses the layout of the first, which halves the work
         alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
         return Picture(key=key, files=files, panels=alone, **filled(texts("pictures")[text or key], values))
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
-    """Everything about the last drive periods of a run, sampled evenly and at each event; `phase` counts drive periods."""
+    """The motion over the last drive periods of a run, sampled evenly and at each event; `phase` counts drive periods."""
     start, end = (float(run.strobe_times[i]) for i in (-1 - periods, -1))
     events = [e.t for e in run.events if start < e.t < end]
     found = run.at(np.unique(np.concatenate([np.linspace(start, end, points), events])))
@@ -92,7 +92,7 @@ def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
 
 
 def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
-    """Where the body rests, in drive periods from the start of the curve: exactly, or by the rule for LuGre words."""
+    """Intervals of rest of the body, in drive periods from the start of the curve: exact, or by the rule for LuGre words."""
     from stickslip.analysis.motion import motion
 
     told = motion(run)
@@ -106,6 +106,6 @@ def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
 
 
 def shade_rest(ax: Any, rests: list[tuple[float, float]], factor: float = 1.0) -> None:
-    """Shade where the body rests."""
+    """Shade the intervals of rest."""
     for a, b in rests:
         ax.axvspan(a * factor, b * factor, color=SHADE, linewidth=0, zorder=0)

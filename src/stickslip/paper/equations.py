@@ -1,4 +1,4 @@
-"""The paper's equations as they are solved here: read off the code where it can be traced, set right where the paper has an erratum."""
+"""The paper's equations as solved here: traced from the code where possible, corrected where the paper has an erratum."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Equation:
     Parameters
     ----------
     number : str
-        Its number in the paper; several where they are one system here.
+        Its number in the paper; several numbers for equations that form one system here.
     title : str
-        What it says.
+        Its subject.
     latex : str
         The equation.
     traced : bool
-        Whether it was read off the code that computes it, in this run.
+        Whether it was traced from the code in this run.
     remark : str
-        What differs from what is printed, or what a letter means.
+        Differences from the printed equation, or the meaning of a symbol.
     """
 
     number: str
@@ -39,7 +39,7 @@ class Equation:
 
 
 def equations() -> tuple[Equation, ...]:
-    """All that the results rest on, in the paper's order."""
+    """All equations on which the results rest, in the paper's order."""
     traced = {
         "coulomb": latex(rig(EXPERIMENTS[0], law="coulomb").friction),
         "lugre": latex(rig(EXPERIMENTS[0])),

@@ -1,4 +1,4 @@
-"""The errata of the paper, each with its proof; what can be checked by computing is checked in this run."""
+"""The errata of the paper, each with its proof; whatever can be checked by computation is checked in this run."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ __all__ = ["Erratum"]
 
 @dataclass(frozen=True, eq=False)
 class Erratum:
-    """Something printed that is not right.
+    """An error in the printed paper.
 
     Parameters
     ----------
     equation : str
-        Where it stands.
+        Its place in the paper.
     printed, right : str
-        What is printed, and what is right.
+        The printed text, and the correct one.
     proof : str
-        Why.
+        The proof.
     holds : bool or None
-        Whether the check of this run agrees; None if there was nothing to compute.
+        Whether the check in this run confirms it; None if there is nothing to compute.
     numbers : dict
         The numbers of the check.
     """

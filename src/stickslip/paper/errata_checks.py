@@ -1,4 +1,4 @@
-"""The checks of the errata: a function for each, named as its text in ``sentences.toml``; what cannot be computed has none."""
+"""The checks of the errata: a function for each, named as its text in ``sentences.toml``; errata without computation have none."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stickslip.paper.solved_runs import batch
 
 __all__ = ["errata"]
 
-#: Whether what is said is so, the numbers of the check, and other values for the text.
+#: Whether the erratum is confirmed, the numbers of the check, and other values for the text.
 Check = tuple[Any, dict[str, Any], dict[str, Any]]
 
 # Units as exponents of kg, m, s, A.
@@ -56,7 +56,7 @@ def transient(study: Study) -> Check:
     damped = free * np.sqrt(1 - zeta**2)
 
     def residual(w: float) -> float:
-        """Largest q'' + 2 zeta q' + q of the bracket times the decay, by its complex exponents."""
+        """Largest value of q'' + 2 zeta q' + q for the bracket times the decay, by its complex exponents."""
         t = np.linspace(0.0, 20.0, 401)
         total = np.zeros_like(t, complex)
         b = free / damped * (zeta * np.sin(phi) - force / free * np.cos(phi))
@@ -77,7 +77,7 @@ def weight(study: Study) -> Check:
 
 
 def _fits(share: float) -> dict[str, int]:
-    """How many amplitudes of a scan give the printed type and velocities of each angle, with a share of the friction."""
+    """The number of amplitudes in a scan that give the printed type and velocities, for each angle, with friction scaled by `share`."""
     A, found = np.arange(3e-4, 1.8e-3, 1e-6), {}
     for e in EXPERIMENTS:
         good = np.ones(len(A), bool)
@@ -138,7 +138,7 @@ def third_ratio(study: Study) -> Check:
 
 
 def _with_ratios(robot: Any, k2: Any, k3: Any) -> Any:
-    """Mean velocities under the friction that the ratios give."""
+    """Mean velocities with the friction coefficients that follow from the ratios."""
     other = dataclasses.replace(robot.friction, mu_minus=k3 * robot.friction.mu_plus, f_minus=k2 * k3 * robot.friction.mu_plus)
     return batch(dataclasses.replace(robot, friction=other), periods=200).mean_velocity
 

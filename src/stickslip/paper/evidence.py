@@ -1,4 +1,4 @@
-"""Figures of our own that carry the verdicts: step sizes, what lies around section 5, types by the static coefficient, amplitudes."""
+"""Our own figures on which verdicts rest: step sizes, the surroundings of section 5, types by the static coefficient, amplitudes."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from stickslip.plot.style import INK
 
 __all__ = ["draw"]
 
-#: Colours of motion types (after Okabe and Ito 2008), light for what does not slide; told apart with any colour vision.
+#: Colours of motion types (after Okabe and Ito 2008), light without sliding; distinguishable with any colour vision.
 TYPES = {"rest": "#E4E7EB", "presliding": "#E4E7EB", "II": "#56B4E9", "I": "#0072B2", "III": "#F0C000", "IV": "#D55E00", "other": "#333333"}
-#: Where two motions coexist.
+#: Colour of coexisting motions.
 BOTH = "#009E73"
 
 
 def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture, ...]:
-    """Draw all of them."""
+    """Draw all figures of the evidence."""
     study.tell("drawing the evidence", 0, 5)
     pictures = (
         beam_figure.draw(study.beam, folder),
@@ -142,7 +142,7 @@ def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
 
 
 def _called(name: str, types: Any) -> str:
-    """What a map calls a type: a LuGre body does not rest, it stretches its bristles."""
+    """The name of a type on a map: a LuGre body does not rest, it preslides."""
     return "presliding" if name == "rest" and (types == "presliding").any() else name
 
 
@@ -153,7 +153,7 @@ def _both_panel(both: Coexistence, ax: Any) -> None:
 
 
 def _frame(ax: Any, printed: Any, title: str) -> None:
-    """The lines that the three maps share: the printed coefficients with their figures' numbers, and the inferred amplitude."""
+    """Draw the lines common to the three maps: printed coefficients with figure numbers, and the inferred amplitude."""
     for number, f0 in zip((c.figure for c in CASES if c.section == "5.4"), printed, strict=True):
         ax.axvline(f0, color="white", linewidth=1.6)
         ax.axvline(f0, color="black", linestyle=(0, (1, 1.4)), linewidth=1.0)

@@ -61,7 +61,7 @@ def _time_axis(ax: Any, label: str, periods: int = PERIODS) -> None:
 # ---- Figures 7 to 10 ----
 def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
     e, panels = row.experiment, [partial(_velocities, runs, row.experiment), partial(_levels, row)]
-    rests = [b for _, b, sign in row.intervals if sign == 0]  # the shortest are too short to be seen
+    rests = [b for _, b, sign in row.intervals if sign == 0]  # the shortest ones are invisible
     return render(folder, f"figure-{e.figure:02}", panels, height=2.5, text="experiment", e=e, row=row, rests=rests)
 
 
@@ -81,7 +81,7 @@ def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
 
 
 def _levels(row: Row, ax: Any) -> None:
-    """Mean velocities, a row for each: squares as printed, with half a digit to either side, circles as computed here."""
+    """Mean velocities, a row for each: squares are printed values with half a digit on either side, circles are computed here."""
     from matplotlib.lines import Line2D
 
     e = row.experiment
@@ -118,7 +118,7 @@ def _scale(run: Any) -> tuple[float, float]:
 
 
 def _limits(runs: Runs, section: str) -> tuple[float, float, float]:
-    """Common limits of a section: least and largest v/(A omega), and half the width of the portraits in A; without presliding."""
+    """Common limits of a section: smallest and largest v/(A omega), and half-width of the portraits in A; without presliding."""
     found = []
     for case in (c for c in CASES if c.section == section):
         run = runs.figures[case.figure]
@@ -178,7 +178,7 @@ def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any
 
 
 def _powers(axis: Any) -> None:
-    """Small numbers with their power of ten at the end of the axis, in plain text: formulas are slow to set."""
+    """Format small numbers with a common power of ten at the end of the axis, in plain text: formulas are slow to typeset."""
     from matplotlib.ticker import ScalarFormatter
 
     class Powers(ScalarFormatter):

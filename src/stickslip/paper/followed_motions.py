@@ -1,4 +1,4 @@
-"""A motion followed along a number by continuation of its orbit: where it begins and ends, how sure that is, and how stable it is."""
+"""A motion followed along a number by continuation of its orbit: both ends of its range, their accuracy, and its stability."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from stickslip.paper.words import digits_within
 
 __all__ = ["End", "Followed", "followed"]
 
-#: Tolerances with which an orbit is followed, and with which a border that it meets is found again.
+#: Tolerances of the continuation, and of the refined border.
 RTOL, TIGHT = 1e-8, 1e-10
-#: How far from a border the first other point of the secant lies, as a part of the parameter.
+#: Relative distance of the second starting point of the secant from the border.
 _ASIDE = 1e-4
 _WHY = {
     "flip": "doubles its period", "fold": "turns back at a fold", "neimark-sacker": "turns into a torus",
@@ -25,18 +25,18 @@ _WHY = {
 
 @dataclass(frozen=True)
 class End:
-    """Where a stable motion ends.
+    """The end of a stable motion.
 
     Parameters
     ----------
     value : float
-        Of the parameter.
+        Value of the parameter.
     kind : str
-        "flip", "fold", "neimark-sacker", "branch-point", "half" (it merges with the motion of half its period), "range" (it goes on), or
-        "lost".
+        "flip", "fold", "neimark-sacker", "branch-point", "half" (it merges with the motion of half its period), "range" (it continues),
+        or "lost".
     accuracy : float or None
-        Of the value: that of the branch's special point, or by how much it moves when the tolerance is a hundredth; 0 where nothing was
-        looked for, None where it is not known.
+        Accuracy of the value: that of the branch's special point, or its change when the tolerance is reduced to a hundredth; 0 if no
+        border was sought, None if unknown.
     """
 
     value: float
@@ -45,11 +45,11 @@ class End:
 
     @property
     def why(self) -> str:
-        """What the motion does there."""
+        """The event at this end, in words."""
         return _WHY[self.kind]
 
     def text(self, scale: float = 1e3) -> str:
-        """The value times a scale, with no digit beyond its accuracy; three decimals where that is not known."""
+        """The value times a scale, with no digit beyond its accuracy; with three decimals if that is unknown."""
         if self.kind == "range":
             return f"{scale * self.value:g}"
         return digits_within(scale * self.value, 1e-3 if self.accuracy is None else scale * self.accuracy)
@@ -57,7 +57,7 @@ class End:
 
 @dataclass(frozen=True)
 class Followed:
-    """A stable motion from end to end.
+    """A stable motion from one end to the other.
 
     Parameters
     ----------
@@ -66,9 +66,9 @@ class Followed:
     period : int
         Drive periods until it repeats.
     multiplier : float
-        The largest size of a multiplier of the orbits between the ends; 1 is reached at a border.
+        The largest modulus of a multiplier of the orbits between the ends; it is 1 at a border.
     orbits : int
-        How many were computed.
+        Number of computed orbits.
     """
 
     parameter: str
@@ -83,7 +83,7 @@ def followed(
     parameter: str, start: float, low: float, high: float, period: int = 1, guess: Any = None, step: float = 0.2, points: int = 100,
     rtol: float = RTOL, **fixed: Any,
 ) -> Followed:  # fmt: skip
-    """Follow the stable motion at `start` down and up, to the first border where it loses its stability, or to the ends of the range."""
+    """Follow the stable motion at `start` down and up, to the first border at which it loses stability, or to the ends of the range."""
     ends: list[End] = []
     sizes: list[float] = []
     for stop in (low, high):
@@ -105,7 +105,7 @@ def _branch(parameter: str, start: float, stop: float, **more: Any) -> Any:
 
 
 def _end(branch: Any, stop: float) -> tuple[End, Any]:
-    """Where the motion of a branch loses its stability, or the branch ends; and the orbit there."""
+    """The end of a branch, where the motion loses its stability or the continuation stops; and the orbit there."""
     border, last = next((s for s in branch.special if s.changes_stability), None), float(branch.values[-1])
     if border is not None:
         return End(border.value, border.kind, border.accuracy), border.orbit
@@ -116,9 +116,9 @@ def _end(branch: Any, stop: float) -> tuple[End, Any]:
 
 
 def _sharpened(branch: Any, end: End, orbit: Any, fixed: dict[str, Any]) -> End:
-    """Where a motion falls together with that of half its period: there the shorter one's multiplier is -1. A secant on its orbits.
+    """The point where a motion merges with that of half its period, whose multiplier is -1 there; by a secant method on its orbits.
 
-    It is found at the branch's tolerance and at a hundredth of it; the difference is its accuracy.
+    It is computed with the branch's tolerance and with `TIGHT`; the difference is its accuracy.
     """
     period = branch.period // 2
 
@@ -137,7 +137,7 @@ def _sharpened(branch: Any, end: End, orbit: Any, fixed: dict[str, Any]) -> End:
 
 
 def _secant(test: Callable[[float], float], at: float, aside: float) -> float | None:
-    """Where a test is zero, near a value; None if that is further than a hundredth of the value away, or not found."""
+    """A zero of a function near a value; None if it is further away than a hundredth of the value, or not found."""
     last, here, was = at + aside, at, test(at + aside)
     for _ in range(8):
         now = test(here)
@@ -145,6 +145,6 @@ def _secant(test: Callable[[float], float], at: float, aside: float) -> float | 
         if not abs(here + step - at) < 0.01 * abs(at):
             return None
         last, was, here = here, now, here + step
-        if abs(step) < 1e-3 * aside:  # the secant's error falls with its square: the rounding of the multipliers is reached
+        if abs(step) < 1e-3 * aside:  # the secant method converges superlinearly: what remains is the rounding of the multipliers
             return here
     return None

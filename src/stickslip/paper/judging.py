@@ -25,12 +25,12 @@ from stickslip.paper.table import Row
 
 __all__ = ["claims", "study_of"]
 
-#: A function for each claim, named as its text in ``sentences.toml``.
+#: The modules with a function for each claim, named as its text in ``sentences.toml``.
 JUDGES = (claims_beam, claims_comparison, claims_excitation, claims_friction, claims_irregular, claims_laws, claims_static)
 
 
 def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
-    """Do the scans that claims and figures share."""
+    """Compute the scans that claims and figures share."""
     judged, near = motions(runs, tell), around(fast, tell)
     tell("scanning static friction", 0, 2)
     scanned = static_map(fast)

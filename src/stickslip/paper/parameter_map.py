@@ -28,7 +28,7 @@ _RTOL = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """The map and the curves over it.
+    """The map and the curves on it.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Around:
     curves : tuple of Curve
         The curve of these flips in (mu0, amplitude).
     accuracies : tuple of float
-        By how much each of the flips may be wrong.
+        Accuracy of each flip.
     """
 
     grid: Any
@@ -56,7 +56,7 @@ class Around:
 
     @cached_property
     def shares(self) -> dict[str, float]:
-        """Parts of the map: period one, two, higher, chaotic, undecided."""
+        """Fractions of the map: period one, two, higher, chaotic, undecided."""
         period, chaotic = self.grid.period.values, self.chaotic
         return {
             "period 1": float(np.mean(period == 1)),
@@ -68,12 +68,12 @@ class Around:
 
     @cached_property
     def chaotic(self) -> Any:
-        """Where the strobe point does not return and the largest exponent is positive by three of its errors."""
+        """The mask of motions that do not repeat and whose largest exponent exceeds three standard errors."""
         return (self.grid.period.values == 0) & (self.grid.exponent.values > 3 * self.grid.error.values)
 
     @property
     def largest(self) -> dict[str, float]:
-        """Where the largest exponent is, and how large."""
+        """The largest exponent and its place."""
         flat = np.where(self.chaotic, self.grid.exponent.values, -np.inf)
         i, j = np.unravel_index(int(np.argmax(flat)), flat.shape)
         return {
@@ -83,11 +83,11 @@ class Around:
 
     @property
     def where(self) -> str:
-        """Where that is, in words."""
+        """That place in words."""
         return f"A = {millimetres(self.largest['amplitude'], 3)}, μ₀ = {plain(self.largest['mu0'], 3)}"
 
     def as_data(self) -> dict[str, Any]:
-        """The same for machines, SI units."""
+        """The results as plain data, SI units."""
         names = ("period", "exponent", "error", "mean_velocity")
         return {
             "mu0": self.grid.mu0.values, "amplitude": self.grid.amplitude.values, **{n: self.grid[n].values for n in names},
@@ -98,13 +98,13 @@ class Around:
 
 
 def around(fast: bool, tell: Tell) -> Around:
-    """Do the map, and follow the flips of the paper's rig in two parameters."""
+    """Compute the map, and follow the flips of the paper's rig in two parameters."""
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.presets import piezo_rig
 
     what, (n, m) = "mapping what lies around section 5", FAST_SIZE if fast else SIZE
     with ThreadPoolExecutor(1) as pool:
-        followed = pool.submit(_flips)  # a curve goes from point to point: the map keeps the other cores busy meanwhile
+        followed = pool.submit(_flips)  # continuation is sequential: meanwhile the map keeps the other cores busy
         grid = chaos_map(
             piezo_rig, mu0=np.geomspace(0.03, 0.21, n), amplitude=np.linspace(2.5e-4, 9.5e-4, m), tilt_deg=1.7,
             settle=300, periods=60 if fast else 100, rtol=_RTOL, workers=min(os.cpu_count() or 1, 8),
@@ -115,7 +115,7 @@ def around(fast: bool, tell: Tell) -> Around:
 
 
 def _flips() -> tuple[tuple[float, ...], tuple[Any, ...], tuple[float, ...]]:
-    """The flips at the paper's amplitude, their curve upwards and downwards in it, and their accuracy."""
+    """The flips at the paper's amplitude, the curve of the first one upwards and downwards in it, and their accuracy."""
     from stickslip.dynamics.continuation.branches import continuation
     from stickslip.dynamics.continuation.two_parameters import special_curve
     from stickslip.presets import piezo_rig

@@ -1,4 +1,4 @@
-"""`reproduce`: the whole paper again, into one folder."""
+"""`reproduce`: the whole paper again, in one folder."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from stickslip.paper.table import rows
 
 __all__ = ["FORMAT", "Reproduction", "reproduce"]
 
-#: Of ``numbers.json``; docs/paper-revisited.md says what stands in it.
+#: Format of ``numbers.json``, which docs/paper-revisited.md describes.
 FORMAT = "stickslip-paper-3"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reproduction(Study):
-    """The results of `reproduce`: the scans that claims are judged on, and what followed from them.
+    """The results of `reproduce`: the scans on which claims are judged, and their consequences.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Reproduction(Study):
     cases : tuple of dict
         Sections 5.1 to 5.4, figure by figure.
     motions : dict
-        By the number of the figure: the kind of motion, from multipliers and exponents.
+        Figure number -> kind of motion, from multipliers and exponents.
     around : Around
         Period number and largest exponent over amplitude and kinetic coefficient.
     claims : tuple of Claim
@@ -53,7 +53,7 @@ class Reproduction(Study):
     equations : tuple of Equation
         The equations solved, as LaTeX.
     coexistence : Coexistence
-        Where two motions exist over static coefficient and amplitude.
+        Coexisting motions over static coefficient and amplitude.
     amplitudes : Amplitudes
         The inferred amplitudes, with the intervals that fit as well.
     figures : tuple of Picture
@@ -106,11 +106,11 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     Parameters
     ----------
     out : path
-        Folder to write to; it is made if it is not there.
+        Folder to write to; it is created if necessary.
     fast : bool
         A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (current task, amount done, amount in all).
+        True for a progress line, or a function that is called with (current task, amount done, total amount).
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Section 5 judged by multipliers and exponents: what kind of motion each figure shows, and on what evidence."""
+"""Section 5 judged by multipliers and exponents: the kind of motion in each figure, with the evidence."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from stickslip.paper.words import plain
 
 __all__ = ["Motion", "motions"]
 
-#: Drive periods over which exponents are averaged: of a motion that repeats, and of any other.
+#: Drive periods over which exponents are averaged, for periodic and for other motions.
 PERIODS, LONG = 40, 2000
-ROUNDING = 1e-12  # multipliers below it are rounding of the matrix; their exponents are not
+ROUNDING = 1e-12  # smaller multipliers are rounding errors of the matrix; their exponents are not
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the motion of a figure is.
+    """The motion of a figure.
 
     Parameters
     ----------
@@ -30,11 +30,11 @@ class Motion:
     period : int or None
         Drive periods until it repeats.
     multipliers : tuple of complex
-        Of the periodic orbit, the largest first; empty if there is none.
+        Multipliers of the periodic orbit, the largest first; empty if there is none.
     exponent, error : float
         Largest Lyapunov exponent per drive period and its standard error.
     residual : float or None
-        How far the orbit's strobe state is from itself, in the scales of its coordinates.
+        Distance of the orbit's strobe state from its image, in the scales of its coordinates.
     twin : float or None
         Largest multiplier of the same robot with exact Coulomb friction; 0 where it comes to rest.
     why : str
@@ -64,7 +64,7 @@ class Motion:
 
     @property
     def multiplier(self) -> str:
-        """The largest multiplier as it is printed."""
+        """The largest multiplier as text."""
         if not self.multipliers:
             return "none"
         largest = self.multipliers[0]
@@ -74,7 +74,7 @@ class Motion:
 
     @property
     def exponents(self) -> str:
-        """The largest exponent with its error as it is printed."""
+        """The largest exponent with its error as text."""
         if not math.isfinite(self.exponent):
             return "−∞"
         digits = 4 if self.error == 0 else max(1, min(6, 2 + math.floor(math.log10(max(abs(self.exponent), self.error) / self.error))))
@@ -82,13 +82,13 @@ class Motion:
 
     @property
     def from_multiplier(self) -> float | None:
-        """The exponent once more: the logarithm of the largest multiplier over the period."""
+        """The exponent from the orbit: the logarithm of the largest multiplier over the period."""
         if not self.multipliers or not self.period or abs(self.multipliers[0]) < ROUNDING:
             return None
         return math.log(abs(self.multipliers[0])) / self.period
 
     def as_data(self) -> dict[str, Any]:
-        """The same for machines."""
+        """The motion as plain data."""
         return {
             "kind": self.kind, "period": self.period, "multipliers": [[m.real, m.imag] for m in self.multipliers],
             "exponent": self.exponent, "error": self.error, "exponent_from_multiplier": self.from_multiplier, "residual": self.residual,
@@ -97,7 +97,7 @@ class Motion:
 
 
 def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
-    """The verdict on every figure of section 5, by its number; each begins where the figure's run ended."""
+    """The verdict on every figure of section 5, by its number; each computation continues the run of the figure."""
     found = {}
     for i, case in enumerate(CASES):
         tell("judging motions by multipliers and exponents", i, len(CASES))
@@ -121,7 +121,7 @@ def _judged(case: Any, runs: Runs) -> Motion:
 
 
 def _of_twin(run: Any) -> float | None:
-    """The largest multiplier of the exact Coulomb motion that a run has settled on."""
+    """The largest multiplier of the exact Coulomb motion to which a run has converged."""
     from stickslip.analysis.motion import motion
     from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
     from stickslip.errors import SolveError

@@ -33,12 +33,12 @@ def _environment() -> Any:
 
 
 def then(loop: Any) -> str:
-    """What follows an entry of a list in a sentence."""
+    """The separator after an entry of a list in a sentence."""
     return "" if loop.last else " and " if loop.revindex == 2 else ", "
 
 
 def filled(template: Any, values: dict[str, Any]) -> Any:
-    """A template with values put in, or all templates of a list or a table.
+    """A filled template, or all templates of a list or a table.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The runs that tables and figures read, each solved once."""
+"""The runs on which tables and figures are based, each solved once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 
 __all__ = ["Runs", "Tell", "batch", "scaled_velocity", "solve_all"]
 
-#: Called with (current task, amount done, amount in all).
+#: Called with (current task, amount done, total amount).
 Tell = Callable[[str, int, int], None]
 
 
@@ -24,13 +24,13 @@ class Runs:
     Parameters
     ----------
     coulomb, lugre : dict
-        By the name of the experiment: exact Coulomb and folded LuGre.
+        Name of the experiment -> run with exact Coulomb friction, and with LuGre friction and the folded incline.
     gravity : dict
-        By the name of the experiment: mean velocity with LuGre on a true incline [m/s].
+        Name of the experiment -> mean velocity with LuGre on a true incline [m/s].
     figures : dict
-        By the number of the figure: LuGre.
+        Figure number -> run with LuGre friction.
     twins : dict
-        By the number of the figure: the same robot with exact Coulomb friction.
+        Figure number -> run of the same robot with exact Coulomb friction.
     """
 
     coulomb: dict[str, Any]
@@ -61,7 +61,7 @@ def _true_incline() -> dict[str, float]:
 
 
 def batch(robot: Any, **arguments: Any) -> Any:
-    """A batch of which only the numbers are kept, on all cores (the result does not depend on their number)."""
+    """The summary of a batch, solved on all cores (the result does not depend on their number)."""
     from stickslip.solvers import solve
 
     return solve(robot, **{"keep": "summary", "workers": min(os.cpu_count() or 1, 8), **arguments})

@@ -31,11 +31,11 @@ class Row:
     fractions : dict
         Parts of the period forwards, backwards and at rest.
     intervals : tuple
-        Of the exact Coulomb run, in drive periods: begin, length and sign of each slide and rest.
+        Start, length [drive periods] and sign of each interval of sliding or rest in the exact Coulomb run.
     lugre_word : str
         The word for the LuGre run at the default thresholds.
     lugre_words : dict
-        How many pairs of thresholds give each word.
+        Number of threshold pairs that give each word.
     """
 
     experiment: Experiment

@@ -1,4 +1,4 @@
-"""Numbers as the report writes them."""
+"""Formats of numbers in the report."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def millimetres(length: Any, digits: int = 4) -> str:
 
 
 def percent(fraction: Any, digits: int = 2, sign: bool = False) -> str:
-    """A fraction in per cent, on request with a plus before what is positive."""
+    """A fraction in per cent, optionally with a plus sign for positive values."""
     return f"{'+' if sign and fraction > 0 else ''}{plain(100 * float(fraction), digits)} %"
 
 
@@ -43,7 +43,7 @@ def plain(x: Any, digits: int = 4) -> str:
 
 
 def digits_within(x: float, accuracy: float, most: int = 7) -> str:
-    """A number with no digit that its accuracy does not bear: the error is at most one unit of the last.
+    """A number without digits beyond its accuracy: the error is at most one unit of the last digit.
 
     Examples
     --------
