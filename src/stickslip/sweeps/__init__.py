@@ -1,4 +1,4 @@
-"""Many solves: grids and designs, in memory, in a study folder, on several machines, refined where the motion changes."""
+"""Many solves: grids and designs, in memory, in a study folder or on several machines; refinement where the motion changes."""
 
 from stickslip.sweeps.merging import merge
 from stickslip.sweeps.opening import open_study

@@ -1,7 +1,7 @@
-"""Tiles as tasks of an existing Dask cluster: workers may die and join; no scheduler of our own.
+"""Tiles as tasks of an existing Dask cluster: workers may fail and join; there is no scheduler of our own.
 
-A task carries the maker's name, arguments and numbers, and gives back columns: nothing of a user's class is pickled. The folder, if
-there is one, is written here, so workers need not see it.
+A task contains the maker's name, arguments and numbers, and returns columns; user classes are not pickled. The folder, if there is
+one, is written by this process, so the workers need no access to it.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
 
 
 def _named(make: Any) -> dict[str, Any]:
-    """Where a worker finds the maker: by import, or as the TOML text of a robot or a mechanism."""
+    """Where a worker finds the maker: by import, or from the TOML text of a robot or a mechanism."""
     if not callable(make):
         try:
             return {"toml": make.to_toml()}
@@ -77,7 +77,7 @@ def _plain(name: str, value: Any) -> Any:
 
 
 def from_message(told: dict[str, Any]) -> Plan:
-    """The tile again, on a worker: a plan of its own with one tile."""
+    """Restore a tile on a worker: a plan of its own with one tile."""
     columns = {}
     for name, (dims, values) in told["columns"].items():
         if isinstance(values, list):
@@ -96,7 +96,7 @@ def _found(make: dict[str, Any]) -> Any:
 
 
 def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
-    """One tile, on a worker."""
+    """Compute one tile on a worker."""
     from stickslip.sweeps.solving import solved
 
     return solved(from_message(told), 0, 1)
@@ -105,9 +105,9 @@ def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
 def tiles_from(
     plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch
 ) -> Iterator[tuple[int, dict[str, Array], dict[str, int]]]:
-    """The tiles as the cluster finishes them; a few more than its threads are under way at a time.
+    """The tiles in the order in which the cluster finishes them; up to twice as many as its threads, at least 4, are in progress.
 
-    A tile whose result was lost with its worker is sent again, and so is one that failed, up to `retries` times.
+    A tile that failed, or whose result was lost with its worker, is submitted again, up to `retries` times.
     """
     rest, running, tries = iter(todo), dict[Any, int](), dict[int, int]()
     ready = _distributed().as_completed(with_results=False)
@@ -126,7 +126,7 @@ def tiles_from(
             if not running:
                 return
             future = next(ready, None)
-            if future is None:  # what is left was lost with its worker
+            if future is None:  # the remaining tiles were lost with their workers
                 lost, running = list(running.values()), {}
                 for k in lost:
                     if tries[k] > retries:

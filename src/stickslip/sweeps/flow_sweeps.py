@@ -1,4 +1,4 @@
-"""A sweep of a switching flow: its numbers, and where it starts, as axes."""
+"""A sweep of a switching flow, with its numbers and its initial state as axes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def sweep_of_flow(
     flow: Any, designs: Sequence[Any], axes: dict[str, Any], rtol: float, workers: int, progress: Any, of_machines: dict[str, Any],
     **arguments: Any,
 ) -> Any:  # fmt: skip
-    """The dataset: of every case what `solve` says of it with ``keep="summary"``."""
+    """The dataset: for each case the result of `solve` with ``keep="summary"``."""
     import xarray as xr
 
     problems = Problems("sweep")
@@ -44,7 +44,7 @@ def sweep_of_flow(
 
 
 def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
-    """What gives the columns of one case."""
+    """The function that computes the columns of one case."""
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
     starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
@@ -65,12 +65,12 @@ def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int]
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
     if len(good):
-        asked(int(good[0]))  # what is wrong with the arguments is told before the work
+        asked(int(good[0]))  # errors in the arguments are reported before the work
     return case
 
 
 def _column(found: list[dict[str, Any]], name: str) -> Array:
-    """A column over all cases; what was not solved or not computed is not a number, -1, or its status."""
+    """A column over all cases; unsolved or missing cases are NaN, -1, or their status."""
     if name == "status":
         return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in found], np.int8)
     known = [columns[name] for columns in found if name in columns]
@@ -79,7 +79,7 @@ def _column(found: list[dict[str, Any]], name: str) -> Array:
 
 
 def _told(name: str) -> dict[str, str]:
-    """What a column is."""
+    """The attributes of a column."""
     what, _, state = name.partition("_")
     long = {
         "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",

@@ -1,6 +1,6 @@
-"""A study folder: its manifest, its axes, and one file for each tile, each written beside its place and then moved there.
+"""A study folder: its manifest, its axes, and one file for each tile, each written under a temporary name and then renamed.
 
-Whatever happens to the process, a tile is there as a whole or not at all; the folder itself is the record of what is done.
+Whatever happens to the process, a tile exists completely or not at all; the folder itself is the record of the finished tiles.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
 MANIFEST = "manifest.json"
-#: What was typed in the shell to begin the study.
+#: The shell command that began the study.
 COMMAND = "command.json"
 
 
 class StorageError(StickslipError, OSError):
-    """A folder that cannot be written to any more; what is in it stays, and the study can be resumed."""
+    """A folder has become unwritable; its contents are kept, and the study can be resumed."""
 
 
 # ---- bytes on the disk ----
 def put(path: Path, content: bytes, new: bool = False) -> bool:
-    """Write a file at once or not at all. With `new` an existing one stays, and False is returned."""
+    """Write a file atomically. With `new`, an existing file is kept, and False is returned."""
     beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
         with beside.open("xb") as file:
@@ -50,7 +50,7 @@ def put(path: Path, content: bytes, new: bool = False) -> bool:
             return True
         except FileExistsError:
             return False
-        except OSError:  # a file system without links
+        except OSError:  # a file system without hard links
             if path.exists():
                 return False
             os.replace(beside, path)
@@ -68,7 +68,7 @@ _NO_ROOM = {
 
 
 def unwritable(path: Path, error: OSError) -> StickslipError:
-    """What to say, and to type, where a file could not be written."""
+    """The error, with advice, for a file that could not be written."""
     if error.errno in _NO_ROOM:
         what = _NO_ROOM[error.errno]
         return StorageError(f"sweep: {what}, {str(path)!r} could not be written; free some space and type resume=True (--resume) to go on")
@@ -79,13 +79,13 @@ def unwritable(path: Path, error: OSError) -> StickslipError:
 
 # ---- the folder ----
 def check_new(what: str, folder: Path, known: tuple[str, ...], kind: str) -> None:
-    """`InputError` for a folder that is there, and holds something else than what is known."""
+    """Raise an `InputError` if the folder exists and contains anything but the known names."""
     if folder.exists() and (not folder.is_dir() or any(p.name not in known for p in folder.iterdir() if p.suffix != ".part")):
         raise InputError(what, [f"{str(folder)!r} is there and is not {kind}; give a new or an empty folder"])
 
 
 def make_folder(folder: Path, inside: str = "") -> None:
-    """Make a folder, those above it, and one in it."""
+    """Create a folder with its parents, and one inside it."""
     try:
         (folder / inside).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -93,7 +93,7 @@ def make_folder(folder: Path, inside: str = "") -> None:
 
 
 def read_manifest(folder: str | Path) -> dict[str, Any]:
-    """The manifest of a study folder; `InputError` if it is none."""
+    """The manifest of a study folder; `InputError` if the folder is not one."""
     path = as_path(folder, "open_study", "grid") / MANIFEST
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
@@ -133,7 +133,7 @@ def shard_of(shard: Any) -> tuple[int, int] | None:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study folder that is being worked on.
+    """A study folder in use.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ class Study:
     plan : Plan
     manifest : dict
     shard : (int, int), optional
-        The part of the tiles that is ours.
+        The shard of the tiles to compute.
     """
 
     folder: Path
@@ -151,7 +151,7 @@ class Study:
 
     @classmethod
     def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None) -> Study:
-        """A new folder for a plan, or the one that is there, if it is of the same study and may be gone on with."""
+        """Begin a new folder for a plan, or continue an existing one if it belongs to the same study and may be resumed."""
         folder, mine, part = folder.expanduser(), manifest(plan), shard_of(shard)
         study = cls(folder, plan, mine, part)
         if (folder / MANIFEST).exists():
@@ -172,10 +172,10 @@ class Study:
         make_folder(self.folder, TILES)
         self._mend_axes()
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
-            self._check_same(read_manifest(self.folder))  # another shard was first
+            self._check_same(read_manifest(self.folder))  # another shard was faster
 
     def _mend_axes(self) -> None:
-        """Write the axes where they are damaged or missing."""
+        """Write the axes if they are damaged or missing."""
         try:
             read_labels(self.folder, self.manifest)
         except InputError:
@@ -190,7 +190,7 @@ class Study:
             raise InputError("sweep", [f"{str(self.folder)!r} is the folder of another study: {reason}" for reason in told] or ["unknown"])
 
     def _sweep_up(self) -> None:
-        """Remove what a killed process left half written of our tiles."""
+        """Remove incomplete files that a killed process left for our tiles."""
         ours = {f".{file_of(self.folder, k).name}" for k in self.ours}
         try:
             for path in (self.folder / TILES).glob(".*.part"):
@@ -207,21 +207,21 @@ class Study:
 
     @cached_property
     def done(self) -> tuple[int, ...]:
-        """Our tiles that are there, as they were written."""
+        """Our tiles that exist undamaged."""
         names = {p.name for p in (self.folder / TILES).iterdir()} if (self.folder / TILES).exists() else set()
         return tuple(k for k in self.ours if file_of(self.folder, k).name in names and tile_is_good(self.folder, k, self.manifest))
 
     @property
     def todo(self) -> Iterable[int]:
-        """Our tiles that are not."""
+        """Our tiles that are still to be computed."""
         return sorted(set(self.ours) - set(self.done))
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
-        """Keep a tile."""
+        """Store a tile."""
         put(file_of(self.folder, k), tile_bytes(self.manifest, k, self.plan.bounds(k)[0], columns, notes))
 
     def finish(self) -> None:
-        """Nothing is left to do but to be sure that the names are on the disk."""
+        """Flush the folder, so that the file names are on the disk."""
         if hasattr(os, "O_DIRECTORY"):
             handle = os.open(self.folder / TILES, os.O_RDONLY | os.O_DIRECTORY)
             with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Cases that start where their neighbour along an axis ended, up and down again: transients are short, and hysteresis shows."""
+"""Cases that start from the final state of their neighbour along an axis, up and down: transients are short, and hysteresis shows."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stickslip.sweeps.solving import columns_of_group
 
 
 def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
-    """A summary; and beside what its power needs the state of each case at its end, by names such as end.v."""
+    """A summary, the data for its power, and the final state of each case, under names such as end.v."""
     asked = solver_arguments(options)
     todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=tell, options={}, **asked)
     why = unfollowed(robot, todo.method)
@@ -42,7 +42,7 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
 
 
 def unfollowed(robot: Any, method: str) -> str | None:
-    """Why the end states of a robot are not known, as a sentence; None where they are."""
+    """The reason why the final states of a robot are unavailable, as a sentence; None if they are available."""
     if not machine_of(robot).is_single:
         what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"
         return f"continue_along needs the end states of one body, and {what}; leave it out"
@@ -61,7 +61,7 @@ def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[st
 
 
 def _position(todo: Request, x: Array) -> dict[str, Array]:
-    """Where the next case is on its spring: time begins anew there, and with it the way of the spring's far end."""
+    """Initial position of the next case on its spring: time restarts at zero, and with it the displacement of the spring's far end."""
     if not knows_position(todo.model):
         return {}
     return {"x": x - spread(machine_of(todo.model).far_end_velocity, todo.labels) * todo.span}
@@ -72,7 +72,7 @@ def _named(state: dict[str, Array]) -> dict[str, Array]:
 
 
 def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | None) -> tuple[dict[str, Array], dict[str, int]]:
-    """The columns of tile k: all its lines at once, from value to value up the axis, and down again."""
+    """The columns of tile k: all its lines together, from value to value up the axis, and down again."""
     lines = plan.points(k)
     count, steps = lines.shape
     result, notes = empty(2 * lines.size, plan.columns), Counter[str]()
@@ -90,7 +90,7 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
 def _one_step(
     plan: Plan, points: Array, ends: dict[Any, Array], workers: int, notes: Counter[str]
 ) -> tuple[dict[str, Array], dict[Any, Array]]:
-    """All lines at one value of the axis; where a case fails, the next one starts as the study says."""
+    """Solve all lines at one value of the axis; after a failed case, the next one starts from the initial state of the study."""
     groups, refused = groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
     columns, after = empty(len(points), plan.columns), dict[str, Any]()
     columns["status"][list(refused)] = Status.BAD_INPUT
@@ -107,13 +107,13 @@ def _one_step(
 
 
 def _keep(ends: dict[Any, Array], name: str, at: Array, values: Array, count: int) -> None:
-    """Put end values of a group to those of the others; laws of several kinds may have states of one name and several lengths."""
+    """Store the final values of a group; laws of different kinds may have states of the same name but different length."""
     shape = values.shape[1:]
     ends.setdefault((name, shape), np.full((count, *shape), np.nan))[at] = values
 
 
 def _start(given: dict[str, Any], ends: dict[Any, Array], at: Array) -> dict[str, Any]:
-    """Where the neighbours ended; where there is no such end, the start of the study."""
+    """The final states of the neighbours; where there is none, the initial state of the study."""
     start = dict(given)
     for (name, _), values in ends.items():
         mine = values[at]

@@ -31,12 +31,12 @@ WAYS = np.array(["up", "down"])
 
 
 def maker_of(make: Any) -> str:
-    """What a maker is called."""
+    """The name of a maker."""
     return getattr(make, "__name__", None) or type(make).__name__
 
 
 def provenance_of(plan: Plan) -> dict[str, Any]:
-    """Versions, settings and kinds: what it takes to make these results again."""
+    """Versions, settings and kinds, which are needed to repeat the results."""
     known = versions() | {name: _version(name) for name in ("numba", "scipy", "xarray")}
     settings = {name: value for name, value in plan.options.items() if name != "observe"}
     settings |= {"continue_along": plan.along} if plan.along else {}
@@ -47,14 +47,14 @@ def provenance_of(plan: Plan) -> dict[str, Any]:
 
 @cache
 def _version(library: str) -> str:
-    """Version of a library that may not be loaded; looked up once, because that takes longer than a small sweep."""
+    """Version of a library that may not be loaded; cached, because the look-up takes longer than a small sweep."""
     from importlib.metadata import version
 
     return version(library)
 
 
 def labels_of(plan: Plan) -> dict[str, Column]:
-    """Coordinates of the dataset: labels of its dimensions, arguments that vary, and single numbers."""
+    """Coordinates of the dataset: labels of its dimensions, varying arguments, and single numbers."""
     found = dict(plan.space.coords)
     if plan.along:
         found["way"] = Column(("way",), WAYS)
@@ -65,9 +65,9 @@ def labels_of(plan: Plan) -> dict[str, Column]:
 
 
 def attributes_of(plan: Plan) -> dict[str, Any]:
-    """Attributes of the dataset: the maker, the arguments that do not vary, and what is known of its robots.
+    """Attributes of the dataset: the maker, the fixed arguments, and properties of its robots.
 
-    `numbers` are those that all robots share; `robot` is the study file of a robot that was given as it is.
+    `numbers` are those that all robots share; `robot` is the study file of a given robot, if the maker is no function.
     """
     fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
@@ -81,13 +81,13 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 
 def _units_of(plan: Plan) -> dict[str, str]:
-    """The units of columns of machines that turn about an axis; nothing of others."""
+    """The units of columns for machines that turn about an axis; empty for others."""
     found = {name: unit for name in COLUMNS if (unit := unit_of(name, plan.sample)) != VARIABLES[name].unit}
     return {"units": json.dumps(found)} if found else {}
 
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
+    """Names and units of axes and shared numbers, as far as fields and makers give them."""
     found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
     if plan.sample is not None:
         found |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
@@ -95,7 +95,7 @@ def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]
 
 
 def _robot_of(make: Any) -> dict[str, str]:
-    """A robot or mechanism as the text of a study file; nothing of a function, or where a part is a class of the user's own."""
+    """A robot or mechanism as the text of a study file; empty for a function, or if a part is a user-defined class."""
     try:
         return {} if callable(make) else {"robot": make.to_toml()}
     except (AttributeError, InputError):
@@ -116,14 +116,14 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
 
 
 def about(plan: Plan) -> dict[str, dict[str, str]]:
-    """Units and meanings of a user's own columns."""
+    """Units and meanings of user-defined columns."""
     observe = plan.options.get("observe") or {}
     units = {name: _slope_unit(plan, each) if each.unit is None else each.unit for name, each in observe.items()}
     return {name: {"units": units[name], "long_name": each.meaning} for name, each in observe.items()}
 
 
 def _slope_unit(plan: Plan, slope: Derived) -> str:
-    """The unit of a derivative: that of what it is of over that of the number."""
+    """The unit of a derivative: that of the result over that of the number."""
     if maker_of(plan.make) in DIMENSIONLESS:
         return "1"
     model = plan.make if plan.sample is None else plan.sample
@@ -140,7 +140,7 @@ def _unit_of_result(of: str, model: Any) -> str:
 
 
 def with_units(grid: Any, observed: dict[str, dict[str, str]]) -> Any:
-    """The dataset, with what is known of a user's own columns on them."""
+    """The dataset with the attributes of user-defined columns."""
     for name, told in observed.items():
         grid[name].attrs.update(told)
     return grid
@@ -152,7 +152,7 @@ def labels_of_parts(parts: dict[str, Any]) -> dict[str, Column]:
 
 
 def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:
-    """A dataset of columns, given by their dimensions and values, with units and names on everything."""
+    """A dataset of columns, given by their dimensions and values, with units and names on all variables."""
     import xarray as xr
 
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
@@ -165,7 +165,7 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
 
 
 def _label(values: Array) -> Array:
-    """Words as text, so that files can keep them."""
+    """Words as fixed-length text, which files can hold."""
     if values.dtype.kind == "O" and all(isinstance(v, str) for v in values.ravel().tolist()):
         return values.astype(str)
     return values

@@ -1,4 +1,4 @@
-"""The identity of a study, which must be the same for all of its tiles."""
+"""The identity of a study, which must be the same for all its tiles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from stickslip.sweeps.solving import kept_columns
 
 #: Version of the folder's layout: 2 has checksums.
 FORMAT = 2
-_DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit
+_DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit of a result
 
 
 def digest(value: Any) -> str:
@@ -41,7 +41,7 @@ def _hashed(value: Any) -> Any:
 
 
 def identity(plan: Plan) -> dict[str, str]:
-    """The parts that make a study the one it is, each as text that can be compared and told."""
+    """The parts that identify a study, each as text that can be compared and reported."""
     versions = provenance_of(plan)["versions"]
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
@@ -57,7 +57,7 @@ def identity(plan: Plan) -> dict[str, str]:
 
 
 def _robot(plan: Plan) -> str:
-    """The first robot's kind and numbers, and the text of every class and function in it that is not ours, as a hash."""
+    """Hash of the first robot's kinds and numbers, and of the source of all its classes and functions that are not ours."""
     if plan.sample is None:
         return "none"
     parts = list(leaves(plan.sample, kinds=True))
@@ -68,7 +68,7 @@ def _robot(plan: Plan) -> str:
 
 
 def _within(value: Any) -> Iterator[Any]:
-    """A value, and what is in it if it is a list."""
+    """A value and, for a list, its elements."""
     yield value
     for item in value if isinstance(value, (list, tuple)) else ():
         if dataclasses.is_dataclass(item) and not isinstance(item, type):
@@ -87,13 +87,13 @@ def _text(value: Any) -> str:
         return f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, (list, tuple)):
         return str([_text(item) for item in value])
-    if type(value).__repr__ is object.__repr__:  # which says an address
+    if type(value).__repr__ is object.__repr__:  # the default repr contains an address
         return f"{_text(type(value))} {sorted(vars(value).items()) if hasattr(value, '__dict__') else ''}"
     return str(value)
 
 
 def _parts_of(thing: Any) -> tuple[Any, ...]:
-    """The classes and functions whose text says what a thing does: a function itself, of anything else its class and those under it."""
+    """The classes and functions whose source determines a thing: a function itself; otherwise its class and the base classes."""
     if isinstance(thing, functools.partial):
         return _parts_of(thing.func)
     if inspect.isroutine(thing):
@@ -102,7 +102,7 @@ def _parts_of(thing: Any) -> tuple[Any, ...]:
 
 
 def _known(part: Any) -> bool:
-    """Whether a class or a function is ours or Python's, whose versions are noted."""
+    """Whether a class or function belongs to this package, NumPy or Python, whose versions are recorded."""
     module = str(getattr(part, "__module__", None) or "builtins").partition(".")[0]
     return module in ("stickslip", "numpy") or module in sys.stdlib_module_names
 
@@ -115,7 +115,7 @@ def _source(part: Any) -> str:
 
 
 def manifest(plan: Plan) -> dict[str, Any]:
-    """All that the folder says about its study."""
+    """The manifest of a study folder."""
     parts = identity(plan)
     made = {
         "stickslip_format": FORMAT,
@@ -143,7 +143,7 @@ def has_checksums(manifest: dict[str, Any]) -> bool:
 
 
 def flaw(found: Any) -> str | None:
-    """What is wrong with a manifest that was read from a file; None where all is in order."""
+    """The error in a manifest that was read from a file; None if it is valid."""
     missing = [name for name, kind in _KINDS.items() if not isinstance(found.get(name), kind)]
     if missing:
         return f"{' and '.join(missing)} cannot be read"
@@ -169,7 +169,7 @@ _KINDS = {
 
 
 def differences(mine: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """What is not the same in two identities, in sentences."""
+    """The differences between two identities, in sentences."""
     found = []
     for name in dict.fromkeys([*theirs, *mine]):
         a, b = theirs.get(name), mine.get(name)

@@ -1,4 +1,4 @@
-"""The shards of a study put together."""
+"""Merging the shards of a study."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @explains_arguments
 def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> xr.Dataset:
-    """Merge the folders of the shards of one study into one, as if it had been one run.
+    """Merge the folders of the shards of one study into one, as if it had been a single run.
 
     Parameters
     ----------
@@ -67,12 +67,12 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
 
 
 def _place(folders: list[Path], k: int, manifest: dict[str, Any]) -> Path | None:
-    """Where tile k is as it was written, if anywhere."""
+    """The last folder's undamaged file of tile k; None if there is none."""
     return next((file_of(folder, k) for folder in reversed(folders) if tile_is_good(folder, k, manifest)), None)
 
 
 def _checked(folders: list[Path]) -> dict[str, Any]:
-    """The manifest that all folders share."""
+    """The common manifest of all folders."""
     problems, first = Problems("merge"), read_manifest(folders[0])
     for folder in folders[1:]:
         other = read_manifest(folder)

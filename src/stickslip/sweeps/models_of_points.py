@@ -1,4 +1,4 @@
-"""From points of the space to robots: in one call where the maker takes arrays, and without the points that make no robot."""
+"""Robots for points of the space: made in one call if the maker takes arrays, without the points that give no robot."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from stickslip.sweeps.space import START, Space
 
 
 class Group:
-    """Cases of one kind, made in one call: which of the points they are, the robots, and their start values."""
+    """Cases of one kind, made in one call: the indices of their points, the robots, and their initial values."""
 
     def __init__(self, at: Array, robot: Any, start: dict[str, Any]):
         self.at, self.robot, self.start = at, robot, start
 
 
 def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | None) -> tuple[list[Group], dict[int, str]]:
-    """The robots at some points, one group for each kind; and of the places without a robot, why.
+    """The robots for some points, one group for each kind; and the reason for each place without a robot.
 
-    A place counts from 0 within `points`. A number that is not finite, or a combination that the maker refuses, costs its own case only.
+    A place is an index into `points`. A non-finite number, or a combination that the maker refuses, affects its own case only.
     """
     columns = space.at(points)
     finite = np.logical_and.reduce([np.ones(len(points), bool), *(np.isfinite(v) for v in columns.values() if v.dtype.kind == "f")])
@@ -51,7 +51,7 @@ def _by_words(columns: dict[str, Array], places: Array) -> Iterator[tuple[Array,
 
 
 def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array, refused: dict[int, str]) -> Iterator[tuple[Array, Any]]:
-    """Robots at these places. Where the maker refuses them together they are halved, until the bad ones are alone."""
+    """Robots for these places. If the maker refuses them together, they are split in halves until the invalid ones are isolated."""
     if not len(at):
         return
     fixed = {n: v for n, v in fixed.items() if n not in START}
@@ -81,20 +81,20 @@ def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Arr
 
 
 def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
-    """Start values at some places; one for all, or one array for each name."""
+    """Initial values at some places: one for all, or an array for each name."""
     return {name: value if np.ndim(value) == 0 else value[places] for name, value in start.items()}
 
 
 def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) -> dict[str, Any]:
-    """Start values that are axes."""
+    """Initial values that are axes."""
     varying = {n.partition(".")[2]: columns[n][places] for n in START if n in columns}
     return varying | {n.partition(".")[2]: fixed[n] for n in START if n in fixed}
 
 
 def shared_numbers(make: Any, space: Space) -> dict[str, float]:
-    """The numbers that the robots of all cases share, by their dotted names: what does not change along any axis.
+    """The numbers that the robots of all cases share, by their dotted names: those that are constant along every axis.
 
-    It is judged on the first case and on the middle and the end of each axis through it.
+    They are compared at the first case and at the middle and the end of each axis through it.
     """
     points = {0}
     for i, size in enumerate(space.shape):
@@ -107,7 +107,7 @@ def shared_numbers(make: Any, space: Space) -> dict[str, float]:
 
 
 def refusals(make: Any, space: Space) -> list[str]:
-    """What the maker says against a value of an axis that it refuses whatever the others are: a typing error, told before the work."""
+    """Errors for axis values that the maker refuses whatever the others are: input errors, reported before the work."""
     found: list[str] = []
     for name, column in space.columns.items():
         if column.dims != (name,) or not callable(getattr(make, "replace", make)) or name in START:
@@ -120,7 +120,7 @@ def refusals(make: Any, space: Space) -> list[str]:
 
 
 def _said(make: Any, space: Space, name: str, values: Array, end: int) -> list[str]:
-    """The problems of an axis with all others at their first or last finite value."""
+    """The errors of an axis with all others at their first or last finite value."""
     others = {n: _end(c.values, end) for n, c in space.columns.items() if n not in (name, *START)}
     fixed = {**{n: v for n, v in space.fixed.items() if n not in START}, **others}
     try:

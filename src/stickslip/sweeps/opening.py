@@ -44,7 +44,7 @@ def open_study(folder: str | Path) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        As `sweep` returns it. Cases that are not computed yet have the status 101, "not computed".
+        As from `sweep`. Cases not yet computed have the status 101, "not computed".
 
     Examples
     --------
@@ -75,7 +75,7 @@ def open_study(folder: str | Path) -> xr.Dataset:
 
 
 def _open_file(path: Path) -> Any:
-    """A grid that `export` wrote, with its words as text."""
+    """A grid written by `export`, with its words as text."""
     import xarray as xr
 
     try:
@@ -84,7 +84,7 @@ def _open_file(path: Path) -> Any:
         grid = xr.load_dataset(path, engine="h5netcdf")
     except InputError:
         raise
-    except Exception as error:  # damaged bytes meet the library at any place
+    except Exception as error:  # the library may fail anywhere on damaged bytes
         raise InputError(
             "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
         ) from None
@@ -102,7 +102,7 @@ def _open_file(path: Path) -> Any:
 
 
 def _decoded(name: str, variable: Any) -> Array:
-    """Words again where a file has characters or codes."""
+    """Text decoded from characters or codes in a file."""
     values = variable.values
     if "kept_as" in variable.attrs:
         return from_characters(values, variable.attrs["kept_as"])
@@ -110,7 +110,7 @@ def _decoded(name: str, variable: Any) -> Array:
 
 
 class _Tiled(BackendArray):
-    """One column of a study as an array that reads its tiles."""
+    """One column of a study as an array that reads its tiles on access."""
 
     def __init__(self, folder: Path, told: dict[str, Any], name: str):
         self.folder, self.manifest, self.name = folder, told, name
@@ -134,7 +134,7 @@ class _Tiled(BackendArray):
         return values.reshape((*shape, *values.shape[1:]))
 
     def _values(self, flat: Array) -> Array:
-        """Values of some cases, given by their numbers."""
+        """Values of some cases, given by their indices."""
         each = max(int(self.manifest["cases_per_tile"]), 1)
         names = part_columns(self.name, self.parts)
         result, tiles = np.empty((len(flat), *self.shape[len(self.cases) :]), self.dtype), flat // each

@@ -1,4 +1,4 @@
-"""A sweep that is ready to run: what makes the robots, the space, the solver's arguments, and how the cases are cut into tiles."""
+"""A sweep that is ready to run: the maker of the robots, the space, the solver's arguments, and the division into tiles."""
 
 from __future__ import annotations
 
@@ -21,33 +21,33 @@ from stickslip.sweeps.result_columns import COLUMNS, part_columns
 from stickslip.sweeps.space import Space, space_of
 from stickslip.variables import VARIABLES
 
-#: Arguments of `solve` that a sweep passes on, and their defaults here.
+#: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
     "observe": None,
 }  # fmt: skip
-_LARGEST, _SMALLEST = 16384, 1024  # cases of a tile: some tens of milliseconds of work, a file of some megabytes
-_SLOW = 16  # cases of a tile where a case takes seconds
+_LARGEST, _SMALLEST = 16384, 1024  # cases per tile: some tens of milliseconds of work, a file of some megabytes
+_SLOW = 16  # cases per tile if a case takes seconds
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What to compute.
+    """The computation of a sweep.
 
     Parameters
     ----------
     make : callable or Robot
-        What makes the robots.
+        The maker of the robots.
     space : Space
-        Their numbers.
+        The space of their numbers.
     options : dict
         Arguments of `solve`.
     start : dict
-        Start values: a number, or an array with one for each case.
+        Initial values: a number, or an array with one for each point.
     along : str, optional
-        Dimension along which each case starts where the one before it ended.
+        Dimension along which each case starts from the final state of the previous one.
     tile : int
-        Cases (with `along`: lines of cases) in a tile.
+        Cases (with `along`: lines of cases) per tile.
     """
 
     make: Any
@@ -64,7 +64,7 @@ class Plan:
 
     @cached_property
     def cases(self) -> int:
-        """Number of results: with `along` there are two for each point, on the way up and on the way down."""
+        """Number of results: with `along`, two for each point, on the way up and on the way down."""
         return self.space.cases * (2 if self.along else 1)
 
     @property
@@ -73,7 +73,7 @@ class Plan:
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """Dimensions of the result; the ones followed come last."""
+        """Dimensions of the result; the followed one comes last."""
         rest = tuple(d for d in self.space.dims if d != self.along)
         return (*rest, "way", self.along) if self.along else rest
 
@@ -83,12 +83,12 @@ class Plan:
         return tuple(2 if d == "way" and d not in self.space.sizes else self.space.sizes[d] for d in self.dims)
 
     def bounds(self, k: int) -> tuple[int, int]:
-        """First result of tile k, and the one after its last."""
+        """Index of the first result of tile k, and of the one after its last."""
         each = self.cases // max(self._units, 1)
         return k * self.tile * each, min((k + 1) * self.tile, self._units) * each
 
     def points(self, k: int) -> Array:
-        """Numbers, within the space, of the points of tile k: (cases,), or with `along` (lines, points of a line)."""
+        """Indices, within the space, of the points of tile k: (cases,), or with `along` (lines, points of a line)."""
         units = np.arange(k * self.tile, min((k + 1) * self.tile, self._units))
         if self.along is None:
             return units
@@ -101,29 +101,29 @@ class Plan:
 
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
-        """Names of the bodies, contacts and stops of the first machine by dimension; none of one body on one contact."""
+        """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
         return {} if self.sample is None else machine_of(self.sample).part_names
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
-        """The columns of its results as they are kept, those of parts one by one."""
+        """The stored columns, with a separate one for each part."""
         return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
 
     @property
     def observed(self) -> tuple[str, ...]:
-        """Names of a user's own columns."""
+        """Names of user-defined columns."""
         return tuple(self.options.get("observe") or ())
 
     @cached_property
     def sample(self) -> Any:
-        """The first robot that can be made, of the first points; None if there is none."""
+        """The first robot that can be made, from the first points; None if there is none."""
         parts = itertools.pairwise(np.minimum([0, *4 ** np.arange(7)], self.space.cases))
         tried = (groups_of(self.make, self.space, np.arange(*part), None)[0] for part in parts)
         return next((groups[0].robot for groups in tried if groups), None)
 
 
 def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
-    """Check everything that a sweep was asked, and cut it into tiles."""
+    """Check all arguments of a sweep, and divide it into tiles."""
     space = space_of(make, designs, axes, [*_ARGUMENTS])
     problems = Problems("sweep")
     for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in COLUMNS and not n.startswith("alpha_")):
@@ -152,7 +152,7 @@ _ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard",
 
 
 def _tile(plan: Plan) -> int:
-    """A size that depends on the study alone, so that it can be resumed with other workers."""
+    """A tile size that depends only on the study, so that it can be resumed with a different number of workers."""
     if plan.along:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
     slow = plan.sample is not None and (plan.options["method"] in SLOW or not all(law.compiles for law in machine_of(plan.sample).laws))
@@ -160,7 +160,7 @@ def _tile(plan: Plan) -> int:
 
 
 def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
-    """Start values as a number, or as one for each point."""
+    """Initial values as a number, or as one for each point."""
     if start is not None and not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
         return {}
@@ -177,7 +177,7 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
 
 
 def _check_derived(plan: Plan) -> None:
-    """Derivatives are of the motion from rest; and what cannot be derived is told of the first robot."""
+    """Check derivatives: they are defined for the steady motion from rest; further errors are found with the first robot."""
     derived = parted(plan.options.get("observe"))[1]
     if not derived:
         return
@@ -188,7 +188,7 @@ def _check_derived(plan: Plan) -> None:
 
 
 def _check_options(plan: Plan) -> None:
-    """What the solver refuses of its arguments for the first robot."""
+    """Check the solver's arguments with the first robot."""
     from stickslip.solvers.request import request
 
     if plan.sample is None:
@@ -207,7 +207,7 @@ def _check_options(plan: Plan) -> None:
 
 
 def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of `solve`: with a duration there are no periods to count."""
+    """Arguments of `solve`; with a duration, there are no periods to count."""
     options = {**options, "observe": parted(options.get("observe"))[0] or None}
     if options["duration"] is None:
         return {name: value for name, value in options.items() if name != "duration"}

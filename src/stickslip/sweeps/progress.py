@@ -1,4 +1,4 @@
-"""How far a sweep is, for a callback that may also stop it."""
+"""Progress of a sweep, for a callback that can also stop it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stickslip.callbacks import progress_callback
 from stickslip.pool import Cancelled
 from stickslip.status import STATUS, counted
 
-PAUSE = 0.1  # between two reports [s]
+PAUSE = 0.1  # shortest time between two reports [s]
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,9 @@ class Progress:
     Parameters
     ----------
     done : float
-        Cases that are finished, those at work counted in part.
+        Finished cases, plus those started in the running tiles.
     cases : int
-        Cases in all.
+        Total number of cases.
     statuses : dict
         Finished cases by the sentence of their status.
     seconds : float
@@ -59,7 +59,7 @@ class Progress:
         return (self.cases - self.done) / self.rate if self.rate > 0 else np.inf
 
     def line(self) -> str:
-        """All of it in one line."""
+        """A summary in one line."""
         share = int(100 * self.done / self.cases) if self.cases else 100
         told = [f"{share} %, {int(self.done)} of {self.cases} cases"]
         if self.rate > 0:
@@ -77,7 +77,7 @@ def _duration(seconds: float) -> str:
 
 
 class Watch:
-    """Counts what tiles and threads report and tells the callback, at most ten times a second; remembers that it said stop."""
+    """Collects the progress of tiles and threads for the callback, at most ten times a second, and records its request to stop."""
 
     def __init__(self, cases: int, callback: Callable[[Progress], Any] | bool | None):
         self.cases, self.callback, self.stopped = cases, progress_callback(callback, "progress"), False
@@ -87,29 +87,29 @@ class Watch:
         self._lock = threading.Lock()
 
     def resumed(self, cases: int) -> None:
-        """Cases from an earlier run."""
+        """Count cases from an earlier run."""
         self._finished = self._resumed = cases
 
     def begun(self, tile: int, cases: int) -> None:
-        """Cases of a tile that are at work."""
+        """Count the cases of a tile that have been started."""
         self._begun[tile] = cases
         self._tell(PAUSE)
 
     def at_work(self, tile: int, cases: int) -> None:
-        """The same, from the work itself: `Cancelled` where it was told to stop."""
+        """As `begun`, called during the work; raises `Cancelled` if the sweep was stopped."""
         self.begun(tile, cases)
         if self.stopped:
             raise Cancelled
 
     def finished(self, tile: int, status: Any) -> None:
-        """A tile is ready."""
+        """Count a finished tile."""
         self._begun.pop(tile, None)
         self._finished += len(status)
         self._statuses.update(counted(status))
         self._tell(PAUSE if self._finished < self.cases else 0.0)
 
     def now(self) -> Progress:
-        """The state of things."""
+        """The present progress."""
         done = self._finished + sum(list(self._begun.values()))
         return Progress(min(done, self.cases), self.cases, dict(self._statuses), time.monotonic() - self._began, self._resumed)
 

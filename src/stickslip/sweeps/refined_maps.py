@@ -1,4 +1,4 @@
-"""`map`: two axes, and the work where the motion changes."""
+"""`map`: two axes, with the work concentrated where the motion changes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
         asked for. The other points are filled in from the corners and have the status 102. A region thinner than a cell of the coarse grid
         can be missed.
     coarse : int
-        Points of the coarse grid along each axis, at least.
+        Least number of points of the coarse grid along each axis.
     **arguments
         As for `sweep`; exactly two of them hold several numbers. With `refine` everything is in memory: no ``out``, ``client`` or
         ``continue_along``.
@@ -76,7 +76,7 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
 
 
 def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
-    """Two numbers of a flow, or of its start."""
+    """A map over two numbers of a flow, or of its initial state."""
     if refine:
         raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
     grid = sweep(flow, **arguments)
@@ -98,21 +98,21 @@ def _check_refining(given: dict[str, Any], coarse: Any) -> None:
 
 
 def _check_plane(plan: Plan) -> None:
-    """A plane has two axes of numbers: told before anything is computed."""
+    """Check that the plan has two numeric axes, before anything is computed."""
     labels = labels_of(plan)
     if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind in "if" for d in plan.dims):
         raise InputError("map", [_other_axes(plan.dims)])
 
 
 def _other_axes(names: Sequence[str]) -> str:
-    """Why these are no axes of a plane, and what takes them."""
+    """The error for other than two numeric axes, with alternatives."""
     drawn = f', and ss.plot.line_cut(grid, "{names[0]}") to draw it' if len(names) == 1 else ""
     told = f"the axes are {', '.join(names)}" if len(names) > 1 else f"the only axis is {names[0]}" if names else "there is no axis"
     return f"{told}; allowed are exactly two, of numbers; type ss.sweep with the same arguments for others{drawn}"
 
 
 class _Refined:
-    """A map that is being refined: columns of the whole grid, and which of its points are computed."""
+    """A map during refinement: the columns of the whole grid, and which of its points have been computed."""
 
     def __init__(self, plan: Plan, workers: int, watch: Watch):
         self.plan, self.workers, self.watch, self.shape = plan, workers, watch, plan.shape
@@ -122,7 +122,7 @@ class _Refined:
         self.notes = Counter[str]()
 
     def grid(self, coarse: int) -> Any:
-        """The dataset, at the end."""
+        """Compute the map and return the dataset."""
         stride = 1
         while min(self.shape) > 2 * stride * (coarse - 1) + 1:
             stride *= 2
@@ -148,7 +148,7 @@ class _Refined:
         return first, second
 
     def _compute(self, points: Array) -> None:
-        """Solve points, given by their numbers, that are not known yet."""
+        """Solve those of some points, given by their indices, that are not known yet."""
         points = points[~self.known.ravel()[points]]
         for part in np.array_split(points, -(-len(points) // _CHUNK)) if len(points) else ():
             if self.watch.stopped:
@@ -171,7 +171,7 @@ class _Refined:
             self.watch.finished(-1, found["status"])
 
     def _settled(self, lines: tuple[Array, Array]) -> Array:
-        """The cells whose corners differ; corners of such cells that were only filled are computed first, until nothing new turns up."""
+        """The cells whose corners differ; interpolated corners of such cells are computed first, until none is left."""
         while True:
             kind = self.kind[np.ix_(*lines)]
             corners = np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[:-1, 1:], np.s_[1:, 1:]
@@ -185,7 +185,7 @@ class _Refined:
             self._compute(_crossed(*lines, self.shape).reshape(kind.shape)[need])
 
     def _beside(self, changing: Array, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> Array:
-        """The points of the finer grid that lie in or on the border of a changing cell."""
+        """The points of the finer grid inside or on the border of a changing cell."""
         near = np.zeros((len(finer[0]), len(finer[1])), bool)
         sides = [
             [np.clip(np.searchsorted(old, new, side) - 1, 0, len(old) - 2) for side in ("left", "right")]
@@ -197,7 +197,7 @@ class _Refined:
         return _crossed(*finer, self.shape).reshape(near.shape)[near]
 
     def _fill(self, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> None:
-        """Columns at the points of the finer grid that are not known, from the corners of their cells."""
+        """Interpolate columns at the unknown points of the finer grid from the corners of their cells."""
         axes = [self.plan.space.coords[d].values for d in self.plan.dims]
         (i0, i1, u), (j0, j1, w) = (_between(x, old, new) for x, old, new in zip(axes, lines, finer, strict=True))
         place = np.ix_(*finer)
@@ -213,12 +213,12 @@ class _Refined:
 
 
 def _crossed(first: Array, second: Array, shape: tuple[int, ...]) -> Array:
-    """Numbers of the points where the lines cross."""
+    """Indices of the points at which the lines cross."""
     return (first[:, None] * shape[1] + second[None, :]).ravel()
 
 
 def _between(x: Array, old: Array, new: Array) -> tuple[Array, Array, Array]:
-    """For each new line the old ones around it, and how far it lies between them."""
+    """For each new line, the neighbouring old ones and its relative position between them."""
     low = np.clip(np.searchsorted(old, new, "right") - 1, 0, len(old) - 2)
     i0, i1 = old[low], old[low + 1]
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,4 +1,4 @@
-"""The columns of a sweep: how each is kept in memory and in files, and the code of every word."""
+"""The columns of a sweep: their storage in memory and in files, and the codes of words."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from stickslip.status import Status
 from stickslip.steadiness import UNKNOWN
 from stickslip.variables import VARIABLES
 
-#: What the names of end states begin with, beside the columns of cases that others start from.
+#: Prefix of the names of final states, which accompany the columns of cases from which others start.
 END = "end."
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
-#: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters. What a machine of several parts
-#: has of each of them is kept as a column for each, by its number: "velocity_max.0".
+#: Column -> type in memory. In files, floats are unchanged, words become codes, and patterns characters. Quantities of the parts of a
+#: machine are stored in a column for each part, by its index: "velocity_max.0".
 COLUMNS: dict[str, str] = {name: variable.kept for name, variable in VARIABLES.items() if variable.dims[:1] != ("time",)}
 
 
 def base_of(name: str) -> str:
-    """The column that the numbers of one body, contact or stop belong to; a column itself where it has none of them.
+    """The base column of a column for one body, contact or stop; otherwise the column itself.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def base_of(name: str) -> str:
 
 
 def part_columns(name: str, parts: dict[str, Any]) -> tuple[str, ...]:
-    """The columns in which that of a name is kept, given the names of the parts by dimension.
+    """The columns in which a quantity is stored, given the names of the parts by dimension.
 
     Examples
     --------
@@ -49,12 +49,12 @@ def part_columns(name: str, parts: dict[str, Any]) -> tuple[str, ...]:
 
 
 def dim_of(name: str, parts: dict[str, Any]) -> str | None:
-    """The dimension of parts that a column has; None where it has none."""
+    """The dimension of parts that a column has; None if it has none."""
     return next((dim for dim in VARIABLES[name].dims if dim in parts), None) if name in VARIABLES else None
 
 
 def flattened(name: str, values: Array, parts: dict[str, Any]) -> dict[str, Array]:
-    """A column of a batch (…, parts) as one for each part, flat; of a machine of one contact as it is."""
+    """A column of a batch (..., parts) as a flat one for each part; unchanged for a machine of one contact."""
     if dim_of(name, parts) is None:
         return {name: np.ravel(values)}
     table = np.asarray(values).reshape(-1, np.shape(values)[-1])
@@ -62,18 +62,18 @@ def flattened(name: str, values: Array, parts: dict[str, Any]) -> dict[str, Arra
 
 
 def stacked(name: str, columns: dict[str, Array], parts: dict[str, Any]) -> Array:
-    """The opposite: (cases,), or (cases, parts)."""
+    """The inverse of `flattened`: (cases,), or (cases, parts)."""
     kept = [columns[each] for each in part_columns(name, parts)]
     return kept[0] if dim_of(name, parts) is None else np.stack(kept, axis=-1)
 
 
 def all_failed(status: Array) -> bool:
-    """Whether there are cases and every one of them failed with an error: then the law or the maker is wrong, and not some numbers."""
+    """Whether there are cases and all of them failed: then the law or the maker is wrong, rather than some numbers."""
     return len(status) > 0 and bool((status == Status.FAILED).all())
 
 
 def column_of(what: str, grid: Any, name: str) -> Any:
-    """A column of a dataset that has one value for each case; `InputError` of `what` where it is not there, or there for each contact.
+    """A column of a dataset with one value for each case; `InputError` naming `what` if it is missing or has a value for each part.
 
     Examples
     --------
@@ -92,27 +92,27 @@ def column_of(what: str, grid: Any, name: str) -> Any:
 
 
 def is_of_cases(grid: Any, name: str) -> bool:
-    """Whether a dataset has a column with one value for each case, and not one for each body or contact."""
+    """Whether a dataset has a column with one value for each case, rather than one for each body or contact."""
     return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
 
 
 def kind_of(name: str) -> str:
     """Type of a column in memory."""
-    return COLUMNS.get(base_of(name), "f8")  # a user's own are numbers
+    return COLUMNS.get(base_of(name), "f8")  # user-defined columns are numbers
 
 
 def empty(count: int, names: Iterable[str]) -> dict[str, Array]:
-    """Columns of cases that have no result yet."""
+    """Columns of cases without results yet."""
     return {name: _unknown(name, count) for name in names}
 
 
 def vacant(count: int, names: Iterable[str]) -> dict[str, Array]:
-    """Columns to be written over, whatever they hold now; patterns are only as long as they have to be."""
+    """Uninitialised columns; patterns are only as long as necessary."""
     return {name: np.empty(count, "U4" if base_of(name) == "pattern" else kind_of(name)) for name in names}
 
 
 def filled(columns: dict[str, Array], count: int, names: Iterable[str]) -> dict[str, Array]:
-    """All columns, in order and in their types (patterns at most as long), of cases of which some columns are known."""
+    """All columns, in order and with their types (patterns may be shorter), of cases for which some columns are known."""
     return {name: _typed(columns[name], kind_of(name)) if name in columns else _unknown(name, count) for name in names}
 
 
@@ -121,7 +121,7 @@ def _typed(values: Array, kind: str) -> Array:
 
 
 def _unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
-    """A column of cases that have no result yet, each of a shape."""
+    """A column of cases without results yet, with `shape` for each case."""
     base, kind = base_of(name), kind_of(name)
     nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1}.get(
         base, np.nan if kind == "f8" else None
@@ -130,7 +130,7 @@ def _unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
 
 
 def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
-    """Columns of cases one after the other; where a part lacks one that another has, its cases have no result in it.
+    """Concatenated columns of cases; if a part lacks a column of another one, its cases have no result there.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
 
 
 def coded(name: str, values: Array) -> Array:
-    """A column as it is written to a file."""
+    """A column as written to a file."""
     name = base_of(name)
     if name == "motion_type":
         found, place = np.unique(values, return_inverse=True)
@@ -158,12 +158,12 @@ def coded(name: str, values: Array) -> Array:
 
 
 def unwritten(name: str, count: int = 1) -> Array:
-    """A column of cases that have no result yet, as it is written to a file."""
+    """A column of cases without results yet, as written to a file."""
     return coded(name, _unknown(name, count))
 
 
 def words(name: str, values: Array) -> Array:
-    """A column from a file as it is in memory; the opposite of `coded`.
+    """A column from a file in its form in memory; the inverse of `coded`.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def words(name: str, values: Array) -> Array:
 
 
 def characters(values: Array) -> tuple[Array, str]:
-    """Values that are not numbers as UTF-8 characters along a last dimension; and how they are kept: as text, as JSON, or JSON of bools."""
+    """Non-numeric values as UTF-8 characters along a last dimension; and their encoding: text, JSON, or JSON of bools."""
     values = np.char.decode(values) if values.dtype.kind == "S" else values
     kept = {"U": "text", "b": "bool"}.get(values.dtype.kind, "json")
     flat = values.ravel().tolist()
@@ -194,7 +194,7 @@ def characters(values: Array) -> tuple[Array, str]:
 
 
 def from_characters(texts: Array, kept: str) -> Array:
-    """Values from their texts, an array of bytes or of words; the opposite of `characters`.
+    """Values from their texts, an array of bytes or words; the inverse of `characters`.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def from_characters(texts: Array, kept: str) -> Array:
     """
     told = [text.decode() if isinstance(text, bytes) else text for text in texts.ravel().tolist()]
     values = np.empty(len(told), object)
-    for i, text in enumerate(told):  # one by one: a value may be a list
+    for i, text in enumerate(told):  # element by element: a value may be a list
         values[i] = text if kept == "text" else json.loads(text)
     if kept == "bool" or all(isinstance(v, str) for v in values):
         values = values.astype(bool if kept == "bool" else str)
@@ -212,7 +212,7 @@ def from_characters(texts: Array, kept: str) -> Array:
 
 
 def flags(name: str) -> dict[str, Any]:
-    """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
+    """CF attributes of a column of codes: flag_values and flag_meanings, with one word for each."""
     name = base_of(name)
     if name == "motion_type":
         return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
@@ -226,6 +226,6 @@ def flags(name: str) -> dict[str, Any]:
 
 
 def attributes_in_files(name: str) -> dict[str, Any]:
-    """Units and names of a column, and a word for each of its codes."""
+    """Units and names of a column, with a word for each of its codes."""
     codes = flags(name)
     return {about: told for about, told in described(base_of(name)).items() if about not in codes} | codes

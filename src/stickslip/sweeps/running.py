@@ -1,4 +1,4 @@
-"""`sweep`: the tiles of a plan, one after the other, in threads or on a cluster, into memory or into a folder."""
+"""`sweep`: the tiles of a plan, one after the other, in threads or on a cluster, in memory or in a folder."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def sweep(
     workers : int
         Threads. The results do not depend on it.
     start : dict
-        Start values of x, v and z: numbers, or labelled arrays over the axes. ``**{"start.v": [...]}`` makes them an axis.
+        Initial values of x, v and z: numbers, or labelled arrays over the axes. ``**{"start.v": [...]}`` makes them an axis.
     continue_along : str, optional
         An axis along which each case starts from where its neighbour ended, up and then down again: the dataset gets a dimension
         ``way`` ("up", "down"), and the two differ where there is hysteresis.
@@ -90,12 +90,12 @@ def sweep(
     client : dask.distributed.Client, optional
         Compute there instead of locally: each tile is a task.
     retries : int
-        How often a tile is tried again when a worker is lost.
+        How often a tile is retried after it failed or its worker was lost.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
         returned; the remaining cases have the status "not computed".
     **axes
-        Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis; words such as ``law=["coulomb", "lugre"]`` too.
+        Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis, also of words, such as ``law=["coulomb", "lugre"]``.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def carried_out(
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
 ) -> Any:
-    """The dataset of a plan, in memory or in a folder; arguments as for `sweep`."""
+    """Run a plan, in memory or in a folder, and return its dataset; arguments as for `sweep`."""
     problems = Problems("sweep")
     problems.whole("workers", workers, 1, example=2)
     if out is None and (resume or shard):
@@ -177,7 +177,7 @@ def carried_out(
 
 
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
-    """The dataset of all columns of a plan. An error that every case makes is raised."""
+    """The dataset of all columns of a plan; an error common to all cases is raised."""
     if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
         plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
@@ -186,7 +186,7 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
         notes.update(told)
         left.remove(k)
         watch.finished(k, columns["status"])
-    for k in left:  # the sweep was told to stop
+    for k in left:  # the sweep was stopped
         first, last = plan.bounds(k)
         _put(whole, (first, last), empty(last - first, plan.columns))
     if all_failed(whole["status"]):
@@ -195,7 +195,7 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
 
 
 def _tile_in_memory(plan: Plan, workers: int) -> int:
-    """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
+    """A tile size for threads that share the work: if cases are fast, small tiles only make the threads wait for each other."""
     if plan.sample is not None and takes_closed_arcs(plan.options["method"], plan.sample):
         return 32768 if plan.cases >= 8 * 32768 else 16384
     return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
@@ -210,7 +210,7 @@ def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Ar
 
 
 def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch) -> Iterator[Done]:
-    """Number, columns and notes of each tile, as they become ready; it ends early when the watch says stop."""
+    """Index, columns and notes of each tile, as they are finished; ends early if the watch was stopped."""
     todo = list(todo)
     if client is not None:
         from stickslip.sweeps.cluster import tiles_from

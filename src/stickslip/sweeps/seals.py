@@ -1,7 +1,7 @@
-"""Checksums of the files of a study: of all bytes, and of the part of the study that each file holds.
+"""Checksums of the files of a study: of all bytes, and of the identity of the part of the study in each file.
 
-A disk that flips a bit, a tile under the number of another and a file of another study are found before anything else reads the file,
-since the HDF5 library may crash on damaged bytes. The checksum stands behind the end of the netCDF4 file, where its readers do not look.
+Flipped bits, a tile under the number of another, and a file of another study are detected before anything else reads the file, since
+the HDF5 library may crash on damaged bytes. The checksum follows the end of the netCDF4 data, which its readers ignore.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from stickslip import hdf5
 from stickslip.errors import InputError
 from stickslip.unpacking import Allowance
 
-#: The checksum of a manifest in it.
+#: The key of the checksum in a manifest.
 SEAL = "checksum"
 _BEFORE, _AFTER, _SIZE = b"\nstickslip checksum ", b"\n", 32
-#: Files that were found intact, by what changes when a file does: they are looked at column by column.
+#: Files that were found intact, with the properties that change when a file does: they are read column by column.
 _intact: set[tuple[Any, ...]] = set()
 
 
 class Damaged(ValueError):
-    """A file of a study is not as it was written; the sentence says how that shows."""
+    """A file of a study differs from what was written; the message gives the evidence."""
 
 
 def of_manifest(manifest: dict[str, Any]) -> str:
-    """Checksum of a manifest but for the checksum in it."""
+    """Checksum of a manifest without its own entry."""
     rest = {name: value for name, value in manifest.items() if name != SEAL}
     return _hash("manifest", json.dumps(json.loads(json.dumps(rest)), sort_keys=True).encode()).decode()
 
 
 def sealed(content: bytes, mark: str) -> bytes:
-    """The bytes of a file with their checksum; `mark` says which part of which study it is."""
+    """The bytes of a file with their checksum; `mark` identifies the study and the part."""
     return content + _BEFORE + _hash(mark, content) + _AFTER
 
 
@@ -51,7 +51,7 @@ def text_of(attribute: Any) -> str:
 
 
 def _check(path: Path, mark: str | None) -> None:
-    """That a file is as it was written, and holds all its numbers itself; looked at once for each file."""
+    """Check that a file is as it was written, and that it contains all its data; done once for each file."""
     about = path.stat()
     key = (mark, str(path), about.st_ino, about.st_size, about.st_mtime_ns)
     if key in _intact:
@@ -72,14 +72,14 @@ def _check_seal(content: bytes, mark: str) -> None:
 
 
 def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any:
-    """What `read` makes of an open HDF5 file whose checksum fits; without a mark it has none.
+    """The result of `read` for an open HDF5 file with a valid checksum; without a mark the file has none.
 
     Raises
     ------
     FileNotFoundError
-        Where there is no such file.
+        If the file does not exist.
     Damaged
-        Where the file is not as it was written, whatever shows it.
+        If the file is not as it was written.
     """
     import h5py
 
@@ -91,5 +91,5 @@ def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any
         raise
     except InputError as error:
         raise Damaged("; ".join(error.problems)) from None
-    except Exception as error:  # h5py raises almost anything over damaged bytes
+    except Exception as error:  # h5py may raise almost anything on damaged bytes
         raise Damaged(str(error) or type(error).__name__) from None

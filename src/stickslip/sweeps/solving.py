@@ -1,4 +1,4 @@
-"""From a tile to its columns: solve its groups, mark what cannot be solved, go on."""
+"""From a tile to its columns: solve its groups, mark unsolvable cases, continue."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ from stickslip.sweeps.result_columns import COLUMNS, END, empty, filled, flatten
 from stickslip.variables import VARIABLES
 
 ALPHAS = ("alpha_plus", "alpha_minus")
-#: Columns that only machines of one body on one contact have.
+#: Columns that exist only for machines of one body on one contact.
 OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)
 _OTHER_PARTS = "its bodies, contacts or stops are not those of the first machine: only what is of the whole machine is kept"
-Tell = Callable[[int], None]  # cases begun
+Tell = Callable[[int], None]  # called with the number of cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
 
 
-_OURS = (Cancelled, KeyboardInterrupt, MemoryError, OSError)  # errors that are not about a case
+_OURS = (Cancelled, KeyboardInterrupt, MemoryError, OSError)  # errors that do not concern a single case
 
 
 def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tuple[dict[str, Array], dict[str, int]]:
-    """The columns of tile k in the order of its results; and sentences on what went wrong, with how many cases they are about."""
+    """The columns of tile k in the order of its results; and error messages with the number of cases that they concern."""
     if plan.along is not None:
         from stickslip.sweeps.following import followed
 
@@ -81,7 +81,7 @@ def solved_points(
 
 
 def kept_columns(plan: Plan) -> tuple[str, ...]:
-    """Columns that say something about the robots of a plan."""
+    """The columns that apply to the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample))
     machine = None if plan.sample is None else machine_of(plan.sample)
     without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *_not_of(machine)}
@@ -89,18 +89,18 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
 
 
 def _not_of(machine: MachineAdapter | None) -> set[str]:
-    """Columns that a machine does not have; what it cannot be asked is that of a robot."""
+    """Columns that do not apply to a machine; None counts as a robot."""
     if machine is None or machine.is_single:
         return {*parts.OF_SEVERAL, "friction_power"}
     dims = {*machine.part_names, *machine.own}
-    lacking = {name for name in COLUMNS if VARIABLES[name].dims and VARIABLES[name].dims[0] not in dims}  # it has no stops
+    lacking = {name for name in COLUMNS if VARIABLES[name].dims and VARIABLES[name].dims[0] not in dims}  # such as those of stops
     return {*OF_ONE, *parts.left_out(machine), *lacking}
 
 
 def columns_of_group(
     group: Group, options: dict[str, Any], workers: int, tell: Any, notes: Counter[str], solver: Solver | None = None
 ) -> dict[str, Array]:
-    """The columns of a group; one that fails as a whole is halved until the cases that fail are alone."""
+    """The columns of a group; if it fails as a whole, it is split in halves until the failing cases are isolated."""
     try:
         found = columns_of(group.robot, group.start, options, workers, tell, solver, notes)
         return {
@@ -126,7 +126,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, solver: Solver | None) -> bool:
-    """Whether the first and the last case fail alone with the same words: then the law is wrong, and not some of its numbers."""
+    """Whether the first and the last case fail by themselves with the same message: then the law is wrong, rather than some numbers."""
     for part in _parts(group, [0], [-1]):
         try:
             columns_of(part.robot, part.start, options, 1, None, solver)
@@ -140,7 +140,7 @@ def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, so
 
 
 def _parts(group: Group, *places: Array) -> list[Group]:
-    """Some cases of a group each."""
+    """Groups of some cases of a group."""
     return [Group(group.at[at], some_of(group.robot, at), starts_at(group.start, at)) for at in places]
 
 
@@ -153,12 +153,12 @@ def columns_of(
     solver: Solver | None = None,
     notes: Counter[str] | None = None,
 ) -> dict[str, Array]:
-    """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them.
+    """The columns of a batch, or of one robot; and the final states of its cases, if the solver returns them.
 
-    Sentences on its parts are counted in `notes`.
+    Notes on the cases are counted in `notes`.
     """
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
-    if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
+    if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from several initial states
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     if notes is not None:
@@ -177,7 +177,7 @@ def columns_of(
 
 
 def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
-    """A summary; of Coulomb robots with a harmonic drive the ways too that they go forwards and backwards."""
+    """A summary; for Coulomb robots with a harmonic drive also the distances travelled forwards and backwards."""
     from stickslip.solvers import solve
 
     asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
@@ -188,7 +188,7 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
 
 
 def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:
-    """Mean power of the actuator: what friction takes along both ways, less what gravity gives. Known where the ways are."""
+    """Mean power of the actuator: dissipation by friction minus the power of gravity; known if these distances or the losses are."""
     if machine_of(robot).track is None or not ("forward_way" in more or "friction_power" in columns):
         return {}
     beside = steady_force(robot, numbers_by_name(robot))  # gravity along the track
@@ -203,7 +203,7 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
 
 
 def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> Array:
-    """Mean power that Coulomb friction takes [W]: constant forces along both ways."""
+    """Mean power dissipated by Coulomb friction [W]: constant forces over the distances forwards and backwards."""
     shape = np.shape(columns["mean_velocity"])
     load, law = robot.load(0.0, 0.0), law_of(robot)
     ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
@@ -211,7 +211,7 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
 
 
 def _alphas(robot: Any) -> dict[str, Array]:
-    """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, where it has them."""
+    """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, if it has one."""
     if not machine_of(robot).is_single:
         return {}
     twin = coulomb_twin(robot)

@@ -1,4 +1,4 @@
-"""The space that a sweep goes through: its dimensions, and the value of every argument at each of its points."""
+"""The space of a sweep: its dimensions, and the value of every argument at each of its points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stickslip.flow import is_flow
 from stickslip.naming import in_its_unit
 from stickslip.number_names import numbers_meant
 
-#: Start values that may be axes too.
+#: Initial values that may also be axes.
 START = ("start.x", "start.v", "start.z")
 
 
@@ -41,11 +41,11 @@ class Space:
     columns : dict of Column
         Arguments that vary.
     fixed : dict
-        Arguments that do not.
+        Arguments that do not vary.
     coords : dict of Column
         Labels of the dimensions, and the varying arguments themselves.
     attributes : dict
-        How a random design was made.
+        Settings of a random design.
     """
 
     sizes: dict[str, int]
@@ -70,15 +70,15 @@ class Space:
         return int(np.prod(self.shape, dtype=np.int64))
 
     def at(self, points: Array) -> dict[str, Array]:
-        """The varying arguments at some points, given by their numbers: one array for each."""
+        """The varying arguments at some points, given by their indices: an array for each."""
         index = dict(zip(self.sizes, np.unravel_index(points, self.shape), strict=True)) if self.sizes else {}
         return {name: column.values[tuple(index[d] for d in column.dims)] for name, column in self.columns.items()}
 
 
 def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: Sequence[str] = ()) -> Space:
-    """The space of these designs and axes; everything that is wrong with them is reported at once.
+    """The space of these designs and axes; all errors are reported together.
 
-    `options` are the names of other arguments, for the proposal when a name is not known.
+    `options` are the names of other arguments, for the suggestion if a name is unknown.
     """
     problems = Problems("sweep")
     _check_designs(designs, axes, problems)
@@ -95,7 +95,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
 
 
 def _count(space: Space, make: Any) -> None:
-    """Arguments that a maker declares as ``int`` say how many: each of their values makes machines of another kind, as words do."""
+    """Convert arguments declared as ``int`` to integers: as counts, like words, each value gives machines of another kind."""
     counts = {p.name for p in parameters_of(make) if p.annotation in (int, "int")} if callable(make) else set()
     for name in counts & set(space.columns):
         column = space.columns[name]
@@ -157,7 +157,7 @@ def _shape(value: Any) -> str:
 
 
 def _add_labelled(space: Space, name: str, value: Any, problems: Problems) -> None:
-    """An `xarray.DataArray`: its dimensions are its own, and may be shared."""
+    """Add an `xarray.DataArray`, which has its own dimensions and may share them."""
     for dim, size in value.sizes.items():
         if space.sizes.setdefault(str(dim), int(size)) != size:
             problems.add(f"{name} has {size} values along {dim}, where another argument has {space.sizes[str(dim)]}; give as many")
@@ -193,7 +193,7 @@ def _as_array(array: Array, given: Any = None) -> Array:
 
 
 def check_names(make: Any, given: Sequence[str], options: Sequence[str], problems: Problems) -> None:
-    """Note the names that a maker does not take, and those that it lacks."""
+    """Note names that a maker does not take, and required ones that are missing."""
     known = _known(make, given, problems)
     if known is None:
         return

@@ -1,4 +1,4 @@
-"""The coordinates of a study as a file."""
+"""The file of a study's coordinates."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
 
 
 def _label(variable: Any, values: Any) -> tuple[str, Column]:
-    """A coordinate's name and values; the name is empty where a variable is only a dimension."""
+    """Name and values of a coordinate; the name is empty if a variable is only a dimension."""
     if "coordinate" not in variable.attrs:
         return "", Column((), values)
     dims = tuple(_dim(variable, i) for i in range(variable.ndim))
@@ -62,6 +62,6 @@ def _label(variable: Any, values: Any) -> tuple[str, Column]:
 
 
 def _dim(variable: Any, i: int) -> str:
-    """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
+    """Name of a dimension of a netCDF4 variable: that of the attached scale, or of the variable itself."""
     scales = variable.dims[i]
     return str(scales[0].name if len(scales) else variable.name).lstrip("/")

@@ -1,4 +1,4 @@
-"""The tiles of a study as files: written atomically with number and checksums, and verified when they are read."""
+"""The tiles of a study as files: written atomically with number and checksums, and verified on reading."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ TILES = "tiles"
 
 
 def file_of(folder: Path, k: int) -> Path:
-    """Where tile k is."""
+    """The path of tile k."""
     return folder / TILES / f"{k:07d}.nc"
 
 
 def mark_of(manifest: dict[str, Any], part: str) -> str | None:
-    """What the checksums of a part of a study begin with; None in a folder of format 1, which has none."""
+    """The prefix of the checksums for a part of a study; None in a folder of format 1, which has none."""
     return f"{manifest['study']} {part}" if has_checksums(manifest) else None
 
 
@@ -49,7 +49,7 @@ def written(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]],
 
 
 def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, Array], notes: dict[str, int]) -> bytes:
-    """Tile k, whose first case is number `first`, as a netCDF4 file."""
+    """Tile k, whose first case has the index `first`, as a netCDF4 file."""
     import h5py
 
     count = len(next(iter(columns.values())))
@@ -66,7 +66,7 @@ def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, 
 
 @lru_cache(8)
 def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
-    """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
+    """A tile of this size without results: everything but the numbers is the same in all tiles, and slow to write."""
     variables: dict[str, Any] = {"case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})}
     for name in names:
         values = unwritten(name, count)
@@ -76,7 +76,7 @@ def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
 
 # ---- reading ----
 def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
-    """Columns of a tile as they are in its file; `Damaged` where it is not this study's tile k as it was written."""
+    """Columns of a tile from its file; `Damaged` if this is not tile k of this study as it was written."""
     first, last = _cases(manifest, k)
 
     def columns(file: Any) -> dict[str, Array]:
@@ -97,13 +97,13 @@ def _decoded(name: str, variable: Any, count: int) -> Array:
 
 
 def _cases(manifest: dict[str, Any], k: int) -> tuple[int, int]:
-    """Numbers of the first case of a tile and of the one after its last."""
+    """Index of the first case of a tile and of the one after its last."""
     each = int(manifest["cases_per_tile"])
     return k * each, min((k + 1) * each, int(manifest["cases"]))
 
 
 def tile_is_good(folder: Path, k: int, manifest: dict[str, Any]) -> bool:
-    """Whether tile k of this study is there, whole and as it was written."""
+    """Whether tile k of this study exists undamaged."""
     try:
         _read(folder, manifest, k, [*manifest["columns"]])
     except (FileNotFoundError, Damaged):
@@ -112,7 +112,7 @@ def tile_is_good(folder: Path, k: int, manifest: dict[str, Any]) -> bool:
 
 
 def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
-    """Columns of a tile, decoded; of a tile that is not there, empty ones."""
+    """Columns of a tile, decoded; empty ones if the tile does not exist."""
     try:
         return _read(folder, manifest, k, names)
     except FileNotFoundError:
@@ -124,13 +124,13 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
 
 
 def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
-    """What went wrong, counted over all tiles."""
+    """Errors and remarks, counted over all tiles."""
     notes = Counter[str]()
     for k in range(int(manifest["tiles"])):
         try:
             notes.update(
                 read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), lambda file: json.loads(file.attrs.get("notes", "{}")))
             )
-        except (FileNotFoundError, Damaged):  # is told where its numbers are looked at
+        except (FileNotFoundError, Damaged):  # reported when its numbers are read
             continue
     return notes

@@ -1,4 +1,4 @@
-"""A study, a run, or any labelled dataset, as one file: netCDF4, MATLAB, CSV, Excel or Parquet, by tiles where the format allows it."""
+"""Export of a study, a run, or any labelled dataset to one file: netCDF4, MATLAB, CSV, Excel or Parquet, block by block where possible."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.result_columns import COLUMNS, TYPES, attributes_in_files, characters, coded, unwritten
 from stickslip.workbooks import write_workbook
 
-_ROWS = 65536  # cases at a time
+_ROWS = 65536  # cases per block
 _ROW = "row of a file"
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
@@ -33,7 +33,7 @@ def export(study: Any, path: str | Path) -> Path:
     Parameters
     ----------
     study : path, Dataset, Trajectory or Summary
-        A study folder; a result of `sweep`, also with columns of your own; any other dataset, such as a bifurcation diagram; or a result of
+        A study folder; a result of `sweep`, also with additional columns; any other dataset, such as a bifurcation diagram; or a result of
         `solve`.
     path : path
         ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv``, ``.xlsx`` (Excel) or ``.parquet``
@@ -52,7 +52,7 @@ def export(study: Any, path: str | Path) -> Path:
     0.0003,1.7,7.8
     """
     target = as_path(path, "export", "grid.nc")
-    if hasattr(study, "to_xarray") and hasattr(study, "save"):  # a run, which knows its own files
+    if hasattr(study, "to_xarray") and hasattr(study, "save"):  # a run has its own file formats
         return Path(study.save(target))
     write = FORMATS.get(target.suffix.lower())
     if write is None:
@@ -66,7 +66,7 @@ def export(study: Any, path: str | Path) -> Path:
 
 
 def _opened(study: Any) -> Any:
-    """The dataset that is to be written."""
+    """The dataset to be written."""
     what = f"{study!r} is given" if study is None or isinstance(study, (int, float)) else f"a {type(study).__name__} is given"
     if isinstance(study, (str, os.PathLike)):
         study = open_study(Path(study))
@@ -86,7 +86,7 @@ def _opened(study: Any) -> Any:
 
 
 def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """An array of this shape in parts of so many cases, or little more: cut along its longest dimension."""
+    """Blocks of approximately `_ROWS` elements that cover an array of this shape, cut along its longest dimension."""
     axis = int(np.argmax(shape)) if shape else 0
     step = max(_ROWS * max(shape, default=1) // max(math.prod(shape), 1), 1)
     for first in range(0, max(shape, default=1), step):
@@ -94,19 +94,19 @@ def _slabs(shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
 
 
 def _dims(data: Any) -> tuple[str, ...]:
-    """The dimensions in the order of the rows: those of the column that has most, then others."""
+    """The dimensions in the order of the rows: those of the column with most dimensions, then others."""
     most = max(data.data_vars, key=lambda name: data[name].ndim)
     return tuple(map(str, dict.fromkeys([*data[most].dims, *data.dims])))
 
 
 def _is_sweep(data: Any) -> bool:
-    """Whether a dataset holds results of a sweep, which `open_study` opens again."""
+    """Whether a dataset holds results of a sweep, which `open_study` can open again."""
     return "mean_velocity" in data.data_vars and ("status" in data.data_vars or "maker" in data.attrs)
 
 
 # ---- grids ----
 def _netcdf(data: Any, path: Path) -> None:
-    """A sweep block by block, so that memory does not grow with it; any other dataset as xarray writes it."""
+    """Write a sweep block by block, so that memory does not grow with it; other datasets are written by xarray."""
     if not _is_sweep(data):
         try:
             data.to_netcdf(path, engine="h5netcdf")
@@ -139,7 +139,7 @@ def _netcdf(data: Any, path: Path) -> None:
 
 
 def _column(file: Any, name: str, values: Any) -> None:
-    """One of our columns, its words as codes."""
+    """Write one of our columns, with words as codes."""
     kind = unwritten(name)
     more = ("character",) if kind.ndim > 1 else ()
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
@@ -150,7 +150,7 @@ def _column(file: Any, name: str, values: Any) -> None:
 
 
 def _own(file: Any, name: str, values: Any) -> None:
-    """A coordinate, or a column that is not ours."""
+    """Write a coordinate, or a user-defined column."""
     array, dims, kept = np.asarray(values.values), values.dims, None
     if array.dtype.kind not in "iuf":
         array, kept = characters(array)
@@ -180,7 +180,7 @@ def _matlab(data: Any, path: Path) -> None:
 
 
 def _cells(values: Array) -> Array:
-    """What a cell array can hold: words, numbers, and nothing."""
+    """Values that a cell array can hold: words, numbers, and empty cells."""
     cells = np.empty(values.shape, object)
     for place, value in np.ndenumerate(values):
         cells[place] = np.zeros((0, 0)) if value is None else value if isinstance(value, (str, int, float)) else str(value)
@@ -189,7 +189,7 @@ def _cells(values: Array) -> Array:
 
 # ---- rows ----
 def one_row_a_case(data: Any) -> Any:
-    """A dataset in which what there is of each body, contact and stop of a sweep is a column for each, by its name."""
+    """A dataset in which quantities of bodies, contacts and stops have a column for each part, by its name."""
     if not _is_sweep(data):
         return data
     dims = data["mean_velocity"].dims
@@ -203,7 +203,7 @@ def one_row_a_case(data: Any) -> Any:
 
 
 def _rows(data: Any) -> Iterator[dict[str, Array]]:
-    """Coordinates and columns of some cases at a time, flat."""
+    """Flat coordinates and columns of blocks of cases."""
     dims = _dims(data)
     shape = tuple(data.sizes[d] for d in dims)
     count, columns = math.prod(shape), _columns(data)
@@ -225,7 +225,7 @@ def _headed(data: Any, name: str) -> str:
 
 
 def _sentences(codes: Array) -> list[str]:
-    """What status codes say; that of a strobe point that repeats in one word."""
+    """The meanings of status codes; a repeating strobe point is "settled"."""
     told = STATUS | {1: "settled"}
     return [told.get(int(code), f"status {code}") for code in codes]
 
@@ -235,7 +235,7 @@ def _texts(name: str, values: Array) -> list[str | None]:
 
 
 def _lines(data: Any) -> Iterator[tuple[Any, ...]]:
-    """The rows one by one, codes of the status as sentences."""
+    """The rows one by one, with status codes as sentences."""
     for part in _rows(data):
         yield from zip(*(_sentences(values) if name == "status" else values.tolist() for name, values in part.items()), strict=True)
 
@@ -255,7 +255,7 @@ def _excel(data: Any, path: Path) -> None:
 
 
 def _explained(data: Any, name: str) -> tuple[str, str, str]:
-    """Heading, unit and meaning of a column; the meanings of codes too, except of the status, which is written in words."""
+    """Heading, unit and meaning of a column, with the meanings of its codes, except for the status, which is written in words."""
     told = data[name].attrs
     codes = f" ({told['flag_meanings']})" if "flag_meanings" in told and name != "status" else ""
     return _headed(data, name), str(told.get("units", "1")), f"{told.get('long_name', '')}{codes}"
@@ -278,5 +278,5 @@ def _parquet(data: Any, path: Path) -> None:
             writer.close()
 
 
-#: Ending of a file's name -> what writes it.
+#: File extension -> writer.
 FORMATS: dict[str, Callable[[Any, Path], None]] = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".xlsx": _excel, ".parquet": _parquet}
