@@ -1,4 +1,4 @@
-"""The command ``stickslip``: which commands there are, and what becomes of an error. Nothing heavy is imported for the help.
+"""The command ``stickslip``: dispatch of its commands, and treatment of errors. Nothing heavy is imported for the help.
 
 Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong. Results go to stdout, everything else to stderr.
 Colours and progress bars appear in a terminal only.
@@ -19,7 +19,7 @@ from stickslip.errors import InputError, StickslipError, did_you_mean
 __all__ = ["COMMANDS", "done", "main"]
 
 _FOLDER = Path(__file__).parent / "commands"
-#: Command -> (module, what it does), from ``commands/_index.toml``.
+#: Command -> (module, description), from ``commands/_index.toml``.
 COMMANDS: dict[str, tuple[str, str]] = tomllib.loads((_FOLDER / "_index.toml").read_text(encoding="utf-8"))
 
 

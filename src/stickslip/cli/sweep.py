@@ -40,7 +40,7 @@ def act(asked: Any) -> Outcome:
     return Outcome(lambda: _record(grid, study, written), lambda: _text(grid, study, written))
 
 
-# ---- what is asked ----
+# ---- arguments ----
 def out_file(out: str | None) -> Path | None:
     """The file of --out, or None for a study folder; a name with an unsupported file extension is refused."""
     if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (as_path(out, "sweep") / "manifest.json").exists():
@@ -108,7 +108,7 @@ def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
     return {name: v for name, v in found.items() if v}
 
 
-# ---- what is told ----
+# ---- output ----
 def _axes(grid: Any) -> list[str]:
     """The axes in the order of the results. A dataset has its own order, which differs if it was transposed."""
     return [str(d) for d in grid["mean_velocity"].dims]

@@ -1,4 +1,4 @@
-"""Downloads: the picture, the columns, a study file, the Python code, a report."""
+"""Downloads: the figure, the columns, a study file, the Python code, a report."""
 
 from __future__ import annotations
 

@@ -73,9 +73,9 @@ class Case:
     changes : dict
         Arguments of the preset that differ from its defaults.
     varied : str
-        What the section varies, as the caption writes it.
+        The varied quantity, as in the caption.
     statement : str
-        What the paper says about this figure, if anything.
+        The paper's statement on this figure, if any.
     amplitude_source : str
         "printed", or how it was inferred.
     """

@@ -36,7 +36,7 @@ class Motion:
     residual : float or None
         Distance of the orbit's strobe state from its image, in the scales of its coordinates.
     twin : float or None
-        Largest multiplier of the same robot with exact Coulomb friction; 0 where it comes to rest.
+        Largest multiplier of the same robot with exact Coulomb friction; 0 if it comes to rest.
     why : str
         The evidence in a sentence.
     """

@@ -19,7 +19,7 @@ class Row:
     Parameters
     ----------
     experiment : Experiment
-        The case and what the paper prints.
+        The case with its printed values.
     coulomb, lugre, gravity : float
         Our mean velocities [m/s]: exact Coulomb, folded LuGre, LuGre on a true incline.
     type : str

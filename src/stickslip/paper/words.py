@@ -31,7 +31,7 @@ def percent(fraction: Any, digits: int = 2, sign: bool = False) -> str:
 
 
 def plain(x: Any, digits: int = 4) -> str:
-    """A number with significant digits, as a power of ten where it is very small or very large."""
+    """A number with significant digits, as a power of ten if it is very small or very large."""
     x = float(x)
     if not math.isfinite(x) or x == 0:
         return "0" if x == 0 else "none"

@@ -27,7 +27,7 @@ def bench(found: Benched, figure: Page = None) -> Any:
     Parameters
     ----------
     found : Bench or Benches
-        What `stickslip.bench` returned.
+        From `stickslip.bench`.
     figure : matplotlib Figure or SubFigure, optional
         Where to draw; a new figure if not given.
 

@@ -157,7 +157,7 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     count : int
-        How many exponents, from the largest.
+        Number of exponents, from the largest.
 
     Returns
     -------

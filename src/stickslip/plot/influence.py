@@ -69,7 +69,7 @@ def indices(found: Parts, ax: Ax = None) -> Any:
     Parameters
     ----------
     found : Indices
-        `indices` of what `stickslip.propagate` returns with ``indices=True``.
+        The `indices` of a result of `stickslip.propagate` with ``indices=True``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 

@@ -303,7 +303,7 @@ def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any
 
 @drawing
 def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
-    """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
+    """Drive force and friction force over the last drive periods, with the static friction limits if the law has them.
 
     Without a drive, only the friction force is drawn; for a machine of several contacts, that of each.
 

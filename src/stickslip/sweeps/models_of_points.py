@@ -81,7 +81,7 @@ def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Arr
 
 
 def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:
-    """Initial values at some places: one for all, or an array for each name."""
+    """Initial values at some places; for each name one value for all, or an array."""
     return {name: value if np.ndim(value) == 0 else value[places] for name, value in start.items()}
 
 
