@@ -12,7 +12,7 @@ from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
-#: Constant and oscillating parts of the force, relative to the holding force of the contact: Dupont's 0.4 N and 0.2 N of 1.5 N.
+#: Constant and oscillating parts of the force, relative to the static friction limit: Dupont's 0.4 N and 0.2 N of 1.5 N.
 BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
 #: Number of periods, of which the second half counts, and their length.
 PERIODS, PERIOD = 40, 1.0

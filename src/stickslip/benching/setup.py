@@ -89,7 +89,7 @@ class Setup:
 
     @cached_property
     def holds(self) -> tuple[float, float]:
-        """Holding forces of the contact before it slides, (backward, forward) [N]."""
+        """Static friction limits (backward, forward) [N]; for a law with inner states, slow steady friction."""
         if self.set_valued:
             low, high = self.probe.law.breakaway(self.load)
             return float(low), float(high)
@@ -100,13 +100,13 @@ class Setup:
 
     @cached_property
     def force(self) -> float:
-        """A typical friction force: the forward holding force or, if there is none, the sliding friction [N]."""
+        """A typical friction force: the forward static friction limit or, if that is zero, the sliding friction [N]."""
         held = self.holds[1]
         return held if held > 0 else abs(float(self.probe.force(FAST * self.typical_speed, (), ()))) or 0.1 * self.load
 
     @cached_property
     def fall(self) -> float:
-        """Drop from the forward holding force to the least sliding friction, up to thirty times the typical velocity [N]."""
+        """Drop from the forward static friction limit to the least sliding friction, up to thirty times the typical velocity [N]."""
         held = self.holds[1]
         slides = (self.steady_force(v * self.typical_speed) for v in (1.5, FAST, 10.0, 30.0))
         return max(held - min(slides), 0.0) if held > 0 else 0.0
