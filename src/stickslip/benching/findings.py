@@ -107,7 +107,7 @@ class Experiment:
 
 
 class _Tabled(Drawn):
-    """What prints as a table of its rows."""
+    """A record that prints as a table of its rows."""
 
     _drawn_by = "bench"
 

@@ -89,7 +89,7 @@ class Setup:
 
     @cached_property
     def holds(self) -> tuple[float, float]:
-        """What the contact bears before it slides: (backward, forward) forces [N]."""
+        """Static friction limits of the contact: (backward, forward) forces [N]."""
         if self.set_valued:
             low, high = self.probe.law.breakaway(self.load)
             return float(low), float(high)

@@ -40,7 +40,7 @@ class Parser(argparse.ArgumentParser):
         raise InputError(name, [f"{self._in_our_words(message)} (type {self.prog} --help)"])
 
     def _in_our_words(self, message: str) -> str:
-        """What argparse says, as what was given and what to type."""
+        """An error of argparse as a sentence with the value given and a suggestion."""
         if found := re.search(r"unrecognized arguments: (\S+)", message):
             options = [option for option in self._option_string_actions if option.startswith("--")]
             if found[1].startswith("-"):
@@ -105,7 +105,7 @@ def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def asked(command: str, words: list[str]) -> Any:
-    """What is asked of a command, with its files checked before the work."""
+    """The parsed arguments of a command, with its files checked before the work."""
     made, told = parser(command), _told(command)
     mixed = any(action.nargs == "*" for action in made._actions)  # words of two kinds, with options between them
     read = made.parse_intermixed_args if mixed else made.parse_args
@@ -120,7 +120,7 @@ def asked(command: str, words: list[str]) -> Any:
 
 
 def value(text: str, unit: str = "") -> Any:
-    """What stands behind the = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
+    """The value after an = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
 
     Examples
     --------
@@ -219,7 +219,7 @@ def settings(words: list[str], many: bool, problems: Problems, units: Callable[[
 
 @dataclass(frozen=True)
 class Subject:
-    """What a command is to work on.
+    """The object of a command: a preset or a file, with its arguments.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ class Subject:
         return getattr(self.make, "__name__", "") in DIMENSIONLESS
 
     def title(self) -> str:
-        """What was asked for, in the words of the command line."""
+        """The request in the words of the command line."""
         return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
 
 
@@ -305,7 +305,7 @@ def _takes(make: Any, known: Sequence[str], name: str) -> bool:
 
 
 def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:
-    """What to type for a number that the robot knows by another name, or in another unit."""
+    """A suggestion for a number that the robot knows under another name, or in another unit."""
     one = value[0] if isinstance(value, list) and value else value
     if word.rpartition(".")[2] == "tilt_deg" and "track.tilt" not in known and "drive.omega" in known:
         return 'this robot\'s track is level; a study file has an incline under [robot.track], as kind = "incline" and tilt = 0.03 [rad]'

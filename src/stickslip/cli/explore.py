@@ -46,7 +46,7 @@ def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
 
 
 def _announced(browser: bool, as_json: bool, place: str) -> Callable[[str], None]:
-    """What to do with the address once the page can be opened."""
+    """Prints or opens the address once the page is available."""
 
     def tell(root: str) -> None:
         address = root + place

@@ -85,7 +85,7 @@ def _is_study(name: str) -> bool:
 
 
 def _typed(asked: Any) -> dict[str, Any]:
-    """What is to be done, from the command line."""
+    """The job from the command line."""
     problems = Problems("identify")
     arguments = settings(asked.settings, True, problems)
     free = {}
@@ -107,7 +107,7 @@ def _typed(asked: Any) -> dict[str, Any]:
 
 
 def _sensor(words: list[str], problems: Problems) -> dict[str, Any] | None:
-    """What the sensor adds: None where nothing is typed."""
+    """The sensor effects that were typed; None if there are none."""
     if not words:
         return None
     found: dict[str, Any] = {}
@@ -143,7 +143,7 @@ _KEYS = tuple(dict.fromkeys((*_SHAPES, *_OPTIONS)))
 
 
 def _study(asked: Any) -> dict[str, Any]:
-    """What is to be done, from a study file; paths count from its folder."""
+    """The job from a study file; paths are relative to its folder."""
     path = as_path(asked.robot, "identify")
     table = _table(path)
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]

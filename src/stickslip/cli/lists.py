@@ -38,7 +38,7 @@ def _text(name: str, entry: dict[str, Any]) -> str:
 
 
 def things(command: str) -> dict[str, Any]:
-    """What the command lists, by name."""
+    """The items that the command lists, by name."""
     if command in _LISTED:
         module, name = _LISTED[command]
         return dict(getattr(importlib.import_module(f"stickslip.{module}"), name))

@@ -89,7 +89,7 @@ def _map(asked: Any) -> Outcome:
 
 
 def _text(name: str, axes: list[str], found: Any) -> str:
-    """What share of the map moves how."""
+    """The share of the map for each kind of motion."""
     import numpy as np
 
     period = found.period.values

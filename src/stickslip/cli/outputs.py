@@ -17,7 +17,7 @@ FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command found, as JSON and as text, or what makes these; what makes axes or a page where; and what is written to `out`."""
+    """The result of a command as JSON and as text, or functions that make these; its figure or page; and the files written to `out`."""
 
     record: Any
     text: Any

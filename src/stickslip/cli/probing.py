@@ -16,7 +16,7 @@ _MOST = 64  # choices of words that are tried
 def probe(
     build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any], timed: bool = True
 ) -> list[str]:
-    """What the robot's maker and the solver have to say about these arguments; each problem once.
+    """Problems that the robot's maker and the solver report for these arguments, each once.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
 
 
 def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[str]:
-    """What the solver refuses of its arguments for a robot of this kind."""
+    """Arguments that the solver refuses for a robot of this kind."""
     from stickslip.solvers import solve
     from stickslip.solvers.request import request
 

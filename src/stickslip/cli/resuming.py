@@ -30,7 +30,7 @@ def act(asked: Any) -> int:
 
 
 def _begun(folder: Path) -> dict[str, Any]:
-    """What began the study in a folder."""
+    """The command that began the study in a folder."""
     from stickslip.sweeps.folder import COMMAND, read_manifest
 
     try:
@@ -81,7 +81,7 @@ def remembered(asked: Any, file: Path | None) -> Iterator[None]:
 
 
 def _write(path: Path, command: str, words: list[str]) -> None:
-    """What was typed, but for what each run has of its own; the first stays."""
+    """Keeps the typed command without the options of a single run; an existing one stays."""
     if path.exists():
         return
     flags, valued = _OWN

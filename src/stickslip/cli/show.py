@@ -39,7 +39,7 @@ def counted(number: int, thing: str) -> str:
 
 
 def no_period(periods: int) -> str:
-    """What it means that a motion was not seen to repeat."""
+    """The consequence of finding no motion period."""
     within = counted(periods, "period")
     return f"no motion period was found within {within}: the mean velocity still depends on how long the run is; try more periods"
 
@@ -52,7 +52,7 @@ def facts(rows: Iterable[tuple[str, str]]) -> str:
 
 
 def of_run(record: dict[str, Any], rows: Iterable[tuple[str, str]], method: str) -> str:
-    """What is said of a run: its name, facts, remarks, files, and what made it."""
+    """The text about a run: its name, facts, remarks, files, and provenance."""
     more = [(word, text) for word, name in (("note", "notes"), ("written", "written")) for text in record[name]]
     made = f"stickslip {record['provenance']['versions']['stickslip']}, {method}"
     return f"{record['robot']}\n{facts([*rows, *more, ('made by', made)])}"

@@ -28,7 +28,7 @@ _TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "ident
 
 @dataclass(frozen=True)
 class Study:
-    """What stands in a study file, or what a preset is.
+    """The contents of a study file, or of a preset.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ def transcript(command: str) -> str:
 
 
 def commands_in(text: str) -> list[tuple[str, str]]:
-    r"""What is typed in a transcript, and what comes back for it.
+    r"""The commands of a transcript, with their outputs.
 
     Examples
     --------

@@ -35,7 +35,7 @@ _TOLD = ("mean_velocity", "drive_power", "cost_of_transport", *LIMITS)
 
 @dataclass(frozen=True)
 class _Page:
-    """What a page shows: the machine, its sliders with their values, what makes another one, and what is said while it is prepared."""
+    """The state of a page: the machine, its sliders with their values, the maker of variants, and messages during preparation."""
 
     model: Any
     sliders: dict[str, Parameter]
@@ -98,7 +98,7 @@ def _of_machine(asked: Message, kernels: Kernels, shown: Shown | None) -> _Page:
 
 
 def _check(page: _Page, sliders: tuple[str, ...]) -> None:
-    """What a search cannot move is said."""
+    """Reports numbers that a search cannot vary."""
     unknown = [f"{name[:40]!r} has no effect here; {did_you_mean(name[:40], page.sliders)}" for name in sliders if name not in page.sliders]
     if page.model.period is None:
         unknown.append(f"{type(page.model).__name__} has no drive period, and a mean velocity is that of periods")

@@ -106,7 +106,7 @@ def _drive(drive: Any, problems: Problems) -> tuple[str, Values, Shape]:
 
 
 def _places(robot: Any) -> Iterator[tuple[str, str, Values]]:
-    """What track and coefficients may be on the page: name of the track, name of the contact, values. The likeliest first."""
+    """Candidates for track and coefficients on the page: track, contact, values. The likeliest first."""
     track, law = robot.track, robot.friction
     c = {name: float(getattr(law, name)) for name in ("mu_plus", "mu_minus", "f_plus", "f_minus") if getattr(law, name, None) is not None}
     if not c:  # no coefficients: viscous friction

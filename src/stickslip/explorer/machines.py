@@ -68,7 +68,7 @@ class Shown:
 
     @cached_property
     def numbers(self) -> dict[str, Parameter]:
-        """What can be dragged, by dotted names."""
+        """The numbers with sliders, by dotted names."""
         return {p.name: p for p in numbers_of(self.model)}
 
     @property
@@ -167,7 +167,7 @@ def _part(name: str) -> str:
 
 
 def in_words(part: str) -> str:
-    """What a part is called on the page, counted from 1 as bodies are.
+    """The name of a part on the page, counted from 1 as bodies are.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def in_words(part: str) -> str:
 
 # ---- answers ----
 def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int], None]) -> dict[str, Any]:
-    """What the page draws of a run, and when the slider rests what there is to say of it."""
+    """The drawing of a run on the page, with its facts when the slider rests."""
     from stickslip.report.facts import facts, mean_of, tables
     from stickslip.report.moving import moments
 

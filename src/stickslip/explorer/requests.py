@@ -89,7 +89,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Wish:
-    """What a search may move, and what it must not raise.
+    """The numbers that a search may vary, and the quantities that must not increase.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def message(text: str | bytes) -> Message:
 
 
 def _wish(given: dict[str, Any]) -> Wish:
-    """What a search may move; whether the page has such numbers is asked where they are known."""
+    """The numbers that a search may vary; their existence is checked where they are known."""
     problems, found = Problems("faster"), {}
     for name, most in (("sliders", MOST_SLIDERS), ("keep", len(KEPT))):
         words = given.get(name, [])
@@ -272,6 +272,6 @@ def _is_finite(value: Any) -> bool:
 
 
 def _short(value: Any) -> str:
-    """What was given, as far as it fits a sentence."""
+    """The given value, shortened to fit into a sentence."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -70,7 +70,7 @@ def machine_page(shown: Shown) -> str:
 
 
 def _kept(shown: Shown) -> list[str]:
-    """What a search may be told not to raise: of a machine of several bodies powers are not in the columns of a sweep."""
+    """Quantities that a search can keep from increasing; powers of machines of several bodies are not among the columns of a sweep."""
     known = [*LIMITS_OF_DRIVES, *quantities(shown.model)] if list(drives_within(shown.model)) else quantities(shown.model)
     return [name for name in KEPT if name in known]
 
@@ -88,7 +88,7 @@ def page() -> str:
 
 
 def _told() -> dict[str, Any]:
-    """What the scripts must know: which parameters matter when, their numbers, the presets."""
+    """Data for the scripts: the parameters in use, their numbers, and the presets."""
     choices = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
     return {
         "parameters": {name: vars(p) for name, p in PARAMETERS.items()},
@@ -161,7 +161,7 @@ async def _record(request: Request) -> Response:
 
 
 def _asked_json(request: Request, name: str) -> Any:
-    """What stands in the query of an address under a name."""
+    """The value of a name in the query of an address."""
     query = request.scope["query_string"].decode("latin-1")
     try:
         return json.loads(parse_qs(query, max_num_fields=4).get(name, ["{}"])[0])

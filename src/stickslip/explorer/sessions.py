@@ -71,7 +71,7 @@ class Workshop:
 
 @dataclass(eq=False)
 class _Slot:
-    """What a page wants of one channel: the newest request, and how to stop the one being computed."""
+    """The request of a page on one channel: the newest one, and a way to cancel the one being computed."""
 
     newest: Message | None = None
     waiting: Message | None = None  # answered, but for a kernel that was not ready

@@ -69,7 +69,7 @@ class Parameter:
         return f"{value * self.factor:.6g} {self.unit}".rstrip()
 
     def allowed(self) -> str:
-        """What may be given."""
+        """The allowed values."""
         return f"{self.shown(self.least)} to {self.shown(self.most)}"
 
 

@@ -127,7 +127,7 @@ class _Reader:
         return _got(self._process.stdout)
 
     def _within(self, seconds: float, talk: Callable[[], bytes | None]) -> bytes | None:
-        """What it says; None where it ended, by itself or because it took too long."""
+        """The answer of the process; None if it ended, by itself or after its deadline."""
         timer = threading.Timer(seconds, self._expire)
         timer.start()
         try:
@@ -155,7 +155,7 @@ def _put(pipe: Any, data: bytes) -> None:
 
 
 def _got(pipe: Any) -> bytes | None:
-    """What was put, or None where nothing more comes."""
+    """The message received, or None if there are no more."""
     head = pipe.read(8)
     if len(head) < 8:
         return None

@@ -133,7 +133,7 @@ def _widget_class() -> Any:
 
 
 def _answered(shown: Shown, state: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page draws for a state; an error in words for numbers that are not allowed."""
+    """The drawing for a state; an error in words for numbers that are not allowed."""
     try:
         return picture(shown, bool(state.get("fine")), shown.with_values(_values_of(state)), lambda done, most: None)
     except StickslipError as error:

@@ -48,7 +48,7 @@ def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[st
 
 
 def _lost(bench: Setup, forces: list[float]) -> list[str]:
-    """What of the law is not in the joint."""
+    """Features of the law that the joint lacks."""
     apart = max(abs(a - b) for a, b in zip(forces[:_COUNT], forces[_COUNT:], strict=True))
     found = [f"forward and backward friction, which differ by up to {apart:.4g} N"] if apart > 1e-9 * max(map(abs, forces)) else []
     held = max(map(abs, bench.holds))

@@ -19,7 +19,7 @@ TAKEN = frozenset(_WORDS.split())
 
 
 def prefix_of(law: Any, name: str | None) -> str:
-    """What the functions of a law are called."""
+    """The prefix of the functions of a law."""
     if name is None:
         return type(law).__name__.lower() if _plain(type(law).__name__.lower()) else "law"
     if not isinstance(name, str) or not _plain(name):

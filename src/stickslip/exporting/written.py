@@ -20,7 +20,7 @@ _SAME = {name: name for name in ("log", "sqrt", "sin", "cos", "atan", "tanh", "a
 
 @dataclass(frozen=True)
 class Files:
-    """What differs between the files of languages, besides their templates.
+    """Differences between the files of languages, besides their templates.
 
     Parameters
     ----------

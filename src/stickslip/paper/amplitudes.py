@@ -68,7 +68,7 @@ class Bracket:
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """What one amplitude for all of sections 5.2 to 5.4 has to do, and which ones do it.
+    """Requirements on one amplitude for all of sections 5.2 to 5.4, and the amplitudes that meet them.
 
     Parameters
     ----------

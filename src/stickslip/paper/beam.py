@@ -24,7 +24,7 @@ _GAUSS = 64
 
 @dataclass(frozen=True)
 class Beam:
-    """What is computed of it."""
+    """Computed properties of the beam."""
 
     beam: PiezoBeam
 

@@ -70,7 +70,7 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What the claims are judged on."""
+    """The results on which the claims are judged."""
 
     fast: bool
     runs: Runs

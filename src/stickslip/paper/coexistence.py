@@ -42,7 +42,7 @@ class Range:
 
 @dataclass(frozen=True, eq=False)
 class Coexistence:
-    """What several starts find.
+    """The attractors reached from several starts.
 
     Parameters
     ----------

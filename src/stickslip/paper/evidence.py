@@ -142,7 +142,7 @@ def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
 
 
 def _called(name: str, types: Any) -> str:
-    """What a map calls a type: a LuGre body does not rest, it stretches its bristles."""
+    """The name of a type on a map: a LuGre body does not rest, it stretches its bristles."""
     return "presliding" if name == "rest" and (types == "presliding").any() else name
 
 

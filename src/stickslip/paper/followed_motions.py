@@ -45,7 +45,7 @@ class End:
 
     @property
     def why(self) -> str:
-        """What the motion does there."""
+        """The change of the motion there."""
         return _WHY[self.kind]
 
     def text(self, scale: float = 1e3) -> str:

@@ -19,7 +19,7 @@ ROUNDING = 1e-12  # multipliers below it are rounding of the matrix; their expon
 
 @dataclass(frozen=True)
 class Motion:
-    """What the motion of a figure is.
+    """The motion shown in a figure.
 
     Parameters
     ----------

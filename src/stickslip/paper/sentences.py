@@ -33,7 +33,7 @@ def _environment() -> Any:
 
 
 def then(loop: Any) -> str:
-    """What follows an entry of a list in a sentence."""
+    """The separator after an entry of a list in a sentence."""
     return "" if loop.last else " and " if loop.revindex == 2 else ", "
 
 

@@ -97,7 +97,7 @@ def continuation(
 
 
 def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
-    """What is shown if nothing is named: the velocity on the strobe, of a flow its first state; with a diagram, what both have."""
+    """The default quantity: the velocity on the strobe, of a flow its first state; with a diagram, one that both have."""
     first = branch.orbits[0]
     parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
     known = ["duration"] if cycles else [*(first.names if is_flow(first.model) else ("v", *parts)), "mean_velocity"]
@@ -106,7 +106,7 @@ def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
 
 
 def _called(period: int, cycle: bool) -> str:
-    """What a branch is called."""
+    """The name of a branch."""
     if cycle:
         return "limit cycle" if period == 1 else f"limit cycle of {period} turns"
     return f"period {period}"

@@ -61,7 +61,7 @@ def energy(found: Balance, ax: Ax = None) -> Any:
 
 
 def _works(found: Any) -> dict[str, Any]:
-    """What is drawn as bars, with the sign with which it changes the energy."""
+    """The terms drawn as bars, with their signs in the balance."""
     works = {name: (1.0 if name in ("drive", "gravity") else -1.0) * np.asarray(getattr(found, name)) for name in _COLOUR}
     largest = max((np.max(abs(work), initial=0.0) for work in works.values()), default=0.0)
     return {name: work for name, work in works.items() if np.max(abs(work), initial=0.0) > _NONE * largest}

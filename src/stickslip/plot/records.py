@@ -106,7 +106,7 @@ def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 
 
 def _target(fit: Any, record: int) -> Any:
-    """What was fitted in one record; `InputError` where there is none of this number."""
+    """The fitted data of one record; `InputError` if there is no such record."""
     targets = fit.problem.targets
     if not is_whole(record) or not 0 <= record < len(targets):
         raise InputError("plot", [f"record = {record!r}; allowed is a whole number from 0 to {len(targets) - 1}; type record=0"])

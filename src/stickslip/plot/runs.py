@@ -48,7 +48,7 @@ def _parts(run: Any, dim: str) -> list[str]:
 
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:
-    """What has a curve, as (name, number of the run, index of its columns): each run, or each part of a run's machine."""
+    """The curves, as (name, number of the run, index of its columns): one for each run, or each part of a run's machine."""
     found: list[tuple[str, int, Any]] = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         parts = _parts(run, dim)
@@ -269,7 +269,7 @@ def _displacement(model: Any) -> str:
 
 
 def _strobe_word() -> Any:
-    """What the circles are, for the legend."""
+    """The legend of the circles."""
     from matplotlib.lines import Line2D
 
     style: Any = {"linestyle": "", "marker": "o", "markersize": 4, "color": "white", "markeredgecolor": INK, "markeredgewidth": 1.1}

@@ -186,7 +186,7 @@ def _motions(run: Any) -> dict[str, Row]:
 
 
 def _losses(run: Any, which: str) -> dict[str, str]:
-    """What parts take in a period, or in the run, with units; nothing where energy is not balanced."""
+    """Losses of parts in a period, or in the run, with units; empty if energy is not balanced."""
     from stickslip.analysis.energy import energy
 
     try:
@@ -197,7 +197,7 @@ def _losses(run: Any, which: str) -> dict[str, str]:
 
 
 def _links(run: Any) -> Table:
-    """What links and stops take, and how often stops are hit."""
+    """Losses of links and stops, and numbers of impacts."""
     from stickslip.analysis.contact_modes import hits
     from stickslip.analysis.works import label_of_stop
     from stickslip.report.moving import shown_span

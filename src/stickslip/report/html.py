@@ -41,7 +41,7 @@ def _formula(tex: str) -> Any:
 
 
 def environment(folder: str | Path) -> Any:
-    """What fills the templates of a folder."""
+    """The environment of the templates of a folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     made = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)

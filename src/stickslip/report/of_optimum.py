@@ -49,7 +49,7 @@ def optimum_page(best: Any, title: str, command: str = "") -> str:
 
 
 def _section(best: Any) -> dict[str, Any]:
-    """What the template asks for, of the search."""
+    """The search's values for the template."""
     aim = f"The {_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
     return {
         "aim": f"{aim}; {best.tried} candidates were run. It is the best that the search met: it is not proved that there is none better.",
@@ -82,7 +82,7 @@ def _within(ends: tuple[float, float], unit: str) -> str:
 
 
 def _gains(best: Any) -> Table:
-    """What the best machine gains and costs against the one that was given."""
+    """Gains and costs of the best machine relative to the original one."""
     names = [name for name in dict.fromkeys((best.of, *_SHOWN)) if name in best.values]
     rows = []
     for name in names:
@@ -120,7 +120,7 @@ def _limits(best: Any) -> Table:
 
 
 def _uncertain(best: Any) -> Table:
-    """What was not known exactly."""
+    """The uncertain numbers."""
     part = best.search.quantile
     counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
     rows = [(name, f"{' '.join(map(str, spread))} {unit_in(name, best.model)}".rstrip()) for name, spread in best.search.robust.items()]

@@ -59,7 +59,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
 
 
 def _provenance(grid: Any) -> list[tuple[str, str]]:
-    """What made the numbers, one line for each thing."""
+    """The provenance of the numbers, one line for each item."""
     import json
 
     made = json.loads(grid.attrs.get("provenance", "{}"))

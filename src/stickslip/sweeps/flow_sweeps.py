@@ -44,7 +44,7 @@ def sweep_of_flow(
 
 
 def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
-    """What gives the columns of one case."""
+    """The function that computes the columns of one case."""
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
     starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
@@ -79,7 +79,7 @@ def _column(found: list[dict[str, Any]], name: str) -> Array:
 
 
 def _told(name: str) -> dict[str, str]:
-    """What a column is."""
+    """The description of a column."""
     what, _, state = name.partition("_")
     long = {
         "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",

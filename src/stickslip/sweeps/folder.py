@@ -68,7 +68,7 @@ _NO_ROOM = {
 
 
 def unwritable(path: Path, error: OSError) -> StickslipError:
-    """What to say, and to type, where a file could not be written."""
+    """The message, with a suggestion, for a file that could not be written."""
     if error.errno in _NO_ROOM:
         what = _NO_ROOM[error.errno]
         return StorageError(f"sweep: {what}, {str(path)!r} could not be written; free some space and type resume=True (--resume) to go on")

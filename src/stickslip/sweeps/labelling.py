@@ -31,7 +31,7 @@ WAYS = np.array(["up", "down"])
 
 
 def maker_of(make: Any) -> str:
-    """What a maker is called."""
+    """The name of a maker."""
     return getattr(make, "__name__", None) or type(make).__name__
 
 
@@ -87,7 +87,7 @@ def _units_of(plan: Plan) -> dict[str, str]:
 
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
+    """Names and units of axes and shared numbers, as far as fields and makers describe them."""
     found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
     if plan.sample is not None:
         found |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}

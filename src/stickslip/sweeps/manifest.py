@@ -143,7 +143,7 @@ def has_checksums(manifest: dict[str, Any]) -> bool:
 
 
 def flaw(found: Any) -> str | None:
-    """What is wrong with a manifest that was read from a file; None where all is in order."""
+    """The error in a manifest read from a file; None if it is valid."""
     missing = [name for name, kind in _KINDS.items() if not isinstance(found.get(name), kind)]
     if missing:
         return f"{' and '.join(missing)} cannot be read"
@@ -169,7 +169,7 @@ _KINDS = {
 
 
 def differences(mine: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """What is not the same in two identities, in sentences."""
+    """The differences between two identities, in sentences."""
     found = []
     for name in dict.fromkeys([*theirs, *mine]):
         a, b = theirs.get(name), mine.get(name)

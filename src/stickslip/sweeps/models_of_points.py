@@ -107,7 +107,7 @@ def shared_numbers(make: Any, space: Space) -> dict[str, float]:
 
 
 def refusals(make: Any, space: Space) -> list[str]:
-    """What the maker says against a value of an axis that it refuses whatever the others are: a typing error, told before the work."""
+    """The maker's errors about values of an axis that it refuses for any other arguments: typing errors, reported before the work."""
     found: list[str] = []
     for name, column in space.columns.items():
         if column.dims != (name,) or not callable(getattr(make, "replace", make)) or name in START:

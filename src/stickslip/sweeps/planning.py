@@ -32,7 +32,7 @@ _SLOW = 16  # cases of a tile where a case takes seconds
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What to compute.
+    """The plan of a sweep.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def _check_derived(plan: Plan) -> None:
 
 
 def _check_options(plan: Plan) -> None:
-    """What the solver refuses of its arguments for the first robot."""
+    """Checks the solver's arguments for the first robot."""
     from stickslip.solvers.request import request
 
     if plan.sample is None:

@@ -72,7 +72,7 @@ def _check_seal(content: bytes, mark: str) -> None:
 
 
 def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any:
-    """What `read` makes of an open HDF5 file whose checksum fits; without a mark it has none.
+    """The result of `read` for an open HDF5 file whose checksum matches; files without a mark have none.
 
     Raises
     ------

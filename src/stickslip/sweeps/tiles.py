@@ -26,7 +26,7 @@ def file_of(folder: Path, k: int) -> Path:
 
 
 def mark_of(manifest: dict[str, Any], part: str) -> str | None:
-    """What the checksums of a part of a study begin with; None in a folder of format 1, which has none."""
+    """The prefix of the checksums of a part of a study; None in a folder of format 1, which has none."""
     return f"{manifest['study']} {part}" if has_checksums(manifest) else None
 
 
@@ -124,7 +124,7 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
 
 
 def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
-    """What went wrong, counted over all tiles."""
+    """Failures, counted over all tiles."""
     notes = Counter[str]()
     for k in range(int(manifest["tiles"])):
         try:

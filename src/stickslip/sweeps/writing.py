@@ -180,7 +180,7 @@ def _matlab(data: Any, path: Path) -> None:
 
 
 def _cells(values: Array) -> Array:
-    """What a cell array can hold: words, numbers, and nothing."""
+    """Values that a cell array can hold: words, numbers, and nothing."""
     cells = np.empty(values.shape, object)
     for place, value in np.ndenumerate(values):
         cells[place] = np.zeros((0, 0)) if value is None else value if isinstance(value, (str, int, float)) else str(value)
@@ -225,7 +225,7 @@ def _headed(data: Any, name: str) -> str:
 
 
 def _sentences(codes: Array) -> list[str]:
-    """What status codes say; that of a strobe point that repeats in one word."""
+    """The sentences of status codes; one word for a strobe point that repeats."""
     told = STATUS | {1: "settled"}
     return [told.get(int(code), f"status {code}") for code in codes]
 

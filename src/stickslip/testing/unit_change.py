@@ -29,7 +29,7 @@ def units(cls: type) -> dict[str, str]:
 
 
 def factor(unit: str) -> float:
-    """What a number with this unit is multiplied with; `LookupError` where a unit is not known."""
+    """The factor for a number with this unit; `LookupError` if a unit is unknown."""
     result = 1.0
     over, *under = unit.split("/")
     for text, sign in ((over, 1), *((part, -1) for part in under)):
