@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kind:
-    """What an argument must be where no type says it: a test, and its words."""
+    """The kind of an argument that no type expresses: a test, and its description."""
 
     holds: Callable[[Any], bool]
     words: str
@@ -121,7 +121,7 @@ def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems:
 
 @functools.lru_cache(maxsize=64)
 def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | None]]:
-    """What the numbers among a maker's arguments must be: rule, the rule in words, what to type, unit."""
+    """Rules for the numbers among a maker's arguments: rule, its description, an example, and the unit."""
     described = {name: told for name, told in described_arguments(make).items() if told}
     return {n: (told.get("rule"), allowed_in(told), f"{n}={example_of(told)}", told.get("unit")) for n, told in described.items()}
 
@@ -213,7 +213,7 @@ def _hints(function: Callable[..., Any]) -> dict[str, Any]:
 
 
 class _Names(dict[str, Any]):
-    """What the names of a module mean, and public names that it imports for type checkers alone."""
+    """The names of a module, and public names that it imports for type checkers only."""
 
     def __missing__(self, name: str) -> Any:
         return getattr(builtins, name) if hasattr(builtins, name) else getattr(importlib.import_module("stickslip"), name)
@@ -258,7 +258,7 @@ def _fits_many(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
 
 
 def _words(hint: Any) -> str:
-    """What an annotation allows."""
+    """A description of the values that an annotation allows."""
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if origin is Annotated:
         return next((kind.words for kind in inner[1:] if isinstance(kind, Kind)), "anything")

@@ -182,7 +182,7 @@ def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], c
 
 
 def made_model(what: str, made: Any) -> Any:
-    """What a maker returned, if it is a record: a robot, a mechanism, or a law where force is fitted against motion."""
+    """The model that a maker returned, if it is a record: a robot, a mechanism, or a law in fits of force against motion."""
     if hasattr(made, "__dataclass_fields__") and not isinstance(made, type):
         return made
     raise InputError(

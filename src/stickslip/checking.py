@@ -68,7 +68,7 @@ class Judge:
 @sealed
 @dataclass(frozen=True)
 class Check(Drawn):
-    """What the judges found; `print` shows it as a table.
+    """The findings of the judges; `print` shows them as a table.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ class SwitchingLaw(Protocol):
         """Friction force [N]."""
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
-        """What ends a mode: (guard, which is positive until then, mode after it, z after it or None if unchanged)."""
+        """Guards that end a mode: (guard, positive until then; mode after it; z after it, or None if unchanged)."""
 
 
 Law: TypeAlias = SetValuedLaw | DynamicLaw | BalancingLaw | SwitchingLaw
@@ -75,7 +75,7 @@ class Drive(Protocol):
 
 
 class Track(Protocol):
-    """What gravity does on a track."""
+    """The protocol of a track: the effect of gravity along it."""
 
     def across(self, gravity: Any) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
@@ -85,7 +85,7 @@ class Track(Protocol):
 
 
 class Machine(Protocol):
-    """What solvers ask of a robot or a mechanism: one body with one contact."""
+    """The protocol of a robot or a mechanism: one body with one contact."""
 
     @property
     def friction(self) -> Any:

@@ -101,7 +101,7 @@ def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tupl
 
 
 def attributes(run: Any) -> dict[str, Any]:
-    """What a reader must know about a run beside its columns."""
+    """Metadata of a run besides its columns."""
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
         attrs[name] = json.dumps(plain(getattr(run, name)))

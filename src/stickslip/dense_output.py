@@ -151,7 +151,7 @@ class PolynomialPieces(Pieces):
 
 @lru_cache
 def _flaws(layout: StateLayout, *counts: int) -> list[str]:
-    """What does not fit; every run of a kind of machine asks the same."""
+    """Inconsistencies of the arrays; computed once for each kind of machine."""
     return layout.flaws(*counts)
 
 
@@ -279,7 +279,7 @@ class HarmonicArcs(Pieces):
 
 
 def _product_error(a: Array, b: Array, product: Array) -> Array:
-    """What the rounded product a b lacks (Dekker 1971)."""
+    """The rounding error of the product a b (Dekker 1971)."""
     ah, al = _halves(a)
     bh, bl = _halves(b)
     return ((ah * bh - product) + ah * bl + al * bh) + al * bl

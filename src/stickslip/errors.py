@@ -61,7 +61,7 @@ class OneContactNeeded(InputError, AttributeError):
 
     @classmethod
     def of(cls, model: Any, name: str) -> OneContactNeeded:
-        """What to say where `name` of the only body or contact of a model was asked for."""
+        """The error for a request of `name` from the only body or contact of a model that has several."""
         kind = type(model).__name__
         why = f"{kind} has no {name} of its own, because it lists its bodies and contacts"
         allowed = "allowed are machines of one body on one contact, such as a Robot, a BlockOnBelt or a ForcedOscillator"
@@ -180,7 +180,7 @@ _INCLINE = 'ss.Incline(tilt="{:g} deg")'
 
 
 def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:
-    """What to type for a number under a name or in a unit that is another one here; None for a name of which nothing is known.
+    """A suggestion for a number under a name or in a unit that is another one here; None for an unknown name.
 
     Examples
     --------

@@ -71,7 +71,7 @@ class Face:
         return type(self).__name__
 
     def _facts(self) -> Mapping[str, Any]:
-        """What is told in two columns."""
+        """Facts in two columns."""
         return {}
 
     def _tables(self) -> Sequence[Sequence[Sequence[str]]]:
@@ -108,7 +108,7 @@ class Drawn(Face):
     _inches: ClassVar[tuple[float, float]] = _INCHES
 
     def _drawn(self) -> Any:
-        """What the function takes."""
+        """The arguments of the function."""
         return self
 
     def plot(self, *args: Any, **options: Any) -> Any:

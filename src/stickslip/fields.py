@@ -301,14 +301,14 @@ def _taken(cls: Any) -> tuple[tuple[dataclasses.Field[Any], str], ...]:
 
 @functools.lru_cache(maxsize=4096)
 def _rule_of(field: dataclasses.Field[Any]) -> tuple[Any, str, str, str | None]:
-    """What a number of a field must be: its rule, the rule in words, what to type, and the unit."""
+    """The rule for a number of a field: its test, description, example and unit."""
     told, several = field.metadata, is_tuple_field(field)
     allowed = allowed_in(told, "None" in str(field.type) and not several)
     return told.get("rule"), allowed, f"{field.name}={example_of(told, several)}", told.get("unit")
 
 
 def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
-    """What a record's class takes, by name: its fields, or what its own constructor takes instead of them.
+    """The arguments of a record's class by name: its fields, or those of its own constructor.
 
     Examples
     --------
@@ -321,7 +321,7 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
 
 @functools.lru_cache(maxsize=512)
 def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
-    """What a constructor takes beside the record itself; Python takes long to say it."""
+    """The parameters of a constructor besides the record itself; cached, as Python takes long to find them."""
     import inspect
 
     return tuple(inspect.signature(made).parameters.items())[1:]
@@ -420,7 +420,7 @@ def _look_up(record: Any, path: str, given: Any) -> Any:
 
 
 def _of_parts(record: Any, path: str) -> str:
-    """What to type for a number of a part that is given without the part's name; nothing where no part has it."""
+    """A suggestion for a number of a part that is given without the part's name; None if no part has it."""
     found = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
     typed = " or ".join(f'replace({{"{name}": ...}})' for name in found[:3])
     return f"{found[0].rpartition('.')[0]} has it; type {typed}" if found else ""
@@ -431,7 +431,7 @@ def _descriptions_in(cls: Any) -> dict[str, Mapping[str, Any]]:
 
 
 def described_by(cls: Any, name: str) -> Mapping[str, Any]:
-    """What a class says of one of its numbers."""
+    """A class's description of one of its numbers."""
     return next(field.metadata for field in dataclasses.fields(cls) if field.name == name)
 
 
@@ -462,7 +462,7 @@ def _typed(example: Any) -> Any:
 
 
 def _key(value: Any) -> Any:
-    """What stands for a value of a field in a hash: values that are the same have the same."""
+    """A hashable key of a field's value: equal for equal values."""
     if not is_array(value):
         return value
     import numpy as np

@@ -116,7 +116,7 @@ def rest_velocity(model: Any) -> Any:
 
 
 def offered_force(model: Any, t: Any, x: Any) -> Any:
-    """What all forces but friction add up to [N]: the friction force that would hold the body at rest on its contact."""
+    """The net applied force [N]: the friction force that would hold the body at rest on its contact."""
     return model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0)
 
 

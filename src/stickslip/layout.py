@@ -79,7 +79,7 @@ class ControllerStates:
 
 @dataclass(frozen=True)
 class StateLayout:
-    """What the states of a run are.
+    """Layout of the states of a run.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class StateLayout:
 
     @property
     def with_inner(self) -> tuple[ContactStates | ControllerStates, ...]:
-        """What may have inner states: the contacts, and then the controllers."""
+        """Parts that may have inner states: the contacts, then the controllers."""
         return (*self.contacts, *self.controllers)
 
     @property
@@ -168,7 +168,7 @@ class StateLayout:
 
     # ---- checks ----
     def flaws(self, states: int, ways: int, memories: int, contacts: int) -> list[str]:
-        """What does not fit to arrays with so many states, ways, memories and contacts: a sentence each."""
+        """Inconsistencies with arrays of so many states, positions, memories and contacts: a sentence each."""
         bodies = self.bodies
         used = [*self.ways, *(b.velocity for b in bodies), *(b.position for b in bodies if b.position is not None)]
         inner, memory = [n for c in self.with_inner for n in c.inner], [n for c in self.contacts for n in c.memory]

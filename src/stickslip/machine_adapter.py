@@ -40,7 +40,7 @@ class MachineAdapter:
 
     @cached_property
     def declaring(self) -> Any:
-        """What declares its equations: the model, or the machine of several bodies that its drive makes of it."""
+        """The object that declares the equations: the model, or the machine of several bodies that its drive makes of it."""
         return parts_of(self.model)
 
     @cached_property
@@ -94,7 +94,7 @@ class MachineAdapter:
 
     @property
     def drive(self) -> Drive | None:
-        """What shakes its inner mass, or the common centre of mass of several; None where it has none."""
+        """The drive of its inner mass, or of the common centre of mass of several; None if it has none."""
         return getattr(self.model, "whole_drive", getattr(self.model, "drive", None)) if self.is_single else None
 
     @property
@@ -118,7 +118,7 @@ class MachineAdapter:
 
     @property
     def track(self) -> Track | None:
-        """What it moves on; None where gravity plays no part."""
+        """Its track; None if gravity plays no part."""
         return getattr(self.model, "track", None) if self.is_single else None
 
     @property
@@ -155,7 +155,7 @@ class MachineAdapter:
 
     @property
     def mirror_image(self) -> Callable[[], Any] | None:
-        """What makes its mirror image, where it says one itself."""
+        """The function that makes its mirror image, if it has one."""
         return getattr(self.model, "mirrored", None)
 
     @property
@@ -171,7 +171,7 @@ class MachineAdapter:
 
     @property
     def free_velocity(self) -> Any:
-        """What its drive would do to the body without friction [m/s]."""
+        """The velocity that its drive would give the body without friction [m/s]."""
         own = getattr(self.declaring, "free_velocity", None)
         return self.velocity_scale if own is None else own
 
@@ -192,7 +192,7 @@ class MachineAdapter:
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]] | None:
-        """What a record of its torque, current or force stands for: the machine without it, and the force for each unit, by what it is.
+        """The meaning of recorded torque, current or force: the machine without it, and the force for each unit, by kind.
 
         A machine that does not say is moved by a force besides its own; none on one whose inner mass is shaken.
 

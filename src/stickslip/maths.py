@@ -30,7 +30,7 @@ _IN_NUMPY = {"asinh": "arcsinh", "atan": "arctan"}
 
 
 def function_value(name: str, x: Any) -> Any:
-    """What the function of this name gives for a number, an array, or whatever says ``__ss_name__`` itself."""
+    """The value of the function of this name for a number, an array, or an object with its own ``__ss_name__``."""
     hook = getattr(x, f"__ss_{name}__", None)
     if hook is not None:
         return hook()
@@ -206,7 +206,7 @@ def wrapped(t: Any, period: Any) -> Any:
 
 
 def bisected(lies_beyond: Callable[[Any], Any], low: Any, high: Any, halvings: int) -> tuple[Any, Any]:
-    """What is left of the interval from `low` to `high` around a place of which `lies_beyond` says whether it is beyond another.
+    """The interval from `low` to `high` after bisection by `lies_beyond`.
 
     Examples
     --------

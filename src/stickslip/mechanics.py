@@ -17,7 +17,7 @@ Numbers = Sequence[Any]
 
 
 class Mechanics(Protocol):
-    """What solvers ask of a machine. Coordinates q [m] have velocities u; bodies, contacts and stops have names.
+    """The protocol between a machine and the solvers. Coordinates q [m] have velocities u; bodies, contacts and stops have names.
 
     A contact's slip velocity is w = g u + b(t), with its row g of `directions` and its offset b.
     """
@@ -39,7 +39,7 @@ class Mechanics(Protocol):
 
     @property
     def masses(self) -> tuple[Any, ...]:
-        """What moves with each coordinate [kg]."""
+        """The mass of each coordinate [kg]."""
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
@@ -109,7 +109,7 @@ class Mechanics(Protocol):
         return self.controllers.sampled(t, *self._named(t, q, u), z)
 
     def control_answers(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
-        """What controllers that are switched on now make of positions and velocities: rates of their states, and the states themselves."""
+        """Rates of the controllers' states and the states themselves, for controllers switched on at these positions and velocities."""
         z = self.control_start(t, q, u)
         return (*self.control_rates(t, q, u, z), *z)
 
@@ -177,7 +177,7 @@ class OneBody(Mechanics):
         return tuple((instant, (jump,)) for instant, jump in getattr(self.model, "impulses", None) or ())
 
     def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
-        """What the model says."""
+        """The accelerations of the model."""
         return (self.model.acceleration(t, q[0], u[0], R[0]),)
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
@@ -209,7 +209,7 @@ def declares_parts(model: Any) -> bool:
 
 
 def parts_of(model: Any) -> Any:
-    """What lists the bodies and contacts of a model that has some: the model, or what its drive makes of it.
+    """The object that lists a model's bodies and contacts: the model, or the machine that its drive makes of it; None if neither.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def parts_of(model: Any) -> Any:
 
 
 def _by_drive(model: Any) -> Any:
-    """What makes a machine of bodies of a model, because the inner mass of its drive moves by itself; None where it does not."""
+    """The machine of several bodies that a drive makes of a model whose inner mass moves by itself; None if it does not."""
     make = getattr(getattr(model, "drive", None), "machine", None)
     return make if callable(make) else None
 

@@ -60,7 +60,7 @@ def mirrored(robot: Model) -> Any:
 
 
 def _image(model: Any) -> Any:
-    """What a machine says is its image; of a robot, that of its parts."""
+    """The mirror image that a machine declares; for a robot that of its parts."""
     own = machine_of(model).mirror_image
     if own is not None:
         return own()
@@ -78,7 +78,7 @@ def _turned(drive: Any) -> Any:
 
 
 def _unmirrored(model: Any, found: Any) -> str:
-    """What of a machine of one body is not mirrored, asked at a few instants; "" where all is."""
+    """The part of a machine of one body that is not mirrored, tested at a few instants; "" if all is."""
     law, other, T = law_of(model), law_of(found), machine_of(model).time_scale or 1.0
     for s, v, x in _MOMENTS:
         t, w, back = s * T, model.contact_velocity(v), found.contact_velocity(-v)

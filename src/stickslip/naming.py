@@ -35,7 +35,7 @@ def _meant(record: Any, name: str) -> tuple[str, ...]:
 
 
 def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
-    """What a number is called and its unit; None where nobody knows.
+    """The name of a number and its unit; None if unknown.
 
     Of a function that does not describe its arguments, those that are called as the presets' mean what theirs do.
 

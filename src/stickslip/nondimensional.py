@@ -65,7 +65,7 @@ class DimensionlessLuGre(Frozen):
         return v - self.d * abs(v) * z / (load * self.coefficient(v))
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
-        """What Eq. 5.1 subtracts from mu sin t."""
+        """The friction term that Eq. 5.1 subtracts from mu sin t."""
         return self.a * z + self.b * zdot + self.c * v
 
     def scale(self, load: Any) -> Any:

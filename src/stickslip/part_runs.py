@@ -10,7 +10,7 @@ from stickslip.variables import VARIABLES
 
 
 def _own(name: str, about: str) -> property:
-    """What the run has of all parts, of this one."""
+    """The values of this part among those of all parts."""
     return property(lambda part: part.run._part(getattr(part.run, name), part.number), doc=about)
 
 
@@ -35,7 +35,7 @@ class _PartRun:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """The name of the part."""
         return str(self._states.name)
 
     def __repr__(self) -> str:
@@ -121,7 +121,7 @@ class ControllerRun(_PartRun):
 
     @property
     def states(self) -> tuple[str, ...]:
-        """What its states are called."""
+        """The names of its states."""
         return tuple(self._states.states)
 
     def __getitem__(self, state: str) -> Any:

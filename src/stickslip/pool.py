@@ -18,7 +18,7 @@ class Cancelled(Exception):
 
 
 class Stoppable(Protocol):
-    """What threads ask whether to go on."""
+    """A flag that threads check for cancellation."""
 
     stopped: bool
 

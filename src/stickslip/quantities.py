@@ -18,7 +18,7 @@ from stickslip.errors import Problems
 
 @dataclass(frozen=True)
 class Rule:
-    """What a number must be: a test of value(s), and its words, in which {kind} stands for what a unit measures.
+    """A rule for a number: a test of value(s), and its description, in which {kind} stands for the kind of its unit.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def _is_number(value: Any) -> bool:
 
 
 def allowed_in(told: Mapping[str, Any], optional: bool = False) -> str:
-    """What a number may be, in words."""
+    """The allowed values of a number, in words."""
     unit, rule = str(told.get("unit", "1")), told.get("rule")
     kind = _KINDS.get(unit, "number")
     words = told.get("allowed") or (rule.words.format(kind=kind) if rule else "a finite number")
@@ -147,7 +147,7 @@ def allowed_in(told: Mapping[str, Any], optional: bool = False) -> str:
 
 
 def example_of(told: Mapping[str, Any], several: bool = False) -> str:
-    """What to type for a number, or for several."""
+    """An example of a number, or of several."""
     example = told.get("example", (0.5, 0.5) if several else 1.0)
     return f"{example:.6g}" if isinstance(example, float) else str(example)
 
@@ -179,7 +179,7 @@ def description_inside(told: Mapping[str, Any], held: Mapping[str, Any]) -> Mapp
 
 
 def axis_in(told: Mapping[str, Any]) -> tuple[str, str] | None:
-    r"""What an axis of a number is called, and its unit; None where its field does not say what it is.
+    r"""The axis label of a number, and its unit; None if its field has no description.
 
     Examples
     --------

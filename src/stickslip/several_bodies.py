@@ -30,7 +30,7 @@ class Stopper:
         self.direction = tuple(-part.side * g for g in row)  # of the gap
 
     def gap(self, t: Any, q: Numbers) -> Any:
-        """What is left until they touch [m]."""
+        """The distance left until they touch [m]."""
         return self.part.gap_left(self.mechanics.distance(self.ends, self.mechanics.positions(t, q)))
 
     def rate(self, t: Any, u: Numbers) -> Any:
@@ -42,7 +42,7 @@ class Stopper:
         return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v))
 
     def offset_rate(self, t: Any) -> Any:
-        """What prescribed distances add to the acceleration of the gap [m/s^2]."""
+        """The contribution of prescribed distances to the acceleration of the gap [m/s^2]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
 
 
@@ -106,7 +106,7 @@ class SeveralBodies(Mechanics):
         )
 
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
-        """What the distance of two bodies, or of one and the ground, takes of each coordinate."""
+        """Coefficients of the coordinates in the distance of two bodies, or of one from the ground."""
         found = [0.0] * len(self.groups)
         found[self.coordinate[first]] += 1.0
         if second is not None:
@@ -179,7 +179,7 @@ class SeveralBodies(Mechanics):
         return largest
 
     def _middle(self, group: tuple[str, ...], values: dict[str, Any]) -> Any:
-        """What the bodies of a coordinate have, weighted with their masses."""
+        """The mass-weighted mean over the bodies of a coordinate."""
         if len(group) == 1:
             return values[group[0]]
         return _sum(self.parts[name].mass * values[name] for name in group) / self.masses[self.coordinate[group[0]]]
@@ -215,7 +215,7 @@ class SeveralBodies(Mechanics):
         return tuple(self.parts[c.body].mass * gravity if c.load is None else c.normal(t, x[c.body]) for c in self.joints.values())
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
-        """What prescribed distances, belts and motions add to the slip [m/s]."""
+        """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
         told = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
         return tuple(_offset(told, c) - _velocity(c.on, t) for c in self.joints.values())
 
@@ -258,7 +258,7 @@ class SeveralBodies(Mechanics):
         return tuple(_offset(told, c) - _acceleration(c.on, t) for c in self.joints.values())
 
     def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
-        """What prescribed distances add to each body's position, velocity or acceleration, beyond its coordinate's."""
+        """The contribution of prescribed distances to each body's position, velocity or acceleration, beyond its coordinate's."""
         if not self.prescribed:
             return (0.0,) * len(self.bodies)
         found: dict[str, Any] = {}

@@ -118,7 +118,7 @@ def strobe_tolerance(method: str, rtol: float) -> float:
 
 
 def mean_tolerance(method: str, rtol: float) -> float:
-    """What may be missing from a mean velocity that counts as steady, relative to it: 1e-6, or the tolerance of the run."""
+    """The relative error allowed in a mean velocity that counts as steady: 1e-6, or the tolerance of the run."""
     return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
 
 

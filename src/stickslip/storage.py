@@ -57,7 +57,7 @@ def moved_into_place(path: Path, failed: Callable[[Path, OSError], Exception]) -
 
 
 def unwritable(doing: str) -> Callable[[Path, OSError], InputError]:
-    """What to say, and to type, where a file cannot be written."""
+    """The message, with a suggestion, for a file that cannot be written."""
 
     def failed(path: Path, error: OSError) -> InputError:
         why = (error.strerror or str(error)) if path.parent.exists() else "that folder does not exist; make it first"
@@ -138,7 +138,7 @@ _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 
 def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> dict[str, Any]:
-    """What `save` kept of a run, as the arguments of `Trajectory`."""
+    """The arguments of `Trajectory` from a file that `save` wrote."""
     path = as_path(path, "load")
     give = "give the path of a file that run.save(path) wrote"
     try:

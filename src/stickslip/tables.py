@@ -167,7 +167,7 @@ def _is_table(given: Any) -> bool:
 
 
 def _parts(part: str, given: Any, problems: Problems, where: str, kinds: dict[str, Any]) -> Any:
-    """What a table, or an array of tables, stands for; None where one of them is wrong."""
+    """The parts in a table, or an array of tables; None if one of them is wrong."""
     if isinstance(given, dict):
         return _part(part, dict(given), problems, where, kinds)
     first = next(iter(kinds))  # of several parts the kind may be left out

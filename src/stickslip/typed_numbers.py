@@ -15,7 +15,7 @@ _CYCLES = {("frequency", "angular velocity"): 2 * math.pi, ("angular velocity", 
 
 
 class _Quantity(Protocol):
-    """What pint makes of a number and its unit."""
+    """A number with its unit as pint represents it."""
 
     magnitude: Any
     units: Any
@@ -128,7 +128,7 @@ def _rounded(value: float) -> float:
 
 
 def _factor_of_cycles(found: Unit, wanted: Unit, unit: str) -> float:
-    """What one of a frequency is as an angular one, or the other way round; an error of any other pair."""
+    """The factor between frequency and angular frequency; an error for any other pair."""
     pair = (found.quantity or "", wanted.quantity or "")
     if pair in _CYCLES and not re.fullmatch(r"1?/s|s\^?-1", found.text.replace(" ", "")):
         return _CYCLES[pair]

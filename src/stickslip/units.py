@@ -51,7 +51,7 @@ class Unit:
 
     @property
     def quantity(self) -> str | None:
-        """What it measures: "time", "velocity", "position", ...; None if that has no name here."""
+        """The quantity that it measures: "time", "velocity", "position", ...; None if it has no name here."""
         return _QUANTITIES.get(self.powers)
 
 
@@ -129,7 +129,7 @@ _QUANTITIES = {unit.powers: name for name, text in SI.items() if (unit := unit_o
 
 
 def quantity_of(text: str | None) -> str | None:
-    """What a unit's text measures; None if that is not known."""
+    """The quantity that a unit's text measures; None if unknown."""
     unit = unit_of(text)
     return None if unit is None else unit.quantity
 

@@ -88,6 +88,6 @@ class Allowance:
 
 
 def _typed(size: float) -> str:
-    """What to type for a file of this size, rounded up to two digits so that it is enough."""
+    """A suggested limit for a file of this size, rounded up to two digits."""
     step = 10.0 ** (math.floor(math.log10(size)) - 1)
     return f"set the environment variable {VARIABLE}={math.ceil(size / step) * step:.2g} (bytes) or more"

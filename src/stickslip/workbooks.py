@@ -71,7 +71,7 @@ def _facts(about: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
 
 
 def _opened(value: Any) -> Any:
-    """What a text of JSON holds; any other value as it is."""
+    """The value of a JSON text; any other value unchanged."""
     if not isinstance(value, str) or not value.startswith("{"):
         return value
     try:
@@ -95,7 +95,7 @@ def _check(rows: int, columns: int, doing: str) -> None:
 
 
 def _cell(value: Any) -> Any:
-    """What a cell can hold: there is no NaN in Excel, and no infinity but its name."""
+    """A value that a cell can hold: Excel has neither NaN nor infinity."""
     if isinstance(value, float) and not math.isfinite(value):
         return None if math.isnan(value) else str(value)
     return value if isinstance(value, (int, float)) or value is None else str(value)[:_TEXT]

@@ -209,7 +209,7 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
 
 
 def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:
-    """What comes in and what damping takes [W]; of a mechanism that does not say, all forces but friction come in."""
+    """Power supplied and power lost in dampers [W]; if a mechanism does not declare them, all forces but friction supply power."""
     none = np.zeros_like(t)
     if not hasattr(model, "drive_power"):
         return {"drive": model.total_mass * model.acceleration(t, x, v, 0.0) * v + none, "damping": none}
@@ -246,7 +246,7 @@ def _potential(run: Any, t: Array, x: Array) -> Array:
 
 
 def _residual(run: Any, works: dict[str, Array]) -> Array:
-    """What is missing in the balance, relative."""
+    """Relative error of the energy balance."""
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
     largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -28,7 +28,7 @@ def _names(judges: list[Any]) -> str:
 
 
 def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any) -> str:
-    """What the judges that count found about this answer."""
+    """The finding of the judges that count for this answer."""
     late = " No motion period was found, so the mean still depends on the length of the run." if period is None else ""
     if math.isnan(uncertainty):
         return f"The mean velocity is {answer:.6e} m/s, but no other method could confirm it: no digit is certain.{late}"
@@ -50,7 +50,7 @@ def _small(robot: Any) -> float:
 
 
 def naive(answer: float, judges: list[Any], robot: Any) -> str:
-    """What a script with fixed steps would have said, where that is wrong."""
+    """The wrong answer that a script with fixed steps would have given, if it is wrong."""
     wrong = [j for j in judges if j.name == RK4 and abs(j.difference) > 0.01 * abs(answer) > _small(robot)]
     if not wrong:
         return ""

@@ -110,10 +110,10 @@ def drive_of(drive: Drive) -> DriveAdapter:
 
 
 def needs_of(drive: Any) -> tuple[str, ...]:
-    """What a drive has to say: its motion, or, if the inner mass moves by itself, the machine that the robot is then."""
+    """Methods that a drive must have: its motion or, if the inner mass moves by itself, the machine that the robot becomes."""
     return ("period", "machine") if callable(getattr(drive, "machine", None)) else NEEDS
 
 
 def lacking(part: Any, needs: tuple[str, ...] = NEEDS) -> list[str]:
-    """What an object lacks of a drive, or of another part of a robot; all of it for a class."""
+    """Names of the methods that an object lacks as a drive, or as another part of a robot; all of them for a class."""
     return [name for name in needs if isinstance(part, type) or not hasattr(part, name)]

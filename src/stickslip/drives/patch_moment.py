@@ -11,7 +11,7 @@ from stickslip.drives.cantilever import cantilever_eigenvalues, modal_mass, mode
 
 
 def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
-    """What each mode adds to the tip's motion for a couple on 0 < s < `end`: Y_i(1) Y_i'(end) over the modal mass [-].
+    """Each mode's share in the tip's motion for a couple on 0 < s < `end`: Y_i(1) Y_i'(end) over the modal mass [-].
 
     A patch pushes with a couple at its end and the opposite one at s = 0, where the clamp takes it.
 

@@ -116,7 +116,7 @@ class Pieces(PeriodicDrive):
         return highest - lowest
 
     def _chosen(self, t: Any, on: Any) -> Any:
-        """What holds on the piece in which a time lies, of `on(piece, time since it began)`."""
+        """The value of `on(piece, time since it began)` for the piece at a time."""
         s, ends = within(t, self.period), self._ends
         last = len(ends) - 1
         value = on(last, s)

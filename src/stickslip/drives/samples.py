@@ -195,7 +195,7 @@ def _solved(record: Samples, order: int) -> Array:
 
 
 def _misses(record: Samples, c: Array) -> Array:
-    """What a fit leaves of every sample."""
+    """Residuals of a fit at every sample."""
     import numpy as np
 
     return np.concatenate([values - basis @ c for basis, values in _chunks(record, len(c) // 2)])

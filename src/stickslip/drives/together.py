@@ -52,7 +52,7 @@ class Together:
         return reduce(add, [m * value for m, value in zip(self.masses, values, strict=True)]) / self.mass
 
     def _each(self, t: Any, what: str) -> list[Any]:
-        """What each drive says at a time."""
+        """The values of all drives at a time."""
         return [getattr(drive, what)(_own_time(drive, t, count)) for drive, count in zip(self.drives, self.cycles, strict=True)]
 
     def position(self, t: Any) -> Any:

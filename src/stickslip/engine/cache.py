@@ -140,7 +140,7 @@ def _remove_foreign(path: Path) -> None:
 
 
 def _compilation(path: Path) -> list[Path]:
-    """What Python and Numba keep of a kernel's file."""
+    """Files that Python and Numba keep of a kernel's file."""
     beside = path.parent / "__pycache__"  # of a cache with many kernels: no pattern is matched against all of its names
     return [beside / name for name in (os.listdir(beside) if beside.is_dir() else ()) if name.startswith(path.stem)]
 

@@ -107,7 +107,7 @@ def _closed(eq: System) -> Closed:
 
 
 def _words(eq: System, key: tuple[int, ...]) -> str:
-    """What a product of nodes depends on, in words."""
+    """The dependencies of a product of nodes, in words."""
     graph = eq.graph
     names = frozenset().union(*(graph.varies(graph.nodes[number]) for number in key))
     if "v" in names:
@@ -116,7 +116,7 @@ def _words(eq: System, key: tuple[int, ...]) -> str:
 
 
 def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
-    """What acts on the body beside friction and the drive's inertia [N], row by row; None where that is no constant."""
+    """Forces on the body besides friction and the drive's inertia [N], row by row; None if they are not constant."""
     parts = _forces(kind_of(model), lambda: _beside(trace(model)))
     if parts is None:
         return None

@@ -250,7 +250,7 @@ class _Box:
         return new
 
     def _conditions(self, given: dict[int, int], now: dict[int, Sym]) -> list[Sym]:
-        """What must be positive for a combination: forces inside their limits, slips that begin to the right side, what slides slides."""
+        """Conditions of a combination, positive if met: resting forces within their limits, slips that begin to the right side."""
         graph, one = self.m.graph, self.m.graph.constant(1.0)
         at_limit = {i: self.limits[i][1 if side > 0 else 0] for i, side in given.items() if side}
         sliding = {i: graph.by_side(now[i], self.slide[i][0], self.slide[i][1], at_limit[i]) for i in at_limit}

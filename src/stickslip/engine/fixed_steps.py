@@ -25,7 +25,7 @@ _KIND = "int64(f1, f1, int64, int64, int64, f2, f2, f1)"
 
 @dataclass(frozen=True)
 class Slopes:
-    """What a Runge-Kutta stage needs to know of a model; y[0] = v, then the inner states."""
+    """Data of a model for a Runge-Kutta stage; y[0] = v, then the inner states."""
 
     names: tuple[str, ...]
     t: Sym
@@ -55,7 +55,7 @@ def slopes(model: Any) -> Slopes:
 
 
 def lacks(eq: System) -> str:
-    """What of some equations a plain Runge-Kutta script does not do; "" where it does all."""
+    """Features of the equations that a plain Runge-Kutta script does not handle; "" if there are none."""
     lacking = [what for what, there in (("impulses", eq.impulses), ("a law that remembers", eq.dynamic and eq.modes)) if there]
     if not eq.cyclic:
         lacking.append("a mechanism with springs")

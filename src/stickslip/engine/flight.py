@@ -31,7 +31,7 @@ def add_flight(parts: Assembly, i: int) -> Flight:
 
 
 def touching(parts: Assembly, i: int, value: Sym) -> Sym:
-    """What a contact has while it touches, and zero in flight; once all contacts are made."""
+    """The value of an expression while a contact touches, and zero in flight; once all contacts are made."""
     flight = parts.contacts[i].flight
     return value if flight is None else parts.m.graph.select(flight.aloft, parts.m.graph.constant(0.0), value)
 

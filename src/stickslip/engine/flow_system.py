@@ -79,7 +79,7 @@ class _Asking(Graph):
         return self._answers[asked.number]
 
     def explored(self, f: Callable[[], Any]) -> Any:
-        """What a function gives on every path through it: a tree of `_Choice` with its answers for leaves."""
+        """Values of a function on every path through it: a tree of `_Choice` with these values as leaves."""
         return self._path(f, [], [_PATHS])
 
     def _path(self, f: Callable[[], Any], script: list[bool], left: list[int]) -> Any:
@@ -160,7 +160,7 @@ class _Tracer:
 
     # ---- what a mode chooses ----
     def within(self, low: int, high: int, of: Callable[[int], Sym]) -> Sym:
-        """What the modes from low to below high choose, by halves."""
+        """The choice among the modes from low to below high, by bisection."""
         if high - low == 1:
             return of(low)
         middle = (low + high) // 2
@@ -183,7 +183,7 @@ class _Tracer:
         return Switch(modes, tuple(None if new is y else new for new, y in zip(states, self.y, strict=True)))
 
     def ends(self) -> list[tuple[Sym, Switch]]:
-        """What ends a run: as many switches as it may have, and switches that accumulate."""
+        """Conditions that end a run: the largest number of switches, and switches that accumulate."""
         same, none, half = self.held, (None,) * self.n, self.graph.constant(0.5)
         return [
             (self.graph.case(MOST) - half - self.count, Switch(same, none, Status.SWITCHES)),
@@ -240,7 +240,7 @@ def flow_system(flow: Any, n: int) -> FlowSystem:
 
 
 def _sizes(graph: _Asking, y: Sequence[Sym], scales: Sequence[Sym]) -> tuple[Sym, ...]:
-    """What the states are measured against where a step begins: themselves, the others where they pass zero, and the start where all do."""
+    """Scales of the states at the start of a step: their own values, the others' where they pass zero, the start if all do."""
     whole = graph.constant(0.0)
     for state in y:
         whole = whole + state * state

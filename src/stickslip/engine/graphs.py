@@ -16,7 +16,7 @@ class _Walk(ABC):
         self._known: dict[int, Sym] = {}
 
     def of(self, node: Sym) -> Sym:
-        """What becomes of an expression."""
+        """The transformed expression."""
         waiting = [node]
         while waiting:
             now = waiting[-1]
@@ -31,7 +31,7 @@ class _Walk(ABC):
 
     @abstractmethod
     def _made(self, node: Sym, args: list[Sym]) -> Sym:
-        """What becomes of a node whose arguments have become these."""
+        """The transformed node for transformed arguments."""
 
 
 class Along(_Walk):

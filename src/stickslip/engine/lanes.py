@@ -65,7 +65,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Job:
-    """What to do with every case."""
+    """The task for every case."""
 
     periods: int
     settle: int
@@ -78,7 +78,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Parts:
-    """What a kernel found of each body, contact and stop: a row for each case."""
+    """Results of a kernel for each body, contact and stop: a row for each case."""
 
     moved: Any  # (cases, coordinates): displacement over the window [m]
     wide_max: Any  # (cases, bodies): extremes over the window, at the ends of steps
@@ -88,7 +88,7 @@ class Parts:
 
 @dataclass(frozen=True)
 class Results:
-    """What a kernel found, one row for each case (see ``kernels/driving_lanes.py``, `finish`)."""
+    """Results of a kernel, one row for each case (see ``kernels/driving_lanes.py``, `finish`)."""
 
     displacement: Any  # over the window [m]
     window: Any  # [drive periods]
@@ -188,7 +188,7 @@ def ordered(k: Kernel, order: int) -> Kernel:
 
 
 def layout_of(model: Any) -> StateLayout:
-    """What the states of a model's kernels are; nothing is compiled, and a kind that was seen before costs nothing.
+    """The layout of the states of a model's kernels; nothing is compiled, and a known kind costs nothing.
 
     Examples
     --------
@@ -244,7 +244,7 @@ def plain_name(label: str) -> str:
 
 
 def _constants(eq: System, step: Step) -> list[Any]:
-    """What is computed once for each case, in order: what the step reads, then what the driver reads."""
+    """Expressions computed once for each case, in order: those of the step, then those of the driver."""
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
@@ -298,7 +298,7 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
 
 
 def _source(eq: System, step: Step, lanes: int, label: str) -> str:
-    """What depends on the law: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
+    """The law's part of a kernel: the functions that the driver calls (`FUNCTIONS` in ``kernel_text.py``)."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
     width = min(lanes, WIDTH)

@@ -74,7 +74,7 @@ def aligned(lines: list[str]) -> str:
 
 
 def written(function: Callable[..., Any], **names: str) -> list[str]:
-    r"""What a function of plain Python computes, as LaTeX, one text for each number that it returns; `names`: its arguments' symbols.
+    r"""The results of a plain Python function as LaTeX, one text for each returned number; `names` are its arguments' symbols.
 
     Examples
     --------

@@ -194,7 +194,7 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
 
 
 def _flights(mechanics: Any, own: list[str]) -> list[str]:
-    """What a contact does that flies and lands."""
+    """Equations of a contact that can fly and land."""
     lines = []
     for i, (law, index) in enumerate(zip(mechanics.laws, own, strict=True)):
         if law.flies:

@@ -47,7 +47,7 @@ ARGUMENTS = {
 
 
 def _arguments(law: Any, name: str) -> tuple[str, ...]:
-    """What a method of a law takes: a law with modes is given them, and one that asks for it what would hold the body."""
+    """Arguments of a law's method: with modes if the law has any, and the holding force if the method takes it."""
     known = adapted(law)
     remembers = ("mode",) if known.switching and name in ("rate", "force", "switches") else ()
     return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and known.needs_applied else ())
@@ -79,7 +79,7 @@ _BOTH = (
 
 @contextlib.contextmanager
 def finite(law: Any) -> Iterator[None]:
-    """What is done with a law in plain Python; a number that is infinite or none is told in words."""
+    """Runs plain Python with a law; infinite or undefined numbers become an error in words."""
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
             yield

@@ -40,7 +40,7 @@ def _compiled(law: LawAdapter) -> LawSteps | None:
 
 
 class LawSteps:
-    """What follows a motion step by step.
+    """Compiled steps of a law over a prescribed motion.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class LawSteps:
 
 
 def _functions(law: TracedLaw) -> list[str]:
-    """What the loop asks of a law: rates with their slopes, guards, what follows them, and the force."""
+    """Functions of the law for the loop: rates with their slopes, guards, the states after them, and the force."""
     at = "row, z, mode, v, load"
     outcomes = [end for _, modes, z in law.switches for end in (*modes, *z)]
     rates = {"f": law.rates, "J": [row[i] for i, row in enumerate(law.slopes)]}

@@ -23,7 +23,7 @@ def prelude(eq: System, nodes: list[Any]) -> str:
 
 
 def looks(eq: System) -> str:
-    """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
+    """The held values of a lane for its time and state: flags of clocks, modes, values of guards; and the effect of passing rest."""
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
     sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}

@@ -152,7 +152,7 @@ class Cases(Atom):
 
 
 class _Condition(ABC):
-    """What conditions have in common; where the signs of letters decide one, it is decided."""
+    """Base class of conditions; one that the signs of letters decide is decided."""
 
     @abstractmethod
     def decided(self) -> bool | None:

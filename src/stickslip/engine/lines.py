@@ -70,7 +70,7 @@ class Lines(ABC):
         return self.line(self.fresh(), text)
 
     def _choice(self, held: str, yes: str, no: str) -> str:
-        """What is `yes` where `held` is positive, else `no`."""
+        """The line that selects `yes` where `held` is positive, else `no`."""
         return f"{yes} if {held} > 0.0 else {no}"
 
     def _sum(self, node: Sym, bind: dict[str, str]) -> str:

@@ -157,7 +157,7 @@ def _closed(parts: Assembly, p: Pressed, c: int, sides: dict[int, Sym]) -> Sym:
 
 
 def add_pressed(parts: Assembly, p: Pressed) -> None:
-    """What a closed stop adds: the motion of the follower, the guard at which it opens, and whether it is closed at the start."""
+    """Contributions of a closed stop: the follower's motion, the guard at which it opens, and whether it is closed at the start."""
     m, graph, k = parts.m, parts.m.graph, p.follower
     one, zero = graph.constant(1.0), graph.constant(0.0)
     now = {i: parts.modes[i] for i, law in enumerate(m.laws) if not law.dynamic}

@@ -26,7 +26,7 @@ def _apart(stops: tuple[Any, ...]) -> bool:
 
 
 def refused(model: Any) -> str:
-    """What of a machine the compiled methods do not solve; "" where they do.
+    """The reason why the compiled methods refuse a machine; "" if they accept it.
 
     Examples
     --------

@@ -121,7 +121,7 @@ class _StepWriter(EventWriter):
         w.line("_hh", "_hh if _hh < _hl else _hl")
 
     def _along(self, contact: Contact, of: Callable[[int], str]) -> str:
-        """What a contact's slip takes of the coordinates."""
+        """Coefficients of the coordinates in a contact's slip."""
         terms = [("-" if g < 0 else "") + of(j) for j, g in enumerate(contact.direction) if g]
         return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})"
 
@@ -264,7 +264,7 @@ class _StepWriter(EventWriter):
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
 
     def _size_of_creep(self, i: int, creeping: list[Contact]) -> str:
-        """What errors of a velocity are relative to that friction lets creep: the slip, or the velocity up to which it creeps."""
+        """The scale of errors in a velocity under creeping friction: the slip, or the velocity up to which it creeps."""
         w = self.w
         most = w.line(w.fresh(), f"{literal(self.k.velocity_floor)} * {self.scale_v}")
         sizes = []
@@ -395,7 +395,7 @@ class _StepWriter(EventWriter):
         w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
 
     def _switch(self) -> None:
-        """What a guard's zero does to the law's modes and states, beside the flip of its flag."""
+        """The effect of a guard's zero on modes and states, besides the flip of its flag."""
         w, news = self.w, []
         if self.eq.switches:
             w.line("_te", "1.0 * _t")

@@ -338,7 +338,7 @@ class Rows:
         w.end()
 
     def _write_sums(self) -> None:
-        """What earlier coefficients alone give."""
+        """Lines that depend on earlier coefficients alone."""
         w = self.w
         for name in self._sums.values():
             w.line(name, ZERO)

@@ -138,7 +138,7 @@ class _StepWriter:
         w.line("_below", f"abs(_lim) if _lim != 0.0 else {literal(self.k.slaved)}")
 
     def _look_at_start(self) -> None:
-        """What is noted of the start of a step, where somebody looks: the acceleration, and the slip ratio."""
+        """Values recorded at the start of a step if the lane is observed: the acceleration and the slip ratio."""
         w = self.w
         self._looking("0.5")
         w.line("_acc[0]", f"1.0 * {self.f[0]}")
@@ -147,7 +147,7 @@ class _StepWriter:
         w.end()
 
     def _looking(self, least: str) -> None:
-        """What follows is done where a lane is looked at, or always if all is recorded."""
+        """Begins a part for lanes that are observed, or for all if everything is recorded."""
         self.w.begin("for q in each(0, 1)" if self.record else f"if _looked > {least}")
 
     def _wish(self, rows: list[tuple[str, str]], tolerance: str) -> None:
@@ -289,7 +289,7 @@ class _StepWriter:
         return rows.rows[self.eq.y[0].number]
 
     def _first(self) -> str:
-        """What the acceleration changes by with z' where the step begins."""
+        """The derivative of the acceleration by z' at the start of the step."""
         return self.w.value(self.law.weight, self.start | {self.law.rate.name: "_dz0"})
 
     def _shorten(self, row: str) -> None:
@@ -490,7 +490,7 @@ class _StepWriter:
             w.line("_marks", "bits(_soon != _was and not _idle)")
 
     def _look_at_end(self) -> None:
-        """What is noted of a whole step, where somebody looks."""
+        """Values recorded at the end of a step if the lane is observed."""
         w = self.w
         self._looking("0.1")
         for name, value in (("t0", "_begun"), ("hh", "_went"), ("top", "_most")):

@@ -28,7 +28,7 @@ class Slaving:
 
 
 def slaving(eq: System) -> Slaving | str:
-    """What a law's inner state is while it is slaved; or why the method that asks for it does not take a machine."""
+    """The slaved equations of a law's inner state; or the reason why the method does not accept a machine."""
     why = _lacks(eq)
     if why:
         return why
@@ -52,7 +52,7 @@ def slaving(eq: System) -> Slaving | str:
 
 
 def _lacks(eq: System) -> str:
-    """What the steps do not know."""
+    """Features that the steps do not support."""
     if eq.apart is None or len(eq.contacts) != 1 or eq.states != 2 or not eq.cyclic:
         return "it is for one body on one contact under a law with one inner state, whose place does not matter"
     if len(eq.guards) != 1 or eq.switches or eq.modes:

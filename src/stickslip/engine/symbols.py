@@ -206,7 +206,7 @@ class Graph:
         return self._known[key]
 
     def decided(self, condition: Condition) -> bool:
-        """What plain Python is told that asks whether a condition holds."""
+        """The answer to plain Python code that asks whether a condition holds."""
         raise TraceError(_IF)
 
     def constant(self, value: Any) -> Sym:
@@ -324,7 +324,7 @@ class Graph:
         return self.call("exp", self.call("log", a) * power)
 
     def _side(self, a: Sym) -> str:
-        """What is plain of a product's sign: "touches zero" from above, as abs(v) does, "both signs", as v, "a choice", as where makes."""
+        """The known part of a product's sign: "touches zero" from above, as abs(v); "both signs", as v; or "a choice", as where makes."""
         factors, sign = [a], 1.0
         odd: list[Sym] = []  # factors that change sign and have no partner of the same sign
         while factors:
@@ -344,7 +344,7 @@ class Graph:
         return "both signs" if odd and all(o.op == "variable" and o.name != "t" for o in odd) else ""
 
     def _size(self, a: Sym) -> Sym:
-        """What a product is where its variables are of their typical sizes, as far as those are known."""
+        """The size of a product for typical sizes of its variables, as far as these are known."""
         if a.op == "multiply":
             return self.multiply(self._size(a.args[0]), self._size(a.args[1]))
         return self.units.get(a.name, self.constant(1.0)) if a.level == STATE else a

@@ -11,7 +11,7 @@ from stickslip.engine.symbols import Graph, Sym
 
 @dataclass(frozen=True)
 class Signal:
-    """What is noted of the motion in its last period, beside its states."""
+    """A quantity recorded over the last motion period, besides the states."""
 
     names: tuple[str, ...]  # of all that it is
     node: Sym
@@ -21,7 +21,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Switch:
-    """What happens when a guard falls to zero, beside the flip of its flag."""
+    """The effect of a guard that falls to zero, besides the flip of its flag."""
 
     modes: tuple[Sym, ...]  # the new modes
     states: tuple[Sym | None, ...]  # the new states; None: unchanged
@@ -40,7 +40,7 @@ class Branches:
 
 @dataclass(frozen=True)
 class Flight:
-    """What the flight of a contact adds to it."""
+    """Additions to a contact that can fly."""
 
     mode: int  # number of the mode that is 1 in flight, else 0
     aloft: Sym  # this mode
@@ -69,7 +69,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class System:
-    """What a step needs to know of a model.
+    """The description of a model for a step.
 
     States are the velocity of each coordinate (less that of what its contact rubs on, where that does not vary), the laws' inner states
     contact by contact, and then the positions that the equations need: of all coordinates, or of all but the first as differences to

@@ -112,7 +112,7 @@ def tangent_of_means(system: System) -> System:
 
 
 def means_of(system: System) -> dict[str, Sym]:
-    """What is averaged over a motion period, by name: friction powers "P.", a user's own "u."; of one body the drive's power "D".
+    """Quantities averaged over a motion period, by name: friction powers "P.", user-defined "u."; of one body the drive's power "D".
 
     A user's observable with a condition that is no guard of the system jumps where no step ends, and is none of them.
     """
@@ -200,7 +200,7 @@ def _logarithm(node: Sym) -> Sym:
 
 
 def _scale(system: System, i: int) -> Sym:
-    """What a state is like, or, where nobody knows, what it is."""
+    """The scale of a state or, if unknown, the state itself."""
     scale = system.velocity_scale if i < system.coordinates else system.scales[i]
     return _size(system.y[i]) if scale is None else scale
 
@@ -248,7 +248,7 @@ def _known(system: System, wrt: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _rows(system: System) -> tuple[list[Sym], list[Sym]]:
-    """What changes: the states, and the way where it is none of them; with their rates."""
+    """The quantities that change: the states, and the distance travelled if it is not one of them; with their rates."""
     count = system.states - system.passive
     rows, rates = list(system.y[:count]), list(system.f[:count])
     if system.cyclic:
@@ -265,7 +265,7 @@ def _switching(system: System) -> list[int]:
 
 @dataclass(frozen=True)
 class _Crossing:
-    """What happens where a guard falls to zero: new rows, what the rates of the old ones jump by, and how fast the guard falls."""
+    """The crossing of a guard: new rows, the jumps of the old rates, and the rate at which the guard falls."""
 
     rows: list[Sym]  # the states after it, and the way
     jumps: list[Sym]  # f+ - R_x f- - R_t
@@ -324,7 +324,7 @@ def _follows(system: System, guard: Sym, falls: Sym) -> Sym:
 
 
 def _forgetting(system: System, along: Along) -> dict[int, Sym]:
-    """What becomes of changes where the law of one contact forgets because an impulse has turned its velocity over."""
+    """Changes after the law of one contact loses its memory because an impulse has reversed the velocity."""
     resets = system.switches[0].states if system.dynamic and 0 in system.switches else ()
     return {system.states + i: along.of(new) for i, new in enumerate(resets) if new is not None}
 

@@ -69,7 +69,7 @@ def _put(step: Step, lanes: int, field: str, value: str) -> str:
 
 
 def _outcomes(node: Sym) -> list[Sym]:
-    """What an expression may come to, by its conditions; signs left out."""
+    """The possible values of an expression, by its conditions; without signs."""
     if node.op == "select":
         return [*_outcomes(node.args[1]), *_outcomes(node.args[2])]
     if node.op == "multiply" and node.args[0].op == "constant":

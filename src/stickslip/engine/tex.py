@@ -110,7 +110,7 @@ def _bracketed(value: Formula) -> str:
 
 
 def _based(base: Formula) -> str:
-    """What is raised to a power: a letter or a size as it stands, anything else in brackets."""
+    """The base of a power: a letter or a number as it stands, anything else in brackets."""
     text = _sum(base)
     return text if not base.is_sum and re.fullmatch(r"\\?\w+(_\{.*\})?|\\left\|.*\\right\|", text) else rf"\left({text}\right)"
 
@@ -203,7 +203,7 @@ class Letters:
     numbered: dict[Atom, tuple[str, str]]  # of a symbol: how it prints with %s for its number, and its number
 
     def renumbered(self, expressions: Iterable[Any], index: str) -> dict[Any, Any]:
-        """What puts an index for the number that all numbered symbols of some expressions share; nothing if they share none."""
+        """A function that replaces the number common to all numbered symbols by an index; nothing if there is none."""
         found = {s for expression in expressions for s in formula(expression).atoms if s in self.numbered}
         if len({self.numbered[s][1] for s in found}) != 1:
             return {}

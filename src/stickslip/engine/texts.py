@@ -52,13 +52,13 @@ def coulomb_text(*names: str) -> str:
 
 @lru_cache(1)
 def emit_text() -> str:
-    """What turns a step's lines into instructions, `stickslip.engine.emit`, for a kernel's file below `functions_text`."""
+    """The compiler of a step's lines, `stickslip.engine.emit`, for a kernel's file below `functions_text`."""
     return _from_imports("emit")
 
 
 @lru_cache(1)
 def functions_text() -> str:
-    """What turns functions into instructions, `stickslip.engine.functions`, for a kernel's file."""
+    """The compiler of functions, `stickslip.engine.functions`, for a kernel's file."""
     return _from_imports("functions")
 
 

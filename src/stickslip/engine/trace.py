@@ -29,7 +29,7 @@ _NUMBER = object()  # in a kind, where there is a number; None is a field that h
 
 
 def label(model: Any) -> str:
-    """What a model's kind is called: ``LuGre × Harmonic``."""
+    """The name of a model's kind: ``LuGre × Harmonic``."""
     drive, track = machine_of(model).drive, machine_of(model).track
     if not machine_of(model).is_single:
         laws = [law.name for law in machine_of(model).mechanics.laws]
@@ -41,7 +41,7 @@ def label(model: Any) -> str:
 
 
 def kind_of(model: Any) -> tuple[Any, ...]:
-    """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
+    """The parts of a model that determine its equations: classes, names of the numbers, and the fields that are not numbers."""
     numbers = set(numbers_of(model))
     return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
@@ -135,7 +135,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) ->
 
 
 def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:
-    """What brakes one body by its law's inner state and that state's rate, as if they were two variables: where one state is all."""
+    """The friction force of one body by the law's inner state and its rate as if they were two variables; for one inner state."""
     law = m.laws[0]
     if not m.single or not law.dynamic or law.states != 1 or law.modes or law.needs_applied:
         return None
@@ -161,7 +161,7 @@ def _shares(m: Symbolic) -> tuple[Sym, ...]:
 
 
 def _offered(m: Symbolic) -> Sym | None:
-    """What all forces but friction add up to [N]: the drive's and gravity's share, for a robot."""
+    """The sum of all forces but friction [N]: for a robot the drive's and gravity's share."""
     total = m.lift(m.model.total_mass) * m.accelerations({})[0]
     return total if m.graph.varies(total) <= {"t"} else None
 
@@ -189,7 +189,7 @@ def instants_of(graph: Graph, clock: Sym, t: Sym) -> list[Sym]:
 
 
 def _at_zero(graph: Graph, node: Sym, t: Sym) -> list[Sym]:
-    """What an expression may be at t = 0: a choice on time has two values."""
+    """Possible values of an expression at t = 0: a choice on time has two."""
     if node is t:
         return [graph.constant(0.0)]
     if node.level < STATE:

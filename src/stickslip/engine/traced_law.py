@@ -72,7 +72,7 @@ class TracedLaw:
 
     @cached_property
     def breakaway(self) -> tuple[Sym, Sym]:
-        """What a set-valued law holds, backward and forward."""
+        """Static friction limits of a set-valued law, backward and forward."""
         backward, forward = self.law.breakaway(self.load)
         return self._lift(backward), self._lift(forward)
 

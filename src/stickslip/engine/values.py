@@ -44,7 +44,7 @@ def needed_by(roots: Iterable[Sym]) -> list[Sym]:
 
 
 def _held(flag: Sym) -> list[Sym]:
-    """What a flag holds the sign of: a condition on time alone, or a guard; nothing for a mode."""
+    """The condition whose sign a flag holds: one on time alone, or a guard; None for a mode."""
     graph, name = flag.graph, flag.name
     if name.startswith("clk"):
         return [graph.clocks[int(name[3:])]]
@@ -52,7 +52,7 @@ def _held(flag: Sym) -> list[Sym]:
 
 
 class Arithmetic:
-    """What the operations of traced expressions mean for numbers and arrays; another kind of number says what is different.
+    """The operations of traced expressions on numbers and arrays; other kinds of number override them.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class Writer(Lines):
         self._outside: list[dict[Any, str]] = []  # what was written before each part that was begun
 
     def begin(self, head: str) -> None:
-        """What follows is within a loop, ``for m in range(1, 17)``, or, for kernels of one lane, a condition, ``if _a > 0.0``."""
+        """Begins a loop, ``for m in range(1, 17)``, or, for kernels of one lane, a condition, ``if _a > 0.0``."""
         self.lines.append(f"{self.indent}{head}:")
         self.indent += "    "
         self._outside.append(dict(self._known))

@@ -28,7 +28,7 @@ class Approximation(Law):
         return self.width
 
     def notes(self, load: Any) -> list[str]:
-        """What is wrong with this law."""
+        """The error of this law."""
         return [self.approximation]
 
 

@@ -122,7 +122,7 @@ class LawAdapter:
         return None if minus is None or plus is None else (-minus * load, plus * load)
 
     def switches(self, v: Any, z: States, load: Any, mode: States) -> Switches:
-        """What ends a mode; nothing for a law that has none."""
+        """Guards that end a mode; empty for a law without modes."""
         if not self.switching:
             return []
         found = self.law.switches(v, self._own(z), load, mode)
@@ -165,7 +165,7 @@ class LawAdapter:
         return None if own is None else own(self._own(z), load)
 
     def notes(self, load: Any) -> list[str]:
-        """What the law says of its own numbers."""
+        """The law's notes on its own numbers."""
         own = getattr(self.law, "notes", None)
         return [] if own is None else list(own(load))
 
@@ -197,7 +197,7 @@ class LawAdapter:
 
     @property
     def name(self) -> str:
-        """What the law calls itself in its `title`, as sums do; else the name of its class."""
+        """The law's `title`, if it has one as sums do; else the name of its class."""
         title = getattr(self.law, "title", None)
         return title if isinstance(title, str) else type(self.law).__name__
 
@@ -215,7 +215,7 @@ class LawAdapter:
         return (mode,) if self.switching else ()
 
     def _shaped(self, value: Any, what: str) -> States:
-        """What the law gives for its inner states, as a tuple of that many."""
+        """The law's values for its inner states, as a tuple of the right length."""
         values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
         if len(values) != self.states:
             states = f"{self.states} inner state{'' if self.states == 1 else 's'} (class attribute states)"

@@ -108,7 +108,7 @@ def _without_checksum(data: bytes, size: int, parameters: tuple[int, ...]) -> by
 
 
 def _expanded(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
-    """What LZF packed: runs of bytes as they are, and references to up to 264 bytes within the last 8192."""
+    """Expands LZF: literal runs of bytes, and references to up to 264 bytes within the last 8192."""
     found, place = bytearray(), 0
     while place < len(data) and len(found) <= size + 4:
         head, place = data[place], place + 1

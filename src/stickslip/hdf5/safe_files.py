@@ -45,7 +45,7 @@ def opened(source: Any, doing: str, allowance: Allowance, *, for_others: bool = 
 
 
 def _check_bytes(source: Any) -> None:
-    """What the library does not check itself."""
+    """Checks that the library does not make itself."""
     if isinstance(source, io.BytesIO):
         check_heaps(source.getvalue())
     elif os.path.getsize(source):

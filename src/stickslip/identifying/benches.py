@@ -90,7 +90,7 @@ class Bench(Compared):
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
 
     def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
-        """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""
+        """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: array (m, cases)."""
         bare, per = _input(model)
         m, factor = machine_of(bare).mechanics, per[self.kind]
         t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
@@ -151,13 +151,13 @@ def takes_records(model: Any, records: list[Any]) -> bool:
 
 
 def _input(model: Any) -> tuple[Any, dict[str, Any]]:
-    """What a record of its input stands for; nothing of a machine whose inner mass is shaken."""
+    """The quantity that a record of a machine's input stands for; None for a machine whose inner mass is shaken."""
     found = machine_of(model).input
     return (model, {}) if found is None else found
 
 
 def _role(model: Any, rec: Any) -> str | None:
-    """What of a record is applied to a machine: the kind; None where there is nothing."""
+    """The kind of input in a record of a machine; None if there is none."""
     for kind in _input(model)[1]:
         role, quantity = APPLIED[kind]
         if role in rec and quantity_of(rec[role].unit) in (quantity, None):

@@ -32,7 +32,7 @@ def plainer(model: Any, effects: Any) -> Any:
 
 
 def numbers_without(numbers: dict[str, Any], effects: Any) -> dict[str, Any]:
-    """What numbers of a model are without some effects."""
+    """The numbers of a model without some effects."""
     found = {}
     for name in numbers:
         stem, dot, own = name.rpartition(".")

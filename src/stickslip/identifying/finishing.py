@@ -114,7 +114,7 @@ def _chasing(problem: Sensed, best: Found) -> list[str]:
 
 
 def spared_note(names: list[str]) -> list[str]:
-    """What it means that some numbers of sensors were spared."""
+    """The consequence of leaving out some numbers of sensors."""
     if not names:
         return []
     left = f"the residual force is structured, so {listed(names)} of the sensor cannot be distinguished from defects of the law"

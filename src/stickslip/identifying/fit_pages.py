@@ -84,7 +84,7 @@ def _source(number: int, rec: Any) -> dict[str, Any]:
 
 
 def _drawn(draw: Callable[[Any], Any], salt: str) -> str:
-    """What `draw` puts on the axes, as SVG."""
+    """The drawing of `draw` on the axes, as SVG."""
     from stickslip.plot.style import WIDTH
     from stickslip.report.drawn import svg
 

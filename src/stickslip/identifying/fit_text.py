@@ -73,7 +73,7 @@ def undetermined(fit: Any) -> list[str]:
 
 
 def _advice(fit: Any, sensors: list[str], count: int) -> str:
-    """What to do about directions that nothing determines."""
+    """Advice on directions that nothing determines."""
     if not sensors:
         return f"fix {count} of them"
     effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held)]
@@ -105,7 +105,7 @@ def _changes(fit: Any, members: list[int], direction: Any) -> str:
 
 
 def known_line(fit: Any) -> str:
-    """What was given and not fitted, with units: a wrong number among these shifts the fitted ones."""
+    """Numbers that were given and not fitted, with units: an error in one of these shifts the fitted ones."""
     of = fit.problem.parameters
     numbers = {} if callable(of.make) else {name: [value] for name, value in leaves(of.make)}
     numbers |= {name: [each[name] for each in of.fixed] for name in of.fixed[0]}
@@ -128,7 +128,7 @@ def _as_given(values: list[Any], unit: str) -> str:
 
 
 def sensor_lines(fit: Any) -> list[str]:
-    """What the sensors add, one sentence for all."""
+    """Sensor effects, one sentence for all."""
     units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
     told = [
         f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'} {units[name]}".rstrip()
@@ -139,7 +139,7 @@ def sensor_lines(fit: Any) -> list[str]:
 
 
 def cost_lines(fit: Any) -> list[str]:
-    """What the sensors cost: standard errors with them, with all their numbers known, and with those of one effect known."""
+    """The cost of sensor effects: standard errors with them, with all their numbers known, and with those of one effect known."""
     found, lines = fit.costs, []
     for name, error in fit.errors.items():
         if name in fit.undetermined:

@@ -38,7 +38,7 @@ class Combination:
 
 
 def combinations(fit: Any) -> tuple[Combination, ...]:
-    """What the data determine of the undetermined parameters, each with whether it also holds far from the fitted values.
+    """Combinations of undetermined parameters that the data determine, each with whether it also holds far from the fit.
 
     A formula is a product, a ratio or a sum whose gradient is orthogonal to every undetermined direction, and that holds along the way
     too: where numbers are moved by 7 and by 30 % and the formulas are kept, the fit is as good as before. Where there is none as simple,

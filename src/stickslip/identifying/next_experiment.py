@@ -117,7 +117,7 @@ def _over_motion(fit: Fit) -> bool:
 
 
 def _known(fit: Fit) -> list[str]:
-    """What an experiment may set: arguments of the maker, how it is measured, and of a prescribed motion stroke, frequency and load."""
+    """Settings of an experiment: arguments of the maker, its measurement, and for a prescribed motion stroke, frequency and load."""
     from stickslip.arguments import parameters_of
 
     make = fit.problem.parameters.make
@@ -136,7 +136,7 @@ def _rows_of(fit: Fit) -> Any:
 
 
 def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> tuple[Experiment, tuple[float, float]]:
-    """What is expected of the records so far with one experiment more, and its place in the order."""
+    """The expected result of the records so far with one more experiment, and its rank."""
     own = _moved(fit, chosen, how, samples) if _over_motion(fit) else _driven(fit, chosen, how, samples)
     n, m = len(fit.values), rows.shape[1]
     same = _same(fit) if how["sensor"] == SAME else []

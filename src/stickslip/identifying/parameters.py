@@ -99,7 +99,7 @@ class Parameters:
 
     @cached_property
     def limits(self) -> Limits:
-        """What the laws demand of the values besides the bounds."""
+        """Limits that the laws set on the values besides the bounds."""
         return self.known_limits or limits_of(self)
 
     @property

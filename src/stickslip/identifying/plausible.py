@@ -29,7 +29,7 @@ def doubts(problem: Sensed, values: dict[str, float], place: Any) -> list[str]:
 
 
 def _frequencies(target: Target, model: Any) -> str:
-    """What to correct where the drive of the model has another frequency than the record."""
+    """A correction if the model's drive frequency differs from the record's."""
     own = math.nan if model.period is None else 1 / float(model.period)
     one_drive = isinstance(model, Robot) and not isinstance(model.drive, tuple)  # of a common period a record may show a part
     ratio = target.frequency / own

@@ -65,7 +65,7 @@ class SteadyProblem(OverParameters):
 
     @property
     def _timing(self) -> tuple[tuple[int, str], ...]:
-        """What is fitted for each curve besides the free parameters: (record, "phase", "slip", "start" or "place")."""
+        """Quantities fitted for each curve besides the free parameters: (record, "phase", "slip", "start" or "place")."""
         wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient, "place": lambda t: t.placed}
         return tuple((i, what) for i in self.curves for what, of in wanted.items() if of(self.targets[i]))
 
@@ -282,12 +282,12 @@ def _smoothed(target: Target) -> Any:
 
 
 def _speed(target: Target) -> float:
-    """What a start's velocity is counted in."""
+    """The unit of a start's velocity."""
     return float(np.ptp(target.y)) * (1.0 if target.kind == "velocity" else target.frequency) or 1.0
 
 
 def _reach(target: Target) -> float:
-    """What the position where a transient begins is counted in."""
+    """The unit of the position where a transient begins."""
     return float(np.ptp(target.y)) / (1.0 if target.kind == "position" else target.frequency) or 1.0
 
 
@@ -296,7 +296,7 @@ _BEGINS: dict[str, tuple[str, Callable[[Target], float]]] = {"start": ("v", _spe
 
 
 def modelled_values(target: Target, motion: Any, phase: Any) -> Any:
-    """What the model gives for one record; the offset of a position is that of least squares."""
+    """The model's prediction for one record; the offset of a position is that of least squares."""
     if target.kind == "velocity":
         return motion.v(phase)
     x = motion.x(phase)

@@ -48,7 +48,7 @@ class Quality:
 
     @property
     def excess(self) -> str:
-        """What is left, in words."""
+        """The unexplained rest, in words."""
         beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
         return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}"
 

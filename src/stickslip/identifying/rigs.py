@@ -137,7 +137,7 @@ def _is_one_sine(drive: Any) -> bool:
 
 
 def _seen(run: Any, start: float, t: Any, step: float, bandwidth: float | None, channels: Any) -> dict[str, Any]:
-    """What ideal sensors of the given bandwidth show."""
+    """The readings of ideal sensors of the given bandwidth."""
     if bandwidth is None:
         return _columns(run.at(np.minimum(start + t, run.pieces.t[-1])))
     from scipy.signal import lfilter

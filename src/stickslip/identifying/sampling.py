@@ -132,7 +132,7 @@ class _Posterior:
         return np.where(np.isfinite(told), told + known, -np.inf)
 
     def _known(self, place: Any) -> float:
-        """What is known beforehand; a distribution that is flat between bounds adds nothing there."""
+        """The prior distribution; one that is flat between bounds adds nothing."""
         found = 0.0
         for row in self.fit.problem._known:
             if not np.isfinite(row.prior.low):
@@ -141,7 +141,7 @@ class _Posterior:
 
 
 def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
-    """What the numbers of a place are called, how they become values, and their units."""
+    """Names of the numbers of a place, their conversion to values, and their units."""
     found: dict[str, tuple[Any, dict[str, str]]] = {}
     for free in fit.problem.parameters.free:
         found[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}

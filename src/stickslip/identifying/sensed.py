@@ -70,7 +70,7 @@ class Sensed:
 
     @property
     def targets(self) -> Any:
-        """What is fitted of each record."""
+        """The data to fit in each record."""
         return self.model.targets
 
     @property
@@ -173,7 +173,7 @@ class Sensed:
         return None if h is None else self._met(self._shown(h, self.readings(place)))
 
     def _met(self, ends: tuple[Any, Any]) -> Any:
-        """What is measured where that is between the least and the greatest value, else the nearer of these."""
+        """The measured value if it lies between the least and the greatest value, else the nearer of these."""
         return np.clip(self.y, *ends)
 
     def _modelled(self, place: Any) -> tuple[Any, Any] | None:
@@ -193,7 +193,7 @@ class Sensed:
         return [whole[a:b] for a, b in pairwise(edges)]
 
     def _shown(self, ends: tuple[Any, Any], readings: list[dict[str, Any]]) -> tuple[Any, Any]:
-        """What the sensors show of the least and the greatest values."""
+        """Sensor readings of the least and the greatest values."""
         return _both(lambda h: self._of_records(shown_by_sensor, h, readings), ends)
 
     def _of_records(self, function: Any, whole: Any, readings: list[dict[str, Any]]) -> Any:

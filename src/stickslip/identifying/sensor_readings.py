@@ -15,12 +15,12 @@ def _wide(values: Any, like: Any) -> Any:
 
 
 def _middle(target: Any) -> float:
-    """What a gain leaves where it is: zero, or the mean of a position, which is counted from anywhere."""
+    """The fixed point of a gain: zero, or the mean of a position, whose origin is arbitrary."""
     return float(np.average(target.y, weights=target.weight * np.ones(target.count))) if target.kind == "position" else 0.0
 
 
 def _course(target: Any) -> Any:
-    """What a drift of one unit a second adds."""
+    """The contribution of a drift of one unit per second."""
     t = target.time
     return t - np.average(t, weights=target.weight * np.ones(target.count)) if target.kind == "position" else t
 
@@ -35,12 +35,12 @@ def _delayed(target: Any, h: Any, delay: Any) -> Any:
 
 
 def change_shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
-    """What gain and delay make of a change."""
+    """A change after gain and delay."""
     return reading.get("gain", 1.0) * _delayed(target, h, reading.get("delay"))
 
 
 def shown_by_sensor(target: Any, h: Any, reading: dict[str, Any]) -> Any:
-    """What a sensor shows where the model gives h: array (values,) or (values, cases)."""
+    """Sensor readings where the model gives h: array (values,) or (values, cases)."""
     if not reading:
         return h
     middle = _middle(target)

@@ -144,7 +144,7 @@ def _usual(targets: Any) -> dict[str, None]:
 
 
 def _typed(given: Any, count: int, problems: Problems) -> list[tuple[str, Any]]:
-    """What the user typed, ``[:]`` as one name for each record."""
+    """The user's names, with ``[:]`` expanded to one name for each record."""
     if not isinstance(given, dict):
         typed = 'sensor={} for an ideal sensor, or for example sensor=dict(offset=0.0, gain=("normal", 1.0, 0.02))'
         problems.add(f"sensor = {given!r}; allowed is None, or a dict of {', '.join(EFFECTS)}; type {typed}")
@@ -190,5 +190,5 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
 
 
 def _least(effect: str, records: tuple[int, ...], targets: Any) -> float:
-    """What an effect cannot be below: a preload leaves a normal force, and there is room to see its derivative."""
+    """Lower bound of an effect: a preload leaves a positive normal force, with room for a derivative."""
     return -_PRESSED * min(float(np.min(targets[i].load)) for i in records) if effect == "preload" else -np.inf

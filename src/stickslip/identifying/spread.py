@@ -16,7 +16,7 @@ _WHITE = 3.5  # standard errors within which the correlation of neighbours is th
 
 
 def information_of(problem: Any, jacobian: Any) -> Information:
-    """What data, and what is known beforehand, say about the numbers of a place."""
+    """Information of data and priors about the numbers of a place."""
     count = len(problem.y)
     return Information(jacobian[:count], problem.resolution, jacobian[count:])
 
@@ -103,7 +103,7 @@ def root_of(covariance: Any) -> Any:
 
 
 def _coloured(inverse: Any, rest: Any, scale: float) -> Any:
-    """What correlations of the residuals of one record add to the covariance."""
+    """The contribution of correlated residuals of one record to the covariance."""
     n = len(rest)
     if n < 50 or abs(neighbours(rest)) < _WHITE / np.sqrt(n):
         return 0.0

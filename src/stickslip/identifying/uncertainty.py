@@ -56,7 +56,7 @@ def costs(fit: Fit) -> dict[str, dict[str, float]]:
 
 
 def in_parts(value: float, whole: tuple[float, float], noise: tuple[float, float]) -> tuple[float, float]:
-    """What is left of an interval if a part of it is taken away in squares, on either side of a value."""
+    """The rest of an interval after one part is subtracted in squares, on either side of a value."""
     lengths = [np.sqrt(max((w - value) ** 2 - (n - value) ** 2, 0.0)) for w, n in zip(whole, noise, strict=True)]
     return float(value - lengths[0]), float(value + lengths[1])
 
@@ -158,7 +158,7 @@ def _at_bounds(fit: Fit) -> list[str]:
 
 
 def _at_bound(fit: Fit, k: int) -> str:
-    """What it means that a parameter ends at a bound."""
+    """The consequence of a parameter that ends at a bound."""
     if min(fit.place[k], 1 - fit.place[k]) < _AT_BOUND:
         return "widen the bound, or these data do not determine it"
     return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
@@ -273,7 +273,7 @@ def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
 
 
 def _why(q: Quality, rest: Any) -> str:
-    """What residuals that are not noise say."""
+    """The interpretation of residuals that are not noise."""
     narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
     if q.coloured:
         return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"

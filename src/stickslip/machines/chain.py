@@ -96,7 +96,7 @@ class Chain(Machine):
 
     @property
     def _driven(self) -> dict[str, Any]:
-        """What has a drive, by its name in messages."""
+        """The parts with a drive, by their names in messages."""
         robots = {f"modules[{i}]": machine_of(each).drive for i, each in enumerate(self._robots)}
         links = self.link if isinstance(self.link, tuple) else (self.link,)
         named = ["link"] if not isinstance(self.link, tuple) else [f"link[{i}]" for i in range(len(links))]

@@ -60,7 +60,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
 
 
 def periods_differ(name: str, period: Any, first: str, other: Any) -> str:
-    """What is said of two drives of one machine whose periods differ."""
+    """The message about two drives of one machine whose periods differ."""
     told = f"{name} has the period {describe(period)} s and {first} {describe(other)} s; allowed is one common period"
     return f'{told}; a name with a star changes the numbers of all, type .replace({{"*.omega": 205.0}})'
 

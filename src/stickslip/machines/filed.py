@@ -35,7 +35,7 @@ class Filed(Frozen):
 
     @classmethod
     def _table(cls) -> str:
-        """What its table in TOML is called."""
+        """The name of its table in TOML."""
         return "mechanism" if cls.kind or not lists_parts(cls) else "machine"
 
     def _repr_html_(self) -> str:

@@ -107,7 +107,7 @@ class Forced(Frozen):
 
 
 class BodyAndMass:
-    """What a robot is whose inner mass is driven by force: two bodies, of which one rubs on the track.
+    """A robot whose inner mass is driven by a force: two bodies, one of which rubs on the track.
 
     Parameters
     ----------

@@ -206,7 +206,7 @@ class Joint(TakesInput, Machine):
 
     @property
     def _of_motor(self) -> Any:
-        """What the motor adds to that [kg m^2]."""
+        """The motor's contribution to the inertia [kg m^2]."""
         return 0.0 if self.motor_inertia is None else self.gear_ratio**2 * self.motor_inertia
 
     @property

@@ -42,7 +42,7 @@ class Turned(Machine):
     principal = property(attrgetter("machine.principal"), doc="That of the machine.")
 
     def __getattr__(self, name: str) -> Any:
-        """What else the machine says of itself, such as its gravity or its velocity scale."""
+        """Other attributes of the machine, such as its gravity or its velocity scale."""
         if name.startswith("_") or name == "machine":
             raise AttributeError(name)
         return getattr(self.machine, name)
@@ -147,7 +147,7 @@ def _contact(contact: Any) -> Contact:
 
 
 def _on(on: Any) -> Any:
-    """What a contact rubs on: a belt or a motion goes the other way."""
+    """The counterpart of a contact in the mirror image: a belt or a prescribed motion is reversed."""
     if on is None or isinstance(on, str):
         return on
     return _TurnedMotion(on) if callable(getattr(on, "velocity", None)) else -on

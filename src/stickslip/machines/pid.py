@@ -137,7 +137,7 @@ class Loop:
         return (self.torque,) if self.sample is None else (self.torque, self.torque, self.angle)
 
     def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
-        """What it holds when it is switched on; the first sample is taken at once."""
+        """The states when it is switched on; the first sample is taken at once."""
         if self.sample is None:
             return (0.0 * x[self.measured],)
         error = self._error(t, x)
@@ -148,7 +148,7 @@ class Loop:
         return (self.pid.ki * self._error(t, x),) if self.sample is None else (0.0, 0.0, 0.0)
 
     def sampled(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
-        """What it holds after a sample."""
+        """The states after a sample."""
         return self._sampled(t, self._error(t, x), z[1], z[2])
 
     def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:

@@ -14,7 +14,7 @@ _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
 def sizes_of(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
-    """What is small beside the numbers that are moved together."""
+    """Small steps for numbers that are varied together."""
     own = dict(leaves(model))
     return np.array([max(abs(float(own[name])) for name in names) or _PLAIN for names in moved.values()])
 

@@ -78,7 +78,7 @@ class Candidates:
     _rests: Array = None  # which candidates of the last table stay where they are
 
     def __call__(self, U: Array) -> Array:
-        """What is minimised, for each row: worse than anything else beyond a limit, and worst of all where there is no machine."""
+        """The objective of each row: penalised beyond a limit, and worst if there is no machine."""
         values, over = self.values(U)
         found = np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
         return found + np.where(over > 0.0, _BEYOND * _GUIDE_BEYOND, _GUIDE) * self._guide(np.atleast_2d(U))

@@ -67,6 +67,6 @@ def continued(given: Any, best: Any, numbers: dict[str, float]) -> float | None:
 
 
 def _kind(model: Any) -> list[tuple[str, Any]]:
-    """What a machine is beside its numbers."""
+    """The kind of a machine, apart from its numbers."""
     numbers = dict(leaves(model))
     return [(name, None if name in numbers else str(value)) for name, value in leaves(model, kinds=True)]

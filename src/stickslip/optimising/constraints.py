@@ -38,7 +38,7 @@ class Limit:
         return self.name in LIMITS
 
     def values(self, machines: Any, columns: dict[str, Array]) -> Array:
-        """What the machines have."""
+        """The values of the machines."""
         if not self.of_drive:
             return columns[self.name]
         return reduce(np.maximum, [peaks_of(drive, self.name) for drive in drives_within(machines)])

@@ -45,7 +45,7 @@ _LETTERS = {
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """What is the largest (sign 1) or the smallest (sign -1) of a motion: an expression of the traced equations."""
+    """The largest (sign 1) or smallest (sign -1) value of a traced expression over a motion."""
 
     system: System
     node: Sym
@@ -210,7 +210,7 @@ class Looked:
         return known
 
     def _values(self, t: Array, piece: Array) -> tuple[Array, Array]:
-        """What is to be the largest, and its rate, at times on some pieces."""
+        """The quantity and its rate at times on some pieces."""
         begun = np.floor(0.5 * (self.ends[piece] + self.ends[piece + 1]) / self.T) * self.T
         ends = [self.extreme.node, self.extreme.rate]
         found = values_of(self.extreme.system.graph, self._known(t - begun, self._columns(t), piece), ends)

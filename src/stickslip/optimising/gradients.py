@@ -168,7 +168,7 @@ def check_of(what: str, of: Any, model: Any) -> None:
 
 
 def named(of: Any) -> str:
-    """What a quantity is called."""
+    """The name of a quantity."""
     return f"the {of.meaning}" if isinstance(of, Observable) else str(of)
 
 

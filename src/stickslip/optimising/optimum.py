@@ -16,7 +16,7 @@ from stickslip.sealing import sealed
 @sealed
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What a search was asked, and how it went.
+    """The settings of a search, and its course.
 
     Parameters
     ----------

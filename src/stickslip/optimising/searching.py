@@ -74,7 +74,7 @@ def _evolve(
 
 
 def _within(low: Array, high: Array, y: Array, rng: Any) -> Array:
-    """What went beyond a bound is put on it or, as often, somewhere between the bounds."""
+    """Puts values beyond a bound on it or, as often, somewhere between the bounds."""
     anywhere, on = low + (high - low) * rng.random(y.shape), rng.random(y.shape) < 0.5
     return np.where((y < low) | (y > high), np.where(on, np.clip(y, low, high), anywhere), y)
 

@@ -80,7 +80,7 @@ class Unknowns:
         self.slices = [slice(int(end) - each.count, int(end)) for end, each in zip(ends, varied, strict=True)]
 
     def changes(self, u: Array) -> dict[str, Any]:
-        """What is put into the machine: numbers by name, drives by path."""
+        """Values for the machine: numbers by name, drives by path."""
         found: dict[str, Any] = {}
         for each, place in zip(self.varied, self.slices, strict=True):
             if each.form is not None:
@@ -135,7 +135,7 @@ def _numbers_in(changes: dict[str, Any]) -> dict[str, Any]:
 
 
 def checked_over(model: Any, over: Any, problems: Problems) -> list[Varied]:
-    """What varies, from what was typed; everything wrong with it is noted."""
+    """The unknowns as typed, with all errors reported together."""
     if not isinstance(over, dict) or not over:
         problems.add(f"over = {over!r}; allowed is a dict of what varies; {_TYPED}")
         return []
@@ -182,7 +182,7 @@ def _varied(model: Any, name: str, what: Any, known: list[str], problems: Proble
 
 
 def _left(told: Mapping[str, Any], low: float, high: float) -> str:
-    """What a number may be, where its bounds go beyond that; a bound itself may lie on the border, as 0 of what is positive."""
+    """The allowed part of a number's bounds; a bound itself may lie on the limit, such as 0 for a positive number."""
     rule, inward = told.get("rule"), _INWARD * (high - low)
     if rule is None or (rule(low + inward) and rule(high - inward)):
         return ""

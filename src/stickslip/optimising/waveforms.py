@@ -205,7 +205,7 @@ def _spline_harmonics(values: Array, count: int) -> tuple[Array, Array]:
 
 
 def _scaled(cosines: Array, sines: Array, u: Array, scales: Scales) -> tuple[Array, Array]:
-    """What to multiply the coefficients by, and the angular frequency, so that acceleration, stroke and velocity keep their limits."""
+    """The factor for the coefficients, and the angular frequency, that keep acceleration, stroke and velocity within their limits."""
     k = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
 
     def span(a: Array, b: Array) -> tuple[Array, Array]:

@@ -211,7 +211,7 @@ def _beam(beam: Any) -> PiezoBeam:
 
 
 def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
-    """What a maker makes; None, with its problems noted, where it cannot."""
+    """The robot of a maker; None, with its problems noted, if it cannot be made."""
     try:
         return make()
     except InputError as error:

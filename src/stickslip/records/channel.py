@@ -108,7 +108,7 @@ class Channel:
 
     @property
     def rate_unit(self) -> str:
-        """What `rate` is counted in."""
+        """The unit of `rate`."""
         known = self.over_time and unit_of(self.axis_unit) is not None
         return "Hz" if known else f"1/({self.axis_unit or 'unit of ' + repr(self.axis_name)})"
 

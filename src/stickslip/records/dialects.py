@@ -71,7 +71,7 @@ class Dialect:
             return line.split(self.separator)
 
     def number(self, cell: str) -> float | None:
-        """What a cell holds; NaN where it says that nothing was measured, None where it is not a number."""
+        """The number in a cell; NaN for a missing value, None if it is not a number."""
         if _NUMBER[self.decimal].fullmatch(cell):
             return float(cell.replace(",", ".").translate(_EXPONENT))
         if self.grouped and _GROUPED[self.decimal].fullmatch(cell):

@@ -81,7 +81,7 @@ def _check_segments(data: bytes, notes: list[str]) -> None:
 
 @contextlib.contextmanager
 def _heard(name: str, notes: list[str]) -> Iterator[None]:
-    """What a library writes to its log becomes notes, instead of lines on the terminal."""
+    """Turns a library's log messages into notes, instead of lines on the terminal."""
     handler = logging.Handler(logging.WARNING)
     handler.emit = lambda record: notes.append(f"{name}: {record.getMessage()[:160]}")  # type: ignore[method-assign]
     all_names = [name, *(n for n in logging.root.manager.loggerDict if n.startswith(f"{name}."))]

@@ -155,7 +155,7 @@ def _piped(file: BinaryIO) -> bytes:
 
 
 def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
-    """What the reader of the format finds."""
+    """The output of the format's reader."""
     if not data.strip():
         raise InputError("read", ["the file is empty"])
     given = {"allowance": Allowance("read", len(data)), "separator": separator, "decimal": decimal, "byte_order": byte_order}

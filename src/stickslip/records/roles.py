@@ -31,7 +31,7 @@ OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": 
 
 
 def roles_of(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None]:
-    """What channels are for: as typed, else as the file says, else where name and unit leave no doubt.
+    """Roles of channels: as typed, else as the file says, else as name and unit determine without doubt.
 
     A name says more than a unit, and what is typed most.
     """
@@ -45,7 +45,7 @@ def roles_of(columns: list[Column], typed: dict[str, str]) -> dict[str, str | No
 
 
 def _role_and_why(c: Column) -> tuple[str | None, bool]:
-    """What a channel is for, and whether its name (or the file) says so."""
+    """The role of a channel, and whether its name (or the file) determines it."""
     if c.role is not None:
         return c.role or None, True
     quantity = quantity_of(c.unit)
@@ -56,7 +56,7 @@ def _role_and_why(c: Column) -> tuple[str | None, bool]:
 
 
 def remarks(channels: list[Channel]) -> list[str]:
-    """What a user must know about these channels before using them."""
+    """Facts about these channels that a user must know before using them."""
     notes: list[str] = []
     bare = [c.name for c in channels if c.unit is None]
     if bare:

@@ -33,7 +33,7 @@ def scaled(raw: Raw, scale: dict[str, Any], problems: Problems) -> None:
 
 
 def _factor(name: str, given: Any, unit: str | None, problems: Problems) -> tuple[float, str | None] | None:
-    """What the numbers are multiplied with, and their unit then."""
+    """The factor for the numbers, and their unit after it."""
     typed = _TYPE.format(name=name)
     if isinstance(given, (int, float)) and not isinstance(given, bool) and math.isfinite(given) and given != 0:
         return float(given), unit

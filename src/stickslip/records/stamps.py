@@ -133,7 +133,7 @@ def _offset(zone: str | None) -> int:
 
 
 def nanoseconds(text: str) -> int | None:
-    """What a text is that is nothing but a date with a time (the month before the day where strokes part them); None if it is none.
+    """The time of a text that is only a date with a time (month first where strokes separate them); None for other texts.
 
     Examples
     --------

@@ -57,7 +57,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
 
 
 def _loaded(text: str) -> Any:
-    """What the text holds: one value, or one to each line."""
+    """The contents of the text: one value, or one on each line."""
     try:
         return json.loads(text)
     except RecursionError:

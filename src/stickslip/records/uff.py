@@ -20,7 +20,7 @@ _HEADER = 11  # lines before the data
 
 @dataclass(frozen=True)
 class _Head:
-    """What the eleven lines before the data say."""
+    """The eleven header lines of the data."""
 
     words: tuple[str, ...]
     name: str

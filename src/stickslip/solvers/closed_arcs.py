@@ -112,7 +112,7 @@ def handles(model: Any) -> str | None:
 
 
 def _unfit(rows: Rows, law: str, kind: str) -> str | None:
-    """What the equations of some rows forbid, if anything."""
+    """The condition that the equations of some rows violate; None if there is none."""
     if rows.broken:
         return (
             f"the acceleration of {kind} under {law} depends on {', '.join(rows.broken)}; exact arcs are closed formulas for {_FORM} only"

@@ -38,7 +38,7 @@ class Unfollowed(SolveError):
 @sealed
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """What the engine found of one start: its steps, its switches and its end; `growth` is the derivative of the end by the start."""
+    """The solution from one start: its steps, switches and end; `growth` is the derivative of the end by the start."""
 
     nodes: Array
     modes: Array  # of each step, by the place among the flow's modes
@@ -60,7 +60,7 @@ def unknown(flow: Any, n: int) -> str:
 
 
 def _key(flow: Any, n: int) -> Any:
-    """What a flow's equations depend on: its functions, and the names of its numbers."""
+    """The parts of a flow that determine its equations: its functions, and the names of its numbers."""
     switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
     return tuple(flow.fields.items()), switches, tuple(flow.numbers), n
 

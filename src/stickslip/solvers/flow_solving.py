@@ -71,7 +71,7 @@ def solve(
 
 
 def check_others(rtol: Any, workers: Any, of_machines: dict[str, Any], problems: Problems) -> None:
-    """What does not change the motion of a flow: its steps are exact to rounding, and nothing in it rubs."""
+    """Checks arguments that do not affect a flow: its steps are exact to rounding, and it has no friction."""
     check_rtol(rtol, problems)
     problems.whole("workers", workers, 1, example=2)
     for name in [name for name, value in of_machines.items() if value is not _OF_MACHINES[name] and value != _OF_MACHINES[name]]:

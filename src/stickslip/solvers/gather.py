@@ -22,7 +22,7 @@ from stickslip.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Raw:
-    """What a batch solver finds for each case, before any word is put on it."""
+    """Raw results of a batch solver for each case, before any words are added."""
 
     displacement: Any  # [m] over the window
     window: Any  # [drive periods]
@@ -88,7 +88,7 @@ def _summary(todo: Request, method: str, columns: Mapping[str, Any]) -> Summary:
 
 
 class _Cases:
-    """What is told of some cases: what several columns need is computed once, when the first of them is."""
+    """Columns of some cases: intermediate results that several columns share are computed once, on first use."""
 
     def __init__(self, todo: Request, raw: Raw, T: Any, at: slice, tolerance: float):
         self.raw, self.T, self.at, self.tolerance = raw, T, at, tolerance
@@ -97,7 +97,7 @@ class _Cases:
 
     @property
     def columns(self) -> dict[str, Callable[[], Any]]:
-        """What computes each column, by name."""
+        """Functions that compute each column, by name."""
         raw = self.raw
         of_parts = self._of_one if raw.parts is None else of_own_parts(columns_of_parts(self), self.machine)
         power = of_parts.pop("friction_power", None)
@@ -116,7 +116,7 @@ class _Cases:
 
     @property
     def _of_one(self) -> dict[str, Callable[[], Any]]:
-        """What is about the velocity and the contact of the only body."""
+        """Columns about the velocity and the contact of the only body."""
         raw = self.raw
         found: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
         found["velocity_max"] = lambda: self.extreme(raw.v_max, raw.wide_max, np.maximum)
@@ -172,7 +172,7 @@ class _Cases:
 
 
 def _remedy(status: int) -> str:
-    """What to change where a run ended at its start."""
+    """A suggestion for a run that ended at its start."""
     if status == Status.LOST:
         return "nothing presses the body on its track there; give a smaller vertical vibration, more gravity or another phase of the drive"
     return "give a longer run or other numbers"

@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 
 class Method(Protocol):
-    """What a method offers."""
+    """The interface of a method."""
 
     @property
     def title(self) -> str:
-        """What it is called in words."""
+        """Its name in words."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What ``method=`` may be for it to run."""
+        """The values of ``method=`` that select it."""
 
     @property
     def observes(self) -> bool:
@@ -46,7 +46,7 @@ class Method(Protocol):
 
 
 class Stepping(Protocol):
-    """What the methods that march cases side by side have in common."""
+    """Base class of the methods that step cases side by side."""
 
     def steps(self, todo: Request) -> tuple[Series | Tableau | None, float]:
         """The steps that a request takes (None: Taylor steps of set-valued laws), and the tolerance to which they are held."""
@@ -225,7 +225,7 @@ _refusals: Remembered[str | None] = Remembered()
 
 
 def _refusal(method: Method, model: Any) -> str | None:
-    """What `accepts` says; the compiled methods but closed arcs ask nothing but the kind, and are asked once for each."""
+    """The answer of `accepts`; for compiled methods other than closed arcs it depends on the kind only, and is cached."""
     if isinstance(method, (ClosedArcs, Judge)):
         return method.accepts(model)
     from stickslip.engine.lanes import known_kind

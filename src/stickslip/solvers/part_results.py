@@ -74,7 +74,7 @@ def beside(few: Array, values: Array) -> Array:
 
 
 def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
-    """What computes the columns with an axis of bodies, contacts or stops, by name; of what a machine has not there are none.
+    """Functions for the columns with an axis of bodies, contacts or stops, by name; only for parts that the machine has.
 
     `cases` knows what is of a case as a whole: raw results, T [s], and what is known of them (see `gather`).
     """
@@ -118,7 +118,7 @@ def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
 
 
 def of_own_parts(columns: dict[str, Callable[[], Any]], machine: MachineAdapter) -> dict[str, Callable[[], Any]]:
-    """What computes the columns of a machine; of one body on one contact, or of the principal ones, without their axis."""
+    """Functions for the columns of a machine; for one body on one contact, or the principal ones, without their axis."""
     own, without = machine.own, left_out(machine)
 
     def of_the_own(make: Callable[[], Any], part: int) -> Array:

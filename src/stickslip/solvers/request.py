@@ -177,7 +177,7 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
 
 
 def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
-    """What is to be kept of a solve, which of a batch are summaries."""
+    """Checks `keep`: the result of a solve, which for a batch is a summary."""
     if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
     if is_one_of(keep, ("trajectory",)) and labels.shape:

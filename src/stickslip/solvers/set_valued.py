@@ -104,7 +104,7 @@ def solve_rows(
 def shared_rows(
     run: Callable[..., None], cases: int, size: int, names: tuple[str, ...], workers: int, progress: Progress | None
 ) -> dict[str, Array]:
-    """What a kernel finds of cases that threads share, `size` at a time: its numbers by name, how each case ended, its segments.
+    """Results of a kernel for cases that threads share, `size` at a time: numbers by name, statuses, segments.
 
     `run` takes the first case, the one after the last, and the arrays to be filled in.
     """

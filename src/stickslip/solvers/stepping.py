@@ -52,7 +52,7 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
 
 
 def _remedy(todo: Request) -> str:
-    """What to try instead."""
+    """A suggestion after a failed run."""
     slower = "(SciPy on the law in plain Python: slower)"
     if todo.machine.mechanics.stops:
         return f'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" {slower}'
@@ -87,7 +87,7 @@ def _method(tableau: Tableau | Series | None) -> str:
 
 
 def _job(todo: Request, rtol: float) -> lanes.Job:
-    """What to do with every case."""
+    """The task for every case."""
     budget = budget_of(todo.model, todo.periods, todo.machine)
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
@@ -144,7 +144,7 @@ def _reduced(r: lanes.Results, reduce: str, signal: str, span: Any) -> Any:
 
 
 def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: Any) -> RawParts:
-    """What lanes found of each body, contact and stop, by the names of their signals."""
+    """Results of lanes for each body, contact and stop, by the names of their signals."""
     found = r.parts
     assert found is not None
 

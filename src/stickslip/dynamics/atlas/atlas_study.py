@@ -90,7 +90,7 @@ class AtlasStudy:
             put(self.folder / name, json.dumps(plain(value), ensure_ascii=False).encode())
 
     def _all(self, names: str, made: Callable[[Any], T]) -> Iterator[T]:
-        """What is made of each file with such a name, in the order of the names."""
+        """The values read from all files with such a name, in the order of the names."""
         if self.folder is not None:
             for path in sorted(self.folder.glob(names)):
                 yield _read(path, made)
@@ -104,7 +104,7 @@ def _read(path: Path, made: Callable[[Any], T]) -> T:
 
 
 def _identity(plane: Plane, look: Look) -> dict[str, str]:
-    """What must be the same for results to belong together: that of a sweep over the plane, and the starts."""
+    """The identity of an atlas, which all of its results share: that of a sweep over the plane, and the starts."""
     axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
     options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
     sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
@@ -135,7 +135,7 @@ def _outcome_of(found: dict[str, Any]) -> Outcome:
 
 
 def _frozen(value: Any) -> Any:
-    """What was read of a file, with tuples for its lists."""
+    """The contents of a file, with lists as tuples."""
     if isinstance(value, dict):
         return {name: _frozen(part) for name, part in value.items()}
     return tuple(map(_frozen, value)) if isinstance(value, list) else value

@@ -121,7 +121,7 @@ class FollowedBranch:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one motion that was followed: its branch, special points, borders, and what could not be done, in sentences."""
+    """The result of following one motion: its branch, special points, borders, and failures in sentences."""
 
     branch: FollowedBranch | None = None
     points: tuple[PointOfBorder, ...] = ()

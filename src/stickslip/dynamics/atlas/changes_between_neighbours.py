@@ -32,7 +32,7 @@ class Change(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What changes, in words."""
+        """The changes in words."""
         before, after = (" + ".join(words) for words in sorted((self.before, self.after)))
         return f"{before} and {after}" if before and after else f"{before or after} and none of that name"
 

@@ -41,7 +41,7 @@ def _between(plane: Plane, change: Change, point: PointOfBorder) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Doubts:
-    """What speaks against the motions of an atlas, at the points of its grid and between them.
+    """Evidence against the motions of an atlas, at its grid points and between them.
 
     Parameters
     ----------

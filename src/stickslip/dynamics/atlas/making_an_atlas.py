@@ -163,7 +163,7 @@ class _Making:
         return Atlas(self.plane, levels[0].points, doubts.borders, doubts.points, branches, notes, tuple(levels[1:]))
 
     def _doubts(self, levels: list[Level], outcomes: list[Outcome]) -> Doubts:
-        """What is in doubt beside the borders that were followed."""
+        """Doubts besides the borders that were followed."""
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
         return Doubts(tuple(levels), borders, without_twins(self.plane, points))
@@ -294,7 +294,7 @@ def _to_start_again(level: Level) -> dict[Cell, Array]:
 
 
 def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
-    """What is to be said of points of the grid."""
+    """Notes on points of the grid."""
     wild = sum(any(m.period == 0 for m in point.motions) for point in grid.values())
     lost, none = sum(point.lost for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
     why = f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"

@@ -55,7 +55,7 @@ class MotionThere:
 
 @dataclass(frozen=True)
 class PointOfGrid:
-    """What was found at a point: motions, the most attracting first; how many starts led nowhere; why there is no machine.
+    """The result at a point: motions, the most attracting first; number of starts without one; why there is no machine.
 
     `more`: how many starts it had beyond those that every point has.
     """

@@ -134,7 +134,7 @@ def attractors(
 
 @dataclass(frozen=True, eq=False)
 class _Along:
-    """What is the same at every value."""
+    """Settings that are the same for every value."""
 
     robots: Family
     values: Array
@@ -188,7 +188,7 @@ def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int,
 
 
 def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Array, ...]) -> tuple[Array, ...]:
-    """What the tracks come to at a value by smaller steps of the parameter, beside what the grid came to; tracks that end are told where.
+    """Continuations of the tracks to a value by smaller steps of the parameter, besides those of the grid; ends are located.
 
     Where a parameter takes no values between, as a whole number does not, what the one long step gave stays.
     """

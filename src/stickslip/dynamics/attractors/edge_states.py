@@ -273,7 +273,7 @@ def _sides_of(judge: Judge, orbit: Any) -> Array:
 
 
 def _remarks(ways: Array) -> tuple[str, ...]:
-    """What the motions to which starts on the two sides lead say of the border."""
+    """Remarks on the border, from the attractors on its two sides."""
     notes = []
     if 1 not in ways:
         notes.append("between the two starts lies the basin of another motion: it is on the border of the first's")
@@ -314,5 +314,5 @@ def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
 
 
 def _of_track(judge: Judge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
-    """What is no periodic orbit."""
+    """The edge state of a track that is not a periodic orbit."""
     return EdgeState(judge.model, kind, track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))

@@ -19,7 +19,7 @@ _TOLERANCE = {True: 1e-8, False: 1e-11}  # of the equations: where runs have a t
 
 
 def crossing_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
-    """What the curve of a branch point solves, and where it begins.
+    """The equations of a curve of branch points, and its first point.
 
     The bordered system of `branch_points`, in which the second parameter is one more unknown: u = (inner unknowns, beta, two parameters).
     """
@@ -53,7 +53,7 @@ def crossing_problem(both: Family, special: Special, origin: Array, span: Array)
 
 
 def _slopes(path: Path, U: Array, memory: Array, worse: bool) -> tuple[Array, Array]:
-    """What is missed, and its derivatives by the inner unknowns and the first parameter."""
+    """The residual, and its derivatives by the inner unknowns and the first parameter."""
     n = path.at.smooth
     missed, J = path.derivatives(U, memory, worse)
     return missed, np.concatenate([J, path.differences(U, memory, worse, slice(n, n + 1))[1]], axis=2)

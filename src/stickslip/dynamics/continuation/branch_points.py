@@ -64,7 +64,7 @@ def crossing(path: Path, guess: Array, along: Array, memory: Array) -> Crossing 
     border, C = left[:, -1:], right[-2:]
 
     def bordered(u: Array, step: float, way: Path = path) -> tuple[Array, Array, Array]:
-        """What is missed, the two test numbers and the null vectors."""
+        """The residual, the two test functions and the null vectors."""
         missed, J = way.derivative(u, memory, by_value, step)
         M = np.block([[J, border], [C, np.zeros((2, 1))]])
         solved = np.linalg.solve(M, np.eye(d + 2)[:, d:]) if np.isfinite(M).all() else np.full((d + 2, 2), np.nan)
@@ -123,7 +123,7 @@ def sides(path: Path, here: Crossing, direction: Array) -> tuple[Point, ...]:
 
 
 def broken_symmetry(path: Path, here: Crossing) -> str:
-    """What symmetry breaks at a crossing, in words: of one of the branches motions on its two sides are images of one another."""
+    """The symmetry that breaks at a crossing, in words: motions on the two sides of one branch are images of one another."""
     for direction in (here.other, here.point.tangent):
         beside = sides(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
         shift = image(path, beside[0], beside[1], here.point) if beside else None

@@ -27,7 +27,7 @@ _SHORT = 0.01  # part of the cycle below which a rest is about to vanish
 
 @dataclass(frozen=True, eq=False)
 class CyclePath(Path):
-    """What stays the same along a branch of limit cycles. A point is (x, inner states, duration, parameter).
+    """Constants of a branch of limit cycles. A point is (x, inner states, duration, parameter).
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
 
 
 def grazing_end(path: Path, last: Point) -> tuple[str, float, float] | None:
-    """What the motions of a branch graze just ahead of its last point: its name, the value of the parameter, and how sure that is."""
+    """The grazing just ahead of the last point of a branch: its name, the value of the parameter, and its uncertainty."""
     ahead, far = float(np.sign(last.tangent[-1])), _FAR * path.span
     behind, now = _least_at(path, last, last.value - ahead * far), _missed_by(last.orbit)
     beyond = [far * least / fallen for name, (least, _) in now.items() if (fallen := behind.get(name, np.nan) - least) > 0.0]
@@ -47,7 +47,7 @@ def grazing_end(path: Path, last: Point) -> tuple[str, float, float] | None:
 
 
 def grazing_near(path: Path, point: Point, value: float, ahead: float, unsure: float) -> tuple[str, float, float] | None:
-    """What motions graze near a value of the parameter, where exactly, and how sure that is; None where that is not found.
+    """The grazing near a value of the parameter: its place and uncertainty; None if none is found.
 
     Up to there the least distance is a smooth function of the parameter. It is continued to zero, from motions before the value.
     """

@@ -58,7 +58,7 @@ _WORDS = {
 
 
 def multiplier_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
-    """What the curve of such a special point solves, and where it begins."""
+    """The equations of a curve of such special points, and its first point."""
     path, kind = path_of(both, special.orbit, origin, span), special.kind
     n, memory, condition = path.at.smooth, path.remembered(special.orbit), CONDITIONS[kind]
 
@@ -87,7 +87,7 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
 
 
 def _tests(kind: str, R: Array) -> dict[str, float]:
-    """What vanishes at special points of a curve of such points, of a fold but the cusp."""
+    """Test functions along a curve of such points; of a fold all but that of the cusp."""
     told = {name: float(condition(R)) for name, condition in CONDITIONS.items() if name != kind}
     if kind in _OWN:
         return told | {_DOUBLE: float(np.polyval(np.polyder(np.poly(R)), _OWN[kind]).real)}

@@ -48,7 +48,7 @@ class _Seen(NamedTuple):
 
 
 def touch_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
-    """What the curve of such a point solves, and where it begins."""
+    """The equations of a curve of such points, and its first point."""
     seen = _vanishing(branch, special)
     if seen is None:
         why = "no velocity, gap, guard or room of a rest was found that falls to zero there in a straight line"
@@ -66,7 +66,7 @@ _EACH = "type ss.continuation at each value"
 
 
 def event_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
-    """What the curve of an event of one's own solves, and where it begins."""
+    """The equations of a curve of a user-defined event, and its first point."""
     event, path = branch.events[special.kind], path_of(both, special.orbit, origin, span)
     memory = path.remembered(special.orbit)
     size = max(abs(number_of(special.kind, event, orbit)) for orbit in branch.orbits) or 1.0

@@ -29,7 +29,7 @@ def checked_events(what: str, events: Any) -> dict[str, Event]:
 
 
 def number_of(name: str, event: Event, orbit: Any) -> float:
-    """What an event says of a motion, as a number; `InputError` where it does not say one.
+    """The value of an event for a motion; `InputError` if it is not a number.
 
     Examples
     --------

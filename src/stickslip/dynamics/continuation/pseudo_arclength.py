@@ -79,7 +79,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """What stays the same along a branch."""
+    """Constants of a branch."""
 
     family: Family
     period: int
@@ -123,7 +123,7 @@ class Path:
         return self.family.robots(*self.values(U).T)
 
     def remembered(self, orbit: Any) -> Array:
-        """What the law remembers on the strobe of an orbit."""
+        """The law's memory on the strobe of an orbit."""
         return orbit.strobe_state[self.at.smooth :]
 
     def ends(self, U: Array, memory: Array) -> Array:
@@ -136,7 +136,7 @@ class Path:
         return self.missed(self.ends(U, memory), U)
 
     def missed(self, ends: Array, U: Array) -> Array:
-        """What states miss; positions on a track that repeats modulo its wavelength."""
+        """Residuals of states; positions on a track with a wavelength are compared modulo it."""
         ends, begun = ends[..., : self.at.smooth], U[..., : self.at.smooth]
         if self.at.wavelength is None:  # the difference of numbers in scales keeps a digit more
             return ends / self.scales - begun
@@ -151,7 +151,7 @@ class Path:
         return self.family.slopes(float(self.value(guess))) if self._followed else None
 
     def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
-        """What one state misses, and the derivatives of that by the state and the parameter."""
+        """The residual of one state, and its derivatives by the state and the parameter."""
         model, d = self.robot(u), len(self.scales)
         starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
         numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
@@ -159,7 +159,7 @@ class Path:
         return self.missed(found.state[0], u), (found.change / self.scales).T - np.eye(d, d + 1)
 
     def derivative(self, u: Array, memory: Array, by_value: dict[str, float] | None, step: float = STEP) -> tuple[Array, Array]:
-        """What one state misses, and the derivatives of that by all unknowns: exact if `by_value` is known, else by differences."""
+        """The residual of one state, and its derivatives by all unknowns: exact if `by_value` is known, else by differences."""
         if by_value is None:
             return slopes_at(lambda U: self._admissible_misses(U, memory), u, step)
         return self.slopes(u, memory, by_value)
@@ -177,7 +177,7 @@ class Path:
         return not (is_flow(first) or not_followed(first))
 
     def derivatives(self, U: Array, memory: Array, worse: bool = False) -> tuple[Array, Array]:
-        """What states miss, and the derivatives of that by the inner unknowns, in one batch; or the same by a worse method.
+        """Residuals of states, and their derivatives by the inner unknowns, in one batch; by differences if that fails.
 
         There are no numbers where what the law remembers on the strobe changes.
         """

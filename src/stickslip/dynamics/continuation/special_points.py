@@ -170,7 +170,7 @@ def _change(
 
 
 def _word(orbit: Any) -> str:
-    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds; and what it touches."""
+    """The name of the motion: its pattern if rest is exact, else its type, which depends on thresholds; and the parts that it touches."""
     return _pattern_of(orbit) + _touched(orbit)
 
 

@@ -51,7 +51,7 @@ class Touch(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What is touched, in words, of a stop or a guard."""
+        """The name of the stop or guard that is touched."""
         kind, of, *more = self.what
         return f"the stop {of}" if kind == "stop" else f"guard {more[0]} of mode {of!r}" if kind == "guard" else ""
 

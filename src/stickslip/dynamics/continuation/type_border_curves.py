@@ -18,7 +18,7 @@ from stickslip.errors import SolveError
 
 
 def type_border_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
-    """What the curve of such a border solves, and where it begins."""
+    """The equations of a curve of such a border, and its first point."""
     sequence, times, key = _vanishing(branch, special)
     k, period = len(times), special.orbit.period
 

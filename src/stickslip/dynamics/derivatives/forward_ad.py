@@ -39,7 +39,7 @@ class Truth:
         return Truth(np.logical_not(self.holds))  # of a Python bool ~ is a number that always holds
 
     def __bool__(self) -> bool:
-        """What `if` asks of one number; NumPy refuses it of an array."""
+        """The truth value of one number; NumPy refuses it for an array."""
         return bool(self.holds)
 
     __mul__ = __rand__ = __and__

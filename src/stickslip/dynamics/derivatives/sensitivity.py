@@ -246,7 +246,7 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
 
 
 def notes_of(found: Closed) -> tuple[str, ...]:
-    """What is to be said of the derivatives of a motion."""
+    """Notes on the derivatives of a motion."""
     if not np.isfinite(found.monodromy).all():
         return ("a switch is touched without being crossed: there are no derivatives",)
     note = "the motion can be shifted freely (a multiplier is 1), and the smallest change of the state is given"

@@ -33,7 +33,7 @@ class _Functions:
         self._made: Remembered[tuple[list[Sym], list[Sym]]] = Remembered()
 
     def of(self, what: Callable[..., Any], *args: Any) -> tuple[list[Sym], list[Sym]]:
-        """What a function of the machine gives, and the changes of that."""
+        """The value of a function of the machine, and its derivatives."""
         with self.lock:
             return self._made((what, args), lambda: self._nodes(what, args))
 
@@ -51,7 +51,7 @@ class Slopes:
         self.known = {name: own[name] for name in self.functions.names} | {part_in(name): part for name, part in along.items()}
 
     def values(self, what: Callable[..., Any], *args: Any) -> list[Array]:
-        """What a function of the machine gives, for each case."""
+        """The values of a function of the machine, one for each case."""
         return self._each(self.functions.of(what, *args)[0])
 
     def of(self, what: Callable[..., Any], *args: Any) -> list[Array]:
@@ -108,7 +108,7 @@ def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
 
 
 def _by_name(values: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """What a start says of the bodies."""
+    """The start values of the bodies."""
     return {} if values is None else values if isinstance(values, dict) else dict(zip(names, np.moveaxis(values, -1, 0), strict=True))
 
 

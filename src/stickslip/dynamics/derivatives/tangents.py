@@ -29,7 +29,7 @@ _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 @sealed
 class Changes:
-    """What became of small changes: a row for each direction.
+    """Small changes after a time: one row for each direction.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class Follower:
         return _Carried(self.table, self.kernel, self.at, self.slopes)
 
     def after(self, states: Array, starts: Array, periods: int = 1, which: Any = slice(None), loose: float = 1.0) -> Changes:
-        """What became of changes `starts` of some states (cases, states) after so many drive periods; of all directions, or of some.
+        """Changes `starts` of some states (cases, states) after a number of drive periods; for all directions, or some.
 
         Under dynamic laws the tolerance may be so many times as loose.
         """

@@ -20,7 +20,7 @@ _CONSTANT = 1e-10  # of its size: a series that varies less has no motion in it
 
 @sealed
 class ZeroOne:
-    """What the 0-1 test says of a series.
+    """The result of the 0-1 test on a series.
 
     Parameters
     ----------

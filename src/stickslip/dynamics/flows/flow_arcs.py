@@ -38,7 +38,7 @@ class Guard:
         return float(found[0]), float(by_t[0]), by_y[0]
 
     def level(self, t: float, y: Array) -> float:
-        """What is rounding of its value."""
+        """The size of rounding errors in its value."""
         _, by_t, by_y = self.slopes(t, y)
         return _ROUNDING * float(abs(by_y) @ sizes(y) + abs(by_t * t))
 
@@ -71,7 +71,7 @@ def guards_of(flow: Any, mode: Any) -> list[Guard]:
 
 
 def sizes(y: Array) -> Array:
-    """What a coordinate is measured against where it passes zero."""
+    """The scale of a coordinate where it passes zero."""
     return np.maximum(abs(y), 1e-3 * (1.0 + abs(y).max()))
 
 

@@ -68,7 +68,7 @@ _NO_NUMBERS = (str, bytes, bool, np.bool_, Truth, dict, list, tuple, np.ndarray,
 
 
 def answer(f: Callable[..., Any], name: str, *given: Any) -> Any:
-    """What a function says; what it raises as an error of ours. Arithmetic without a result is told to `_rows`."""
+    """The value of a function; its exceptions become errors of ours. Undefined arithmetic is reported to `_rows`."""
     try:
         with np.errstate(all="ignore"):
             return f(*given)

@@ -70,7 +70,7 @@ class ClosedMotion(Repeating):
 
     @abstractmethod
     def _begins(self, pattern: str) -> Any:
-        """What is least of the pattern that begins as it should."""
+        """The smallest value along the part of the pattern that begins as it should."""
 
     @property
     def strobe_state(self) -> Array:
@@ -101,7 +101,7 @@ def _turned(mode: Array) -> list[str]:
 
 
 def stability_of(multipliers: Array) -> str:
-    """What multipliers say of small disturbances: "stable", "neutral", "unstable" or "of unknown stability".
+    """Stability from multipliers: "stable", "neutral", "unstable" or "of unknown stability".
 
     Neutral are those with a multiplier on the unit circle, to rounding, and none beyond it; unknown are those that the map does not have.
 

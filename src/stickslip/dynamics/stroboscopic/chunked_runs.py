@@ -31,7 +31,7 @@ def parts_of(cases: int, size: int = PART) -> list[slice]:
 def shared(
     cases: int, work: Callable[[slice, Callable[[float], None]], T], workers: int, progress: Report | None, size: int = PART
 ) -> Iterator[tuple[slice, T]]:
-    """What `work` makes of every part, as they become ready: the same for any number of threads.
+    """The results of `work` for every chunk, as they become ready; independent of the number of threads.
 
     Parameters
     ----------

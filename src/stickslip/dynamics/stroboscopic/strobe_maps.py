@@ -109,7 +109,7 @@ class Coordinates:
 
 @sealed
 class Ends:
-    """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period.
+    """The strobe map of each start: the state, the distance travelled, and extremes of v in the last motion period.
 
     Of a machine of several bodies the way is that of their centre of mass, and extremes of one velocity are not known (NaN).
     """
@@ -312,7 +312,7 @@ def _steps(model: Any, rtol: float) -> tuple[Any, float]:
 
 
 def _ended(model: Any, found: Any, table: Any, end: Array, periods: int) -> Ends:
-    """What lanes found, as the strobe map gives it."""
+    """Results of lanes in the form of the strobe map."""
     segments = _segments(found, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
         none = np.full(len(end), np.nan)
@@ -326,7 +326,7 @@ def run_lanes(
     model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
     known: bool = False, table: Any = None,
 ) -> tuple[Any, Any, Array]:  # fmt: skip
-    """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs.
+    """Results of lanes for runs from some states, the table of their cases, and the final states; with `auto` of settled runs.
 
     Where it is not `known`, they are asked whether their equations come back after the period. `table`: of earlier runs of the same cases.
     """

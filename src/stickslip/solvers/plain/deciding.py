@@ -61,7 +61,7 @@ class _Block:
         return (0, *(side for side in (1, -1) if math.isfinite(self.force(i, side))))
 
     def noise(self, R: Any) -> Any:
-        """What rounding makes of the rates w'."""
+        """The size of rounding errors in the rates w'."""
         sizes = [abs(v) for pair in (self.lo, self.hi) for v in pair if math.isfinite(v)]
         return self.small + ROUNDING * (abs(self.beta) + abs(self.G) @ abs(R) + np.diag(self.G) * max(sizes, default=0.0))
 
@@ -229,7 +229,7 @@ def _sliding(block: _Block, sign: Any, sizes: Any, sides: Sequence[int]) -> floa
 
 
 def _needed(block: _Block, level: Any, sign: Any, sizes: Any, sides: Sequence[int]) -> float:
-    """What the resting contacts have to bear together."""
+    """The total force that the resting contacts must bear."""
     first = next(i for i, side in enumerate(sides) if side == 0)
     return float(level[first] / block.G[0, 0]) - _sliding(block, sign, sizes, sides)
 

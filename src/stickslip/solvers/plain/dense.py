@@ -54,7 +54,7 @@ def joined(parts: list[Part], end: float, equations: Equations) -> PolynomialPie
 
 
 def _layout(e: Equations) -> StateLayout:
-    """What the states of `Equations.output` are."""
+    """The layout of the states of `Equations.output`."""
     if e.single:
         return StateLayout.of_one(e.laws[0].states, e.laws[0].modes, not e.cyclic)
     mechanics = e.mechanics  # bodies at prescribed distances have the states of their common coordinate

@@ -43,6 +43,6 @@ def landed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> tuple[Any, Mod
 
 
 def _coefficient(e: Equations, i: int, side: int, w: float) -> float:
-    """What of the sliding force grows with the load [-]."""
+    """The part of the sliding force that is proportional to the load [-]."""
     unit = e.first_loads[i] if e.first_loads[i] > 0.0 else 1.0
     return side * (e.sliding(i, side, w, 2.0 * unit) - e.sliding(i, side, w, unit)) / unit

@@ -50,7 +50,7 @@ def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
 
 
 def _of_load(e: Equations, y: Any, mode: Mode, i: int, load: float) -> Guard:
-    """What ends the touch of a contact, or its flight."""
+    """Guards that end the touch of a contact, or its flight."""
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
     return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)

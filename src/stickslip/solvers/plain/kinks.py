@@ -97,7 +97,7 @@ class Watching:
         return [float(value) for value in self.function(t, *vectors)]
 
     def differences(self, sides: Sides | None, t: Any, *vectors: Sequence[float]) -> list[float]:
-        """What its conditions compare: positive or not."""
+        """The differences whose signs its conditions test."""
         book = _Book(sides)
         self._asked(book, t, vectors)
         return book.seen

@@ -33,7 +33,7 @@ Floats = list[float]
 
 @dataclass(frozen=True)
 class Mode:
-    """What is held while an integrator steps."""
+    """The values held constant while an integrator steps."""
 
     sides: tuple[int, ...]  # of each contact, then of each stop: 0 closed, 1 open
     memory: tuple[Memory, ...]  # of each contact's law
@@ -47,7 +47,7 @@ class Mode:
 
 @dataclass
 class Motion:
-    """What a mode does with a state: rates of all states, and the forces of all rows."""
+    """The effect of a mode on a state: rates of all states, and the forces of all rows."""
 
     u: Floats
     accelerations: Floats
@@ -57,7 +57,7 @@ class Motion:
 
 
 class Equations:
-    """What a solver asks of a machine, within one interval between known instants."""
+    """The equations of a machine within one interval between known instants."""
 
     def __init__(self, model: Any):
         machine = machine_of(model)
@@ -149,19 +149,19 @@ class Equations:
         return [*map(float, self.mechanics.offset_rates(t)), *(float(stop.offset_rate(t)) for stop in self.stops)]
 
     def noise_of_slips(self, t: float, u: Sequence[float], w: Sequence[float]) -> Floats:
-        """What rounding makes of slips that are differences."""
+        """The size of rounding errors in slips that are differences."""
         terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in self.rows]
         rest = [abs(value - _dot(row, u)) for value, row in zip(w, self.rows, strict=True)]
         told = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
         return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, told, strict=True)]
 
     def gaps(self, t: float, q: Sequence[float]) -> Floats:
-        """What is left until stops are closed [m]."""
+        """The distances left until stops close [m]."""
         t = self.time(t)
         return [float(stop.gap(t, q)) for stop in self.stops]
 
     def noise_of_gaps(self, q: Sequence[float]) -> float:
-        """What rounding makes of a gap."""
+        """The size of rounding errors in a gap."""
         return ROUNDING * (max(map(abs, q)) + 0.01 * self.scale_of_velocity * self.scale_of_time) if self.stops else 0.0
 
     # ---- forces ----
@@ -252,7 +252,7 @@ class Equations:
         return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
 
     def _applied(self, t: float, without: Floats) -> dict[int, float]:
-        """What would keep the slip constant, for laws that ask, from the accelerations without friction [N]."""
+        """The force that would keep the slip constant, for laws that need it, from the accelerations without friction [N]."""
         rates = self.mechanics.offset_rates(t) if self.applied else ()
         return {i: self.effective[i] * (_dot(self.rows[i], without) + float(rates[i])) for i in self.applied}
 
@@ -312,7 +312,7 @@ class Equations:
         return self.laws[i].passed_zero(self.z(y, i), load, mode.memory[i], mode.sides[i] or 1)
 
     def differences(self, t: float, y: Any, kinks: tuple[Sides | None, Sides | None]) -> tuple[Floats, Floats]:
-        """What the conditions of forces and of loads compare."""
+        """The differences that the conditions of forces and loads compare."""
         t, (q, u) = self.time(t), self.state(y)
         return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
 

@@ -32,7 +32,7 @@ def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
 
 
 def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
-    """What the parts did in the last drive periods."""
+    """Results of the parts over the last drive periods."""
     end, T = float(run.pieces.t[-1]), float(todo.span[0] if run.model.period is None else run.model.period)
     t, span = strobes.looks(end, periods, T), periods * T
     at, machine = run.at(t), machine_of(run.model)
@@ -53,7 +53,7 @@ def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) ->
 
 
 def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
-    """What each contact does at sampled instants (see `stickslip.segments`)."""
+    """The mode of each contact at sampled instants (see `stickslip.segments`)."""
     mode, slip, load = at["mode"].astype(int), at["slip"], at["load"]
     codes = 2 * mode
     for i, law in enumerate(machine_of(run.model).laws):

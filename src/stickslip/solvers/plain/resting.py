@@ -33,7 +33,7 @@ class Group(Protocol):
         return {row: side}
 
     def margins(self, R: Sequence[float], limits: Bounds) -> list[tuple[int | None, int, float, float]]:
-        """What is left: (row that breaks away, or None; side; margin; what rounding makes of it)."""
+        """The margins: (row that breaks away, or None; side; margin; its rounding error)."""
         found: list[tuple[int | None, int, float, float]] = []
         for i, force in zip(self.rows, R, strict=True):
             low, high = limits[i]

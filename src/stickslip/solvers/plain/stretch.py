@@ -33,7 +33,7 @@ _BESIDE = 1e-4  # of a step: how far beside an event other guards are looked at
 
 @dataclass
 class Stretch:
-    """What came of a stretch: where it ended, the parts of its dense output, and the guards that ended it (none: its time was over)."""
+    """The result of a stretch: its end, the parts of its dense output, and the guards that ended it (none if its time was over)."""
 
     t: float
     y: Any
