@@ -56,7 +56,7 @@ class Guard:
     token : str or None
         The token that a page must send, first in the address and then as a cookie; None if none is needed.
     limits : Limits
-        Durations and numbers.
+        Times and counts.
     """
 
     def __init__(self, app: Any, host: str, token: str | None, limits: Limits = LIMITS):

@@ -240,7 +240,7 @@ class _Server(uvicorn.Server):
             self._tell(self.servers[0].sockets[0].getsockname()[1])
 
     async def shutdown(self, sockets: Any = None) -> None:
-        """Stop reading records first: their clients are leaving."""
+        """Stop reading records first, as no client waits for them any longer."""
         guard: Any = self.config.app
         guard.inner.state.uploads.close()
         await super().shutdown(sockets)

@@ -67,7 +67,7 @@ def labels_of(plan: Plan) -> dict[str, Column]:
 def attributes_of(plan: Plan) -> dict[str, Any]:
     """Attributes of the dataset: the maker, the fixed arguments, and properties of its robots.
 
-    `numbers` are those that all robots share; `robot` is the study file of a given robot, if the maker is no function.
+    `numbers` are those that all robots share; `robot` is the study file of a given robot, if the maker is not a function.
     """
     fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
