@@ -16,7 +16,7 @@ def __getattr__(name: str) -> object:
     return _load(name)
 
 
-#: What other packages call some of our functions.
+#: Names that other packages use for some of our functions.
 _ELSEWHERE = {
     **dict.fromkeys(("simulate", "simulation", "integrate", "run", "odeint", "solve_ivp"), "solve"),
     **dict.fromkeys(("fit", "curve_fit", "estimate"), "identify"),

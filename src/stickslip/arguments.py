@@ -1,4 +1,4 @@
-"""Arguments of public functions, checked against their annotations; a value of another kind is reported in a sentence."""
+"""Checks of arguments of public functions against their annotations; each mismatch is reported in one sentence."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kind:
-    """The kind of an argument that no type expresses: a test, and its description."""
+    """A kind of argument that no type expresses: a test and its description."""
 
     holds: Callable[[Any], bool]
     words: str
@@ -53,12 +53,12 @@ def _is_law(value: Any) -> bool:
 
 
 def _is_model(value: Any) -> bool:
-    """Whether something says how one body moves, or lists bodies and contacts."""
+    """Whether an object gives the acceleration of one body, or lists bodies and contacts."""
     return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
 
 
 _ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
-#: What annotations name instead of Any.
+#: Used in annotations instead of Any.
 Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
 Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]
 Maker = Annotated[
@@ -89,7 +89,7 @@ Ax = Annotated[Any, Kind(lambda v: v is None or _has("plot", "figure")(v), "axes
 
 
 def parameters_of(make: Callable[..., Any]) -> Any:
-    """The parameters of a maker; `InputError` of what Python cannot tell them."""
+    """The parameters of a maker; `InputError` if Python cannot determine them."""
     try:
         return inspect.signature(make).parameters.values()
     except ValueError:  # a class of Python's own
@@ -97,7 +97,7 @@ def parameters_of(make: Callable[..., Any]) -> Any:
 
 
 def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]]:
-    """The descriptions of what a maker takes: those of its fields, or those in its annotations ``Annotated[float, quantity(...)]``.
+    """The descriptions of a maker's arguments: those of its fields, or those in its annotations ``Annotated[float, quantity(...)]``.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]
 
 
 def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
-    """The numbers among the arguments of a maker, checked by their descriptions; what is wrong with them is noted."""
+    """The numbers among the arguments of a maker, checked against their descriptions; mistakes are added to `problems`."""
     rules = _rules(make)
     return {name: checked_number(name, value, problems, *rules[name]) for name, value in given.items() if name in rules}
 
@@ -127,9 +127,9 @@ def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | Non
 
 
 def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, whose exceptions name the arguments that are of another kind than their annotations say.
+    """Decorate a function so that its exceptions name the arguments that do not match their annotations.
 
-    It costs nothing while nothing goes wrong. What the function checks itself it tells in its own words, and an error of ours stays.
+    It costs nothing unless an exception is raised. Errors of this package, such as those of the function's own checks, keep their text.
 
     Examples
     --------
@@ -166,7 +166,7 @@ def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-    """Misspelt and missing arguments are told with a proposal; what else does not fit a signature stays Python's own TypeError."""
+    """Report misspelt and missing arguments with a suggestion; any other mismatch with the signature remains Python's own TypeError."""
     signature = inspect.signature(function)
     try:
         signature.bind(*args, **kwargs)
@@ -178,7 +178,7 @@ def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: di
 
 
 def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:
-    """Values without a name beyond those that may go without: each is shown with the name that it probably stands for."""
+    """Report surplus positional values, each with the keyword that it probably stands for."""
     places = [p.name for p in known if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     if len(args) <= len(places) or any(p.kind is p.VAR_POSITIONAL for p in known):
         return
@@ -189,7 +189,7 @@ def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ..
 
 
 def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[str]:
-    """A sentence for each argument that is not what its annotation says; nothing where the names do not fit."""
+    """A sentence for each argument that does not match its annotation; empty if the arguments do not fit the signature."""
     try:
         given = inspect.signature(function).bind(*args, **kwargs).arguments
     except TypeError:
@@ -204,7 +204,7 @@ def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dic
 
 @functools.lru_cache(maxsize=256)
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
-    """The annotations; those that cannot be read say nothing."""
+    """The annotations, without those that cannot be evaluated."""
     found = {}
     for name, text in function.__annotations__.items():
         with contextlib.suppress(NameError, AttributeError, TypeError):
@@ -225,7 +225,7 @@ def _short(value: Any) -> str:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Whether a value is what an annotation says, its items included."""
+    """Whether a value, its items included, matches an annotation."""
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
     if origin is Annotated:
         return all(kind.holds(value) for kind in inner[1:] if isinstance(kind, Kind))

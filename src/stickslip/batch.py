@@ -1,4 +1,4 @@
-"""A model whose numbers are arrays is a batch: its shape, its labels, and its table of rows."""
+"""Batches, that is models whose numbers are arrays: shape, labels and table of rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
 @dataclass(frozen=True)
 class Labels:
-    """Shape of a batch with the names and coordinates of its dimensions, where it has any."""
+    """Shape of a batch, with the names and coordinates of its dimensions if it has any."""
 
     shape: tuple[int, ...]
     dims: tuple[str, ...] | None = None
@@ -21,7 +21,7 @@ class Labels:
 
     @property
     def cases(self) -> int:
-        """Number of cases; 1 where there is no batch."""
+        """Number of cases; 1 for a single model."""
         return math.prod(self.shape)
 
 
@@ -31,7 +31,7 @@ def shape_of(model: Any) -> tuple[int, ...]:
 
 
 def check_shape(model: Any, problems: Problems) -> None:
-    """Add what is wrong with the shapes of a model's arrays, once its fields are right."""
+    """Add the problems with the shapes of a model's arrays, if its fields have none."""
     if not problems.found:
         try:
             shape_of(model)
@@ -45,7 +45,7 @@ def labels_of(model: Any) -> Labels:
 
 
 def labels_together(numbers: dict[str, Any], what: str) -> Labels:
-    """Shape and labels of the batch that these numbers make together; `InputError` of `what` if they do not fit.
+    """Shape and labels of the batch that these numbers form together; `InputError` named after `what` if they do not fit.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def _labels_by_name(arrays: dict[str, Any], labelled: dict[str, Any], what: str)
 
 
 def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> Any:
-    """The named numbers as a table, one row for each case (in C order of the batch), or for each of some cases: array (cases, names)."""
+    """The named numbers as a table (cases, names), with a row for each selected case in C order of the batch."""
     import numpy as np
 
     values = dict(leaves(model))
@@ -100,7 +100,7 @@ def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> A
 
 
 def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
-    """Every number of a model by its name: for every case, or some, where it is an array, a single float elsewhere.
+    """Every number of a model by its name: a flat array over the selected cases if it is an array, else a single float.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
 
 
 def some_of(model: Any, at: Any) -> Any:
-    """Some cases of a batch, by their numbers in C order, as a flat batch; a single case stays what it is.
+    """Some cases of a batch, selected by their numbers in C order, as a flat batch; a single case is returned unchanged.
 
     Examples
     --------
@@ -141,13 +141,13 @@ def with_row(model: Any, names: tuple[str, ...], row: Any) -> Any:
 
 
 def cases_of(model: Any, cases: slice = slice(None)) -> list[Any]:
-    """Every case of a batch, or some, as a model of its own with plain floats; of a single case that one."""
+    """The selected cases of a batch, each as a model with plain floats; a single case gives a list of one."""
     names = tuple(name for name, _ in leaves(model))
     return [with_row(model, names, row) for row in rows_of(model, names, cases)]
 
 
 def flat(model: Any) -> Any:
-    """A batch with one axis, whatever axes it has; a single case stays what it is."""
+    """A batch flattened to one axis; a single case is returned unchanged."""
     numbers = numbers_by_name(model)
     return replace_leaf(model, numbers) if any(map(is_array, numbers.values())) else model
 
@@ -162,7 +162,7 @@ def spread(value: Any, labels: Labels) -> Any:
 
 
 def _on_batch(value: Any, labels: Labels) -> Any:
-    """One number of a batch in the batch's shape."""
+    """One number of a batch, broadcast to the batch's shape."""
     import numpy as np
 
     if hasattr(value, "dims") and labels.dims is not None:
@@ -176,13 +176,13 @@ def _on_batch(value: Any, labels: Labels) -> Any:
 
 
 def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
-    """The models of a maker that takes single numbers, one for each row of the columns (arrays of one length), put together."""
+    """The models of a maker that takes single numbers, one for each row of the columns (arrays of equal length), stacked."""
     points = zip(*(values.tolist() for values in columns.values()), strict=True)
     return stacked(what, [made_model(what, make(**fixed, **dict(zip(columns, point, strict=True)))) for point in points])
 
 
 def made_model(what: str, made: Any) -> Any:
-    """The model that a maker returned, if it is a record: a robot, a mechanism, or a law in fits of force against motion."""
+    """The model that a maker returned; `InputError` unless it is a record: a robot, a mechanism, or a law (in fits of force data)."""
     if hasattr(made, "__dataclass_fields__") and not isinstance(made, type):
         return made
     raise InputError(
@@ -191,7 +191,7 @@ def made_model(what: str, made: Any) -> Any:
 
 
 def stacked(what: str, models: list[Any]) -> Any:
-    """Models of one kind as one whose numbers are arrays; `InputError` if they are of several kinds.
+    """Models of one kind as one model whose numbers are arrays; `InputError` if they are of several kinds.
 
     Examples
     --------
@@ -214,7 +214,7 @@ def stacked(what: str, models: list[Any]) -> Any:
 
 
 def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:
-    """Refuse two models whose equations differ in more than their numbers; remarks, and functions made anew, tell no kinds apart."""
+    """Refuse two models whose equations differ in more than their numbers; differing notes or functions are ignored."""
     for name in {**one, **other}:
         a, b = one.get(name), other.get(name)
         field, is_class = name.removesuffix("__class__").removesuffix("."), name.endswith("__class__")

@@ -10,21 +10,21 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-#: What takes the progress of work: (what, done, in all), or (done, in all); False stops the work.
+#: A progress callback, called with (what, done, total) or (done, total); returning False stops the work.
 Reported = Callable[..., Any]
 
-PAUSE = 5.0  # before the first line where nobody watches [s]; the others come ever more rarely
-WIDTH = 24  # of a bar
+PAUSE = 5.0  # before the first line in a log [s]; the intervals between later lines grow
+WIDTH = 24  # of the bar, in characters
 
 
 def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
-    """The callback that is called as work goes on: the function that was given, a line on stderr for True, nothing for None and False.
+    """The progress callback: the given function, a line on stderr for True, None for None and False.
 
     Parameters
     ----------
     progress : callable, bool or None
     what : str
-        Who was given it, for the error.
+        Name of the caller, for the error message.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
     Raises
     ------
     InputError
-        Of anything else.
+        For any other value.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
 
 
 def reporting(progress: Any, what: str) -> Reported:
-    """The same as a function that may always be called: with what was done last, how much is done, and how much there is.
+    """The progress callback, or a function that does nothing: called with the latest item, the number done and the total.
 
     Examples
     --------
@@ -64,26 +64,26 @@ def reporting(progress: Any, what: str) -> Reported:
 
 
 def _is_watched(out: Any) -> bool:
-    """Whether a line may be written over itself: on a terminal, and below the cell of a notebook, which is none."""
+    """Whether a line can be overwritten: on a terminal, and below a notebook cell, which is not a terminal."""
     return (bool(out.isatty()) and os.environ.get("TERM") != "dumb") or type(out).__module__.startswith("ipykernel.")
 
 
 class Line:
-    """How far the work is, in one line: a bar, written over itself on a terminal and in a notebook; in a log a line from time to time.
+    """Progress in one line: a bar that is updated in place on a terminal and in a notebook; in a log, a line from time to time.
 
     Parameters
     ----------
     of : str
-        What is counted, if callbacks are told numbers alone.
+        Name of the counted items, for calls with numbers only.
     out : file, optional
-        Where it is written; stderr, if nothing else is said.
+        Output file; stderr by default.
     """
 
     def __init__(self, of: str = "", out: Any = None):
         self.of, self.out, self._last, self._began, self._next = of, out or sys.stderr, 0, time.monotonic(), PAUSE
 
     def __call__(self, *state: Any) -> None:
-        """Take what a callback is told: one object with a ``line()``, or (done, whole), or (what, done, whole)."""
+        """Show the progress given as one object with a ``line()``, as (done, total), or as (what, done, total)."""
         *names, done, whole = state if len(state) > 1 else (state[0].done, state[0].cases)
         of = ": ".join(map(str, names)) or self.of
         text = state[0].line() if len(state) == 1 else f"{of + ', ' if of else ''}{done} of {whole}"

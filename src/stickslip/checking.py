@@ -1,4 +1,4 @@
-"""How sure is an answer? Several judges solve the same robot, and the digits on which they agree are counted."""
+"""Certain digits of an answer: several methods (judges) solve the same robot, and the digits on which they agree are counted."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from stickslip.solvers.closed_arcs import handles
 
 #: Steps per period of the fixed-step judges.
 RK4_STEPS = (2000, 10_000, 50_000)
-#: Drive periods that scipy's judge does, and its tolerance: Python code, so a few.
+#: Method, drive periods and tolerance of SciPy's judge, with inner states and without; few periods, because it runs plain Python.
 SCIPY = {True: ("radau", 6, 1e-9), False: ("dop853", 12, 1e-11)}
-#: Tolerances of the ladder below the one that is judged.
+#: Tolerances of the ladder, relative to the one that is assessed.
 LADDER = (1.0, 0.1, 1e-2, 1e-4)
 _TIGHTEST = 1e-12
 _REFERENCE = "the reference"
@@ -38,17 +38,17 @@ class Judge:
     Parameters
     ----------
     name : str
-        What it is.
+        Name of the method.
     setting : str
         Its tolerance or step.
     periods : int
         Drive periods.
     mean_velocity : float
-        Over the second half of them [m/s]; nan where it failed.
+        Over the second half of them [m/s]; NaN if it failed.
     difference : float
         From the reference with the same number of periods [m/s].
     seconds : float
-        What it took here.
+        Computing time on this machine.
     counts : bool
         Whether it limits the number of certain digits.
     remark : str
@@ -68,27 +68,27 @@ class Judge:
 @sealed
 @dataclass(frozen=True)
 class Check(Drawn):
-    """The findings of the judges; `print` shows them as a table.
+    """Results of `check`; `print` shows them as a table.
 
     Parameters
     ----------
     mean_velocity : float
-        The answer that is judged [m/s].
+        The answer that is assessed [m/s].
     best : float
         The most accurate value found [m/s].
     uncertainty : float
-        Largest difference among the judges that count [m/s]; nan where there is but one.
+        Largest difference among the judges that count [m/s]; NaN if there is only one.
     digits : int
-        Digits of `mean_velocity` that are certain; where `period` is None, for a run of this length only.
+        Number of certain digits of `mean_velocity`; if `period` is None, for a run of this length only.
     period : int or None
         Period number of the motion.
     energy : float
-        Worst relative residual of the energy balance of a drive period after settling.
+        Largest relative residual of the energy balance of a drive period after the transient.
     judges : tuple of Judge
     notes : tuple of str
         Remarks on the robot's numbers.
     verdict : str
-        All this in a sentence.
+        Summary in one sentence.
     """
 
     mean_velocity: float
@@ -108,7 +108,7 @@ class Check(Drawn):
         return {**asdict(self), "judges": [asdict(judge) for judge in self.judges], "notes": list(self.notes)}
 
     def rows(self) -> list[tuple[str, ...]]:
-        """The judges as rows of text, the heading first."""
+        """The judges as rows of text, heading first."""
         head = ("judge", "setting", "periods", "mean velocity [m/s]", "difference [m/s]", "time [s]", "")
         return [head, *(_row(judge) for judge in self.judges)]
 
@@ -215,7 +215,7 @@ def check(
 
 
 def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
-    """Refuse what no judge can be asked about, all at once."""
+    """Refuse arguments that no method accepts; all problems are reported at once."""
     problems, name = Problems("check"), type(robot).__name__
     if not is_machine(robot):
         problems.add(f"{robot!r} is not a robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
@@ -232,24 +232,24 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
 
 
 def _told(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
-    """Counts who was asked."""
+    """A function that passes the name of the next method and the number of methods done to the progress callback."""
     done, tell = iter(range(whole + 1)), progress_callback(progress, "check")
     return lambda who: tell(who, next(done), whole) if tell else None
 
 
 def _skipped(name: str, setting: str, why: str) -> Judge:
-    """A judge that cannot be asked."""
+    """The entry of a method that does not apply."""
     return Judge(name, setting, 0, math.nan, math.nan, 0.0, False, f"skipped: {why}")
 
 
 class _Court:
-    """Calls the judges one by one."""
+    """Runs the judges one by one."""
 
     def __init__(self, robot: Any, periods: int, start: dict[str, Any] | None, duration: float | None = None):
         self.robot, self.periods, self.start, self.duration = robot, periods if duration is None else 0, start, duration
 
     def solved(self, periods: int, **options: Any) -> Any:
-        """A run over so many drive periods, or over the whole time of what has none."""
+        """A run over this many drive periods, or over the whole duration if the model has no period."""
         length = {"periods": periods} if self.duration is None else {"duration": self.duration}
         return solve(self.robot, **{**length, **options}, start=self.start)
 
@@ -257,26 +257,26 @@ class _Court:
         self, name: str, setting: str, reference: float | None,
         counts: bool = True, periods: int | None = None, remark: str = "", **options: Any,
     ) -> Judge:  # fmt: skip
-        """One run; a run that fails is reported, not raised."""
+        """One run; a failure is reported, not raised."""
         begin = time.perf_counter()
         periods = periods or self.periods
         try:
             value = mean_velocity(self.solved(periods, **options))
         except SolveError as error:
             return Judge(name, setting, periods, math.nan, math.nan, time.perf_counter() - begin, False, str(error).split(";")[0])
-        except InputError as error:  # the first run took these arguments: it is the method that cannot
+        except InputError as error:  # the first run accepted these arguments, so the method is the cause
             return _skipped(name, setting, error.problems[0].rsplit("; type", 1)[0])
         difference = math.nan if reference is None else value - reference
         return Judge(name, setting, periods, value, difference, time.perf_counter() - begin, counts, remark)
 
     def answer(self, **options: Any) -> tuple[Any, float]:
-        """The run that is judged, and the seconds it took; what has to be compiled for it is compiled before."""
+        """The run that is assessed, and its computing time [s] without compilation."""
         self.solved(1, **options, **({} if self.duration is None else {"duration": 1e-3 * self.duration}))
         begin = time.perf_counter()
         return self.solved(self.periods, **options), time.perf_counter() - begin
 
     def ladder(self, rtol: float) -> tuple[Any, list[Judge]]:
-        """The answer and the same at tighter tolerances; the tightest is the reference of the others."""
+        """The assessed run, and runs at tighter tolerances; the tightest is the reference for the others."""
         run, seconds = self.answer(rtol=rtol)
         tighter = sorted({max(rtol * part, _TIGHTEST) for part in LADDER} - {rtol}, reverse=True)
         found = [Judge(run.method, f"rtol {rtol:.0e}", self.periods, mean_velocity(run), math.nan, seconds)]
@@ -292,7 +292,7 @@ class _Court:
         return run, [first, self.formula()]
 
     def formula(self) -> Judge:
-        """The closed formula of the periodic motion against a run until the strobe point repeats; skipped where it does not apply."""
+        """The closed formula of the periodic motion, compared with a run until the strobe point repeats; skipped if it does not apply."""
         name, setting, begin = "closed formula", "periodic motion", time.perf_counter()
         if handles(self.robot) is not None:
             return _skipped(name, setting, "it is for Coulomb friction and a harmonic drive")
@@ -311,7 +311,7 @@ class _Court:
         return Judge(name, setting, ran, value, difference, time.perf_counter() - begin, repeats, remark)
 
     def scipy(self, method: str, periods: int, rtol: float, tight: float) -> Judge:
-        """An integrator that is not ours, over fewer periods, against our own tight run of the same length."""
+        """SciPy's integrator over fewer periods, compared with our own run of the same length at a tight tolerance."""
         periods = min(periods, self.periods)
         own = self.judge("", "", None, periods=periods, rtol=tight)
         remark = f"against the reference over the same {periods} periods" if 0 < periods < self.periods else ""

@@ -1,4 +1,4 @@
-"""Columns of words as codes and a table: those of every contact of a million machines would take gigabytes as text."""
+"""Columns of words as codes and a table, because text for every contact of a million machines would take gigabytes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class CodedWords:
 
     @classmethod
     def of(cls, words: Any) -> CodedWords:
-        """Words that are given as text."""
+        """The codes and table of words given as text."""
         table, codes = np.unique(words, return_inverse=True)
         return cls(codes.reshape(np.shape(words)).astype(np.min_scalar_type(len(table))), tuple(table.tolist()))
 

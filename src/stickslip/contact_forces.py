@@ -12,7 +12,7 @@ from stickslip.friction.law_adapter import TINY
 from stickslip.maths import Array
 from stickslip.mechanics import Mechanics
 
-_CLOSED = 1e-10  # of the velocity scale: how still the gap of a closed stop is
+_CLOSED = 1e-10  # of the velocity scale: tolerance for the gap (times the period) and the gap's rate of a closed stop
 
 
 def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any) -> dict[str, Array]:
@@ -61,7 +61,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
             R[aloft, i], loads[aloft, i] = 0.0, 0.0
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
     for i, force in asking.items():
-        for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed one makes one body of its ends
+        for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed stop joins the bodies at its ends
             ends = [c for c, h in enumerate(stop.direction) if h]
             if len(ends) > 1 and any(mechanics.directions[i][c] for c in ends):
                 R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, told, R)), R[:, i])
@@ -74,7 +74,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
 
 
 def _left(mechanics: Mechanics, i: int, coordinates: list[int], free: Array, told: Array, R: Array) -> Array:
-    """The force that a contact must bear to keep its slip constant, where these coordinates move as one [N]."""
+    """The friction force that keeps the slip of a contact constant if these coordinates move as one [N]."""
     others = sum(R[:, k] for k, g in enumerate(mechanics.directions) if k != i and any(g[c] for c in coordinates))
     return sum(mechanics.masses[c] * (free[:, c] + told[:, i]) for c in coordinates) - (others if len(coordinates) > 1 else 0.0)
 
@@ -91,7 +91,7 @@ def held_by_controllers(mechanics: Mechanics, z: Array) -> tuple[Array, ...]:
 
 
 def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
-    """Whether each stop with restitution stays closed at instants: its gap is, and it neither opens nor closes."""
+    """Whether each stop with restitution is closed at each instant: its gap and the gap's rate are zero within a tolerance."""
     if not mechanics.stops:
         return np.zeros((len(t), 0), bool)
     gaps, rates = (_columns(of, t) for of in ([stop.gap(t, q) for stop in mechanics.stops], [stop.rate(t, u) for stop in mechanics.stops]))
@@ -101,7 +101,7 @@ def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
 
 
 def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Array, held: Any) -> tuple[Any, ...]:
-    """Accelerations under friction forces and those of closed stops."""
+    """Accelerations under the friction forces and the forces of closed stops."""
     moved = mechanics.accelerations(t, q, u, tuple(R.T), held)
     for stop, force in zip(mechanics.stops, pressed.T, strict=True):
         moved = tuple(a - h / m * force for a, h, m in zip(moved, stop.direction, mechanics.masses, strict=True))
@@ -109,7 +109,7 @@ def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Ar
 
 
 def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array, pressed: Array, held: Any) -> None:
-    """Forces of contacts at rest and of closed stops: those under which slip velocities, and rates of the gaps, stay as they are."""
+    """Set the forces of contacts at rest and of closed stops to those that keep slip velocities and gap rates constant."""
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
@@ -117,7 +117,7 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
     G = (g / masses) @ g.T
     free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
     told = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
-    push = free @ g.T + _columns(told, t)  # rates of the slips and gaps without the forces that are looked for
+    push = free @ g.T + _columns(told, t)  # rates of the slips and gaps without the unknown forces
     for pattern in np.unique(resting, axis=0):
         (held,) = np.nonzero(pattern)
         at = np.all(resting == pattern, axis=1)
@@ -129,10 +129,10 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
 
 
 def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:
-    """Forces R with G R = push; contacts that hold one body together share what holds it in proportion to what each can bear.
+    """Forces R with G R = push; contacts that jointly hold one body share the force in proportion to their static friction limits.
 
-    The contacts come first, then closed stops; where ends of a stop rest on their own, it is pressed as far as that sharing asks, not more
-    than they can bear and not less than nothing.
+    The contacts come first, then closed stops. If the ends of a stop rest on their own, that sharing determines the force of the stop,
+    between zero and the largest that the static friction limits of the contacts permit.
     """
     if np.linalg.matrix_rank(G) == len(G):
         return np.linalg.solve(G, push.T).T
@@ -140,13 +140,13 @@ def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held
     low, high = (np.stack([np.asarray(each[side], float) * np.ones(len(push)) for each in limits], 1) for side in (0, 1))
     stops = np.zeros((len(push), len(G) - len(held)))
     bears = np.hstack([high, stops + high.sum(axis=1, keepdims=True)])
-    shared = np.einsum("ij,nj,kj->nik", G, bears, G)  # G R = push with R = bears (G^T y): the least R in units of what each can bear
+    shared = np.einsum("ij,nj,kj->nik", G, bears, G)  # G R = push with R = bears (G^T y): the least R in units of the limits
     y = np.stack([np.linalg.lstsq(each, of, rcond=1e-12)[0] for each, of in zip(shared, push, strict=True)])
     return _allowed(G, bears * (y @ G), np.hstack([low, stops - np.inf]), np.hstack([high, stops]), len(held))
 
 
 def _allowed(G: Array, R: Array, low: Array, high: Array, contacts: int) -> Array:
-    """Forces between limits, moved by what a stop adds to the contacts at its ends without an effect on the motion."""
+    """Forces shifted to lie within the limits, by a stop's force and contact forces at its ends that together do not affect the motion."""
     for p in range(contacts, len(G)):
         along = np.eye(len(G))[p]
         along[:contacts] = -np.linalg.lstsq(G[:contacts, :contacts], G[:contacts, p], rcond=1e-12)[0]

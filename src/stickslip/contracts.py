@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Any, Protocol, TypeAlias
 
-#: A NumPy array, or what stands for one: one number for all, a labelled array, a symbol.
+#: A NumPy array or a substitute for one: one number for all, a labelled array, a symbol.
 Array: TypeAlias = Any
 
 
 class SetValuedLaw(Protocol):
-    """A law that may hold a body at rest; read through `stickslip.friction.law_adapter`, which knows what else it may say."""
+    """A law that may hold a body at rest; `stickslip.friction.law_adapter` reads it, with its optional attributes."""
 
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force [N] at a slip velocity v [m/s] that is not zero."""
@@ -22,7 +22,7 @@ class SetValuedLaw(Protocol):
 
 
 class DynamicLaw(Protocol):
-    """A law with inner states: z is a number if there is one (1 if the law has no `states`), else a tuple; so is what `rate` returns."""
+    """A law with `states` inner states (1 if not given): z and the value of `rate` are a number if there is one, else a tuple."""
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
@@ -32,7 +32,7 @@ class DynamicLaw(Protocol):
 
 
 class BalancingLaw(Protocol):
-    """A dynamic law that must know the friction force which would keep v constant, `applied` [N]."""
+    """A dynamic law that needs `applied`, the friction force that would keep v constant [N]."""
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
@@ -42,7 +42,7 @@ class BalancingLaw(Protocol):
 
 
 class SwitchingLaw(Protocol):
-    """A dynamic law with whole-number memories: `mode` is a tuple of them, as many as `modes` says."""
+    """A dynamic law with whole-number memories: `mode` is a tuple of them, and `modes` is their number."""
 
     def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
@@ -62,7 +62,7 @@ class Drive(Protocol):
 
     @property
     def period(self) -> Any:
-        """After this time it repeats [s]."""
+        """Period of the motion [s]."""
 
     def position(self, t: Any) -> Any:
         """Relative position [m]."""
@@ -75,7 +75,7 @@ class Drive(Protocol):
 
 
 class Track(Protocol):
-    """The protocol of a track: the effect of gravity along it."""
+    """The protocol of a track: the components of gravity across and along it."""
 
     def across(self, gravity: Any) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
@@ -97,11 +97,11 @@ class Machine(Protocol):
 
     @property
     def period(self) -> Any:
-        """Period of what drives it [s]; None where nothing repeats."""
+        """Period of its drive or forcing [s]; None if it is not periodic."""
 
     @property
     def total_mass(self) -> Any:
-        """All that moves with the contact [kg]."""
+        """Total mass that moves with the contact [kg]."""
 
     @property
     def velocity_scale(self) -> Any:

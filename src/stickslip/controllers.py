@@ -7,16 +7,16 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 Named = Mapping[str, Any]
-#: What a controller of a machine has to say. Positions x and velocities v come by the names of the bodies, z are its own states; all may
+#: Attributes of a controller. The positions x and velocities v are given by the names of the bodies, z are its own states; all may
 #: be floats, arrays of cases, or symbols while equations are traced. ``states`` are the names of its states, ``scales`` a typical size of
-#: each, positive; ``sample`` is the time between its samples, which are at 0, dt, 2 dt, … [s], or None where it acts continuously;
+#: each, positive; ``sample`` is the time between its samples, which are at 0, dt, 2 dt, … [s], or None if it acts continuously;
 #: ``start(t, x, v)`` are its states when it is switched on, a sample at that instant included, ``rates(t, x, v, z)`` their rates between
 #: samples (0 where a state is held), ``sampled(t, x, v, z)`` the states after a sample, ``forces(t, x, v, z)`` forces on bodies by name.
 NEEDS = ("states", "sample", "scales", "start", "rates", "sampled", "forces")
 
 
 class Controllers:
-    """The controllers of a machine, asked together; z are the states of all of them in turn.
+    """All controllers of a machine; z are their states, one controller after another.
 
     Examples
     --------
@@ -36,7 +36,7 @@ class Controllers:
 
     @property
     def sample(self) -> Any:
-        """The time between samples, that of the first controller that has one [s]; None where all act continuously."""
+        """The time between samples of the first sampled controller [s]; None if all act continuously."""
         return next((part.sample for part in self.parts.values() if part.sample is not None), None)
 
     @property
@@ -53,7 +53,7 @@ class Controllers:
         return tuple(rate for part, own in self._owned(z) for rate in part.rates(t, x, v, own))
 
     def sampled(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
-        """Their states after a sample; of one that acts continuously they stay as they are."""
+        """Their states after a sample; those of a continuous controller are unchanged."""
         return tuple(value for part, own in self._owned(z) for value in (own if part.sample is None else part.sampled(t, x, v, own)))
 
     def forces(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Any]]:

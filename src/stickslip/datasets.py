@@ -20,13 +20,13 @@ COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1
 
 
 def trajectory_columns(run: Any) -> dict[str, Any]:
-    """Every column of a run by name; what it does not have is left out, such as z under a set-valued law."""
+    """Every column of a run by name; columns that it does not have are left out, such as z under a set-valued law."""
     columns = {name: getattr(run, name, None) for name in COLUMNS}
     return {name: column for name, column in columns.items() if column is not None}
 
 
 def names_of(run: Any) -> dict[str, list[str]]:
-    """The names of the bodies and contacts of a run by dimension; none where its columns are those of one body and contact.
+    """The names of the bodies and contacts of a run by dimension; empty if its columns are those of one body and contact.
 
     Examples
     --------
@@ -46,8 +46,8 @@ def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, .
 def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
     """Every column of a run as columns of numbers (time,) with their units, by name.
 
-    A column of each of several bodies and contacts is called "x.head". Inner states are numbered; those that a law does not have are
-    left out.
+    With several bodies and contacts a column's name contains that of the part, as in "x.head". Inner states are numbered; those that a
+    law does not have are left out.
     """
     return _flat(trajectory_columns(run), names_of(run), run.model)
 
@@ -74,16 +74,16 @@ def explained_columns(columns: dict[str, tuple[Any, str]]) -> list[tuple[str, st
 
 
 def _meaning(name: str) -> str:
-    """The meaning of a column, which may be that of a part or an inner state with a number."""
+    """The meaning of a column, which may belong to a part or to a numbered inner state."""
     base, _, part = name.partition(".")
     variable = VARIABLES.get(base) or VARIABLES.get(base.rstrip("0123456789"))
     return "" if variable is None else f"{variable.long_name}: {part}" if part else variable.long_name
 
 
 def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None, model: Any = None) -> None:
-    """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers.
+    """Write columns of a run as CSV, to a path or an open file: names with units first, then the numbers to full precision.
 
-    `names` are those of the bodies and contacts. The `model` says whether columns are ways or angles.
+    `names` are those of the bodies and contacts. The `model` determines whether coordinates are lengths or angles.
     """
     flat = _flat(columns, names or {}, model)
     table = np.column_stack([values for values, _ in flat.values()])
@@ -91,7 +91,7 @@ def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | 
 
 
 def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
-    """A column as columns of numbers, with their names."""
+    """One-dimensional parts of a column, with their names."""
     dims = dims_of(name, column, names)[1:]
     for place in np.ndindex(column.shape[1:]):
         values = column[(slice(None), *place)]
@@ -112,12 +112,12 @@ def attributes(run: Any) -> dict[str, Any]:
     return attrs
 
 
-#: What the codes of columns say.
+#: Meanings of the codes in columns.
 CODES = {"status": STATUS, "steadiness": STEADINESS}
 
 
 def described(name: str, model: Any = None) -> dict[str, str]:
-    """Units, long name and symbol of a column, and what its codes say; nothing of one that is not ours."""
+    """Units, long name and symbol of a column, and the meanings of its codes; empty for an unknown column."""
     if name not in VARIABLES:
         return {}
     told = {"units": unit_of(name, model) or "1", "long_name": VARIABLES[name].long_name, "symbol": VARIABLES[name].symbol}
@@ -126,7 +126,7 @@ def described(name: str, model: Any = None) -> dict[str, str]:
 
 
 def trajectory_dataset(run: Any) -> Any:
-    """The columns of a run as an `xarray.Dataset` over ``time``; of a machine of several also over ``body`` and ``contact``.
+    """The columns of a run as an `xarray.Dataset` over ``time``; for a machine of several bodies also over ``body`` and ``contact``.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def _dims_of_case(name: str, dims: tuple[str, ...], parts: dict[str, Any]) -> tu
 
 
 def _placed(value: Any, dims: tuple[str, ...]) -> tuple[tuple[str, ...], Any]:
-    """An array of the model on the dimensions that it has in the batch (lengths of 1 are dropped)."""
+    """An array of the model with its dimensions in the batch (lengths of 1 are dropped)."""
     array = np.asarray(value)
     own = dims[len(dims) - array.ndim :]
     return tuple(d for d, n in zip(own, array.shape, strict=True) if n > 1), array.squeeze()

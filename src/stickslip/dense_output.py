@@ -21,13 +21,13 @@ class Pieces:
     """Base of the dense outputs. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
 
     `mode` (pieces, contacts) is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
-    `memory` (pieces, memories) are the whole numbers that laws remember, `layout` says what the states are. ``evaluate(t, index)`` gives
+    `memory` (pieces, memories) are the whole-number memories of the laws, `layout` describes the states. ``evaluate(t, index)`` gives
     x (time, body), v (time, body) and z (time, contact, state), NaN where a law has fewer, at times that lie on the given pieces;
-    ``until(end)`` the same pieces up to a time. The fields are the arrays that are kept, and the layout, which is kept as text.
+    ``until(end)`` the same pieces up to a time. The fields are the arrays that are stored, and the layout, which is stored as text.
     """
 
     def arrays(self) -> dict[str, Any]:
-        """All that is needed to make these pieces again, by name; what is empty is left out."""
+        """The arrays from which these pieces can be rebuilt, by name, and the layout as text; empty arrays are left out."""
         found = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
         arrays = {name: np.asarray(value) for name, value in found.items() if name != "layout"}
         return {name: array for name, array in arrays.items() if array.size} | {"layout": found["layout"].to_text()}
@@ -42,7 +42,7 @@ class Pieces:
 
 
 def _columns(array: Array) -> Array:
-    """An array with a row for each piece; of one contact, or one way, it may be given without the axis."""
+    """An array with a row for each piece; with one contact or one way the second axis may be missing."""
     array = np.asarray(array)
     return array[:, None] if array.ndim == 1 else array
 
@@ -50,7 +50,7 @@ def _columns(array: Array) -> Array:
 @sealed
 @dataclass(frozen=True, eq=False)
 class PolynomialPieces(Pieces):
-    r"""Polynomials on each step, what an integrator gives.
+    r"""A polynomial for each state on each step, as an integrator returns them.
 
     With :math:`\theta = (t - t_i)/h_i`, every state of the bodies and contacts is :math:`\sum_k c_k \theta^k`. A way is the integral of
     the velocity of its reference body.
@@ -60,15 +60,15 @@ class PolynomialPieces(Pieces):
     t : array (n + 1,)
         Ends of the steps [s].
     mode : array (n, contacts) of int8
-        Sign of each contact's velocity on each step; 0 stuck (set-valued laws). Of one contact the axis may be left out.
+        Sign of each contact's velocity on each step; 0 stuck (set-valued laws). With one contact the axis may be left out.
     x0 : array (n, ways)
-        Each way at the start of each step [m]. Of one way the axis may be left out.
+        Each way at the start of each step [m]. With one way the axis may be left out.
     coefficients : array (n, states, degree + 1)
-        The numbers c, lowest power first.
+        The coefficients c, lowest power first.
     memory : array (n, memories) of int
         Whole-number memories of the laws on each step.
     layout : StateLayout, optional
-        What the states are; if not given, one body's velocity and the inner states of its contact.
+        Description of the states; by default one body's velocity and the inner states of its contact.
 
     Examples
     --------
@@ -123,7 +123,7 @@ class PolynomialPieces(Pieces):
         return self._of_contacts(_horner(np.moveaxis(slopes, 0, 1), index, theta) / h)
 
     def _within(self, t: Array, index: Array) -> tuple[Array, Array]:
-        """Where in its piece, from 0 to 1, each time lies, and the length of the piece."""
+        """The relative position of each time in its piece, from 0 to 1, and the length of the piece."""
         start = self.t[index]
         h = self.t[index + 1] - start
         return (t - start) / h, h
@@ -131,7 +131,7 @@ class PolynomialPieces(Pieces):
     def _of_contacts(self, y: Array) -> Array:
         """The inner states (time, contact, state) among all states (state, time), NaN where a law has fewer than another.
 
-        Those of controllers stand behind the contacts.
+        Those of controllers follow those of the contacts.
         """
         parts = self.layout.with_inner
         if not self.layout.most_inner:
@@ -169,14 +169,14 @@ def _rows(rows: list[Array], count: int) -> Array:
 
 
 def _count_until(t: Array, end: float) -> int:
-    """How many pieces begin before a time."""
+    """Number of pieces that begin before a time, at least 1."""
     return max(int(np.searchsorted(t[:-1], end, side="left")), 1)
 
 
 def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
     """Rates of the inner states (time, contact, state), as slopes of the dense output.
 
-    Where the bristle is stiff, a law's own rate magnifies the last digits of z; the slope does not.
+    With stiff bristles, a law's own rate amplifies the rounding errors of z; the slope does not.
     """
     inner = pieces.layout.most_inner
     return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.with_inner), 0))
@@ -212,7 +212,7 @@ class HarmonicArcs(Pieces):
     omega : float
         Angular frequency of the drive [rad/s].
     resist_plus, resist_minus : float
-        What friction (less gravity along the track) takes from it forwards, and backwards [m/s^2].
+        Deceleration by friction (less gravity along the track) when sliding forwards, and backwards [m/s^2].
     layout : StateLayout, optional
         The names of the body and the contact.
 
@@ -242,14 +242,14 @@ class HarmonicArcs(Pieces):
 
     @property
     def memory(self) -> Array:
-        """Coulomb friction remembers nothing: (n, 0)."""
+        """Coulomb friction has no memory: (n, 0)."""
         return np.empty((len(self.mode), 0), np.int32)
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
         """x, v (time, 1) and no inner states (time, 1, 0) at times on the given arcs.
 
         Differences of sines are written as products, and the phase is reduced at the start of each arc,
-        so the error is that of a few roundings however long the run is.
+        so the error is that of a few rounding errors however long the run is.
         """
         d = t - self.t[index]
         side, v0 = self.mode[index, 0], self.v0[index]
@@ -295,7 +295,7 @@ KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArc
 
 
 def kind_of(pieces: Any) -> str:
-    """The name under which a file keeps these pieces."""
+    """The name of the kind of these pieces in a file."""
     return next(name for name, cls in KINDS.items() if type(pieces) is cls)
 
 

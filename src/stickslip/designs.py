@@ -29,7 +29,7 @@ class Design:
     attributes : dict
         How it was made: kind, seed and bounds. They go into the dataset and the manifest.
     labels : array, optional
-        Coordinate of the dimension; without it the points are counted from 0.
+        Coordinate of the dimension; by default the points are numbered from 0.
     """
 
     dim: str
@@ -55,7 +55,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
     Returns
     -------
     Design
-        As many points as each column has values.
+        One point for each row of values.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
 
     def unit(n: int, d: int) -> Any:
         sampler = qmc.Sobol(d, scramble=True, rng=seed)
-        whole = 1 << max(math.ceil(math.log2(n)), 0)  # a power of 2 is what the sampler likes; the first n of them are taken
+        whole = 1 << max(math.ceil(math.log2(n)), 0)  # the sampler expects a power of 2; the first n points are used
         return sampler.random(whole)[:n]
 
     return _random("sobol", unit, count, seed, dim, bounds)
@@ -219,7 +219,7 @@ def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[
 
 
 def _bounds(name: str, value: Any, problems: Problems) -> Any:
-    """From the unit interval to the range of one argument."""
+    """The map from the unit interval to the range of one argument."""
     try:
         low, high, *how = value
         low, high = float(low), float(high)

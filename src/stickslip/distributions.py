@@ -1,4 +1,4 @@
-"""Numbers that are not known exactly: the distributions that can be typed for one."""
+"""Distributions of uncertain numbers, in the notation that users type."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-#: What may be typed for an uncertain number.
+#: Allowed notation for an uncertain number.
 ALLOWED = '("normal", mean, standard deviation), ("uniform", low, high) or (value, "1%")'
-_WIDE = 8.0  # standard deviations within which a number with a normal distribution is looked for
-_EDGE = 1e-12  # how near a sample comes to the ends of a distribution that has none
+_WIDE = 8.0  # half width of the search range of a normal distribution, in standard deviations
+_EDGE = 1e-12  # probabilities are clipped to this distance from 0 and 1, so that quantiles stay finite
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Distribution:
 
     @property
     def uniform(self) -> bool:
-        """Whether it has two ends."""
+        """Whether the distribution is uniform, with two finite bounds."""
         return self.kind == "uniform"
 
     @property
@@ -39,24 +39,24 @@ class Distribution:
 
     @property
     def low(self) -> float:
-        """It is not below this."""
+        """Lower bound of its values; -inf if normal."""
         return self.a if self.uniform else -math.inf
 
     @property
     def high(self) -> float:
-        """Nor above this."""
+        """Upper bound of its values; inf if normal."""
         return self.b if self.uniform else math.inf
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Where a search looks: within eight standard deviations, and of a normal distribution on the side of zero where its mean is."""
+        """Search range: its bounds if uniform; if normal, eight standard deviations around the mean, on the mean's side of zero."""
         if self.uniform:
             return self.a, self.b
         low, high = self.a - _WIDE * self.b, self.a + _WIDE * self.b
         return (max(low, 1e-3 * self.a) if self.a > 0 else low), (min(high, 1e-3 * self.a) if self.a < 0 else high)
 
     def at(self, u: Any) -> Any:
-        """The numbers below which a part u of the distribution lies."""
+        """Quantiles of the distribution at the probabilities u."""
         from scipy.special import ndtri
 
         u = np.clip(u, _EDGE, 1.0 - _EDGE)
@@ -64,7 +64,7 @@ class Distribution:
 
 
 def distribution_of(given: Any) -> Distribution | None:
-    """The distribution that was typed; None if it is none. (value, "1%") is normal with that part of the value as standard deviation.
+    """The given distribution; None if the value is not one. (value, "1%") is normal with that fraction of the value as standard deviation.
 
     Examples
     --------

@@ -35,7 +35,7 @@ class InputError(StickslipError, ValueError):
         super().__init__(self._message())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # An exception is pickled by its message; a pool of processes needs what it was made from.
+        # By default an exception is pickled with its message; a process pool needs the arguments of its constructor.
         return type(self), (self.what, self.problems)
 
     def _message(self) -> str:
@@ -47,7 +47,7 @@ class InputError(StickslipError, ValueError):
 class OneContactNeeded(InputError, AttributeError):
     """A machine that lists its bodies and contacts, where one body on one contact is needed.
 
-    It is an AttributeError too, so that who asks whether a machine has a law or a load of its own learns that it has not.
+    It is an AttributeError too, so that `hasattr` is False for a law or a load of its own.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class SolveError(StickslipError, RuntimeError):
 
 
 class Problems:
-    """Collects what is wrong with one input, so that all of it is reported at once."""
+    """Collects the problems with one input, so that all of them are reported at once."""
 
     def __init__(self, what: str):
         self.what = what
@@ -85,7 +85,7 @@ class Problems:
         self.found.append(sentence)
 
     def whole(self, name: str, value: Any, least: int, example: int, what: str = "", most: int = 10**12) -> None:
-        """Note a value that is not a whole number from `least` to `most`, of Python or NumPy; `what` says of what it is one.
+        """Note a value that is not a Python or NumPy whole number from `least` to `most`; `what` names the things counted.
 
         Examples
         --------
@@ -103,13 +103,13 @@ class Problems:
         self.found.extend(prefix + p for p in error.problems)
 
     def check(self) -> None:
-        """Raise one `InputError` with everything found, or return if nothing was."""
+        """Raise one `InputError` with all problems found, if there are any."""
         if self.found:
             raise InputError(self.what, self.found)
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is one finite number, of Python or NumPy; True and False are none.
+    """Whether a value is one finite number, of Python or NumPy; True and False do not count.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def is_number(value: Any) -> bool:
 
 
 def is_whole(value: Any) -> bool:
-    """Whether a value is one whole number, of Python or NumPy; True and False are none.
+    """Whether a value is one whole number, of Python or NumPy; True and False do not count.
 
     Examples
     --------
@@ -137,7 +137,7 @@ def is_whole(value: Any) -> bool:
 
 
 def is_one_of(value: Any, known: Iterable[str]) -> TypeGuard[str]:
-    """Whether a value, which may be anything, is one of these words.
+    """Whether a value of any type is one of these words.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def is_one_of(value: Any, known: Iterable[str]) -> TypeGuard[str]:
 
 
 def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
-    """The path of a file or a folder, with the home folder for ~; `InputError` of `what` says why a value is none.
+    """The path of a file or a folder, with ~ expanded; `InputError` named after `what` if the value is not a path.
 
     Examples
     --------
@@ -157,19 +157,19 @@ def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
     """
     text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
     if isinstance(text, str) and "\0" not in text:
-        path = Path(os.path.expanduser(text))  # leaves ~ of a user who does not exist
+        path = Path(os.path.expanduser(text))  # leaves the ~ of an unknown user unchanged
         try:
             path.is_file()
             return path
         except OSError as error:
             if error.errno != errno.ENAMETOOLONG:
-                return path  # what may not be looked at is told where it is opened
+                return path  # a path without access is reported when it is opened
     shown = value if not isinstance(text, str) or len(text) < 200 else f"{text[:60]}... of {len(text)} characters"
     raise InputError(what, [f"{shown!r} is not a path of a file; type for example {example!r}"])
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A sentence that proposes the nearest known name, or lists all of them."""
+    """A phrase that suggests the closest known name, or lists all of them."""
     known = list(known)
     small = {word.lower(): word for word in known}
     near = [small[word] for word in difflib.get_close_matches(str(name).lower(), small, n=1, cutoff=0.55)]
@@ -180,7 +180,7 @@ _INCLINE = 'ss.Incline(tilt="{:g} deg")'
 
 
 def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:
-    """A suggestion for a number under a name or in a unit that is another one here; None for an unknown name.
+    """A suggestion for a number given under a name or in a unit that is not used here; None for an unknown name.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Events of a run: the instants at which something changed at once."""
+"""Events of a run: instants of discontinuous change."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from stickslip.maths import Array
 
 @dataclass(frozen=True)
 class Event:
-    """An instant at which something changed at once: mostly the mode of a contact.
+    """An instant of discontinuous change, usually of the mode of a contact.
 
     Parameters
     ----------
     t : float
-        When [s].
+        Time [s].
     kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "take-off", "landing", "contact lost"}
-        It came to rest, it broke away, or its velocity changed sign without rest; a jump of the drive's velocity threw it;
-        a memory of its law changed; a stop was hit; its load fell to zero and it flew, or it came down; its load fell to zero for good.
+        In this order: the contact came to rest; it broke away; its velocity changed sign without rest; a jump of the drive's velocity
+        changed its slip; a memory of its law changed; a stop was hit; its load fell to zero and it took off; it landed; its load fell to
+        zero for good.
     before, after : int
-        The modes: +1 forwards, 0 stuck, -1 backwards; in flight the sign of the slip. Of a hit both are 0.
+        The modes: +1 forwards, 0 stuck, -1 backwards; in flight the sign of the slip. For a hit both are 0.
     part : str
-        Name of the contact, "contact" where there is only one, as under a `Robot`; of a hit the bodies that meet, "mass-capsule".
+        Name of the contact, "contact" if there is only one, as under a `Robot`; for a hit the bodies that meet, "mass-capsule".
     velocity : float, optional
-        Of a hit or a landing: rate of the gap before it, negative [m/s].
+        For a hit or a landing, the rate of the gap before it, negative [m/s].
     """
 
     t: float
@@ -38,17 +39,17 @@ class Event:
 
 
 def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None) -> list[Event]:
-    """Every event, in order; at one instant one of each contact that changed, in the order of the contacts.
+    """Every event in order of time; at one instant, one event for each contact that changed, in the order of the contacts.
 
     Parameters
     ----------
     pieces : Pieces
     impulses : sequence of (float, float or array)
-        Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact is thrown where its slip jumps.
+        Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact has an impulse if its slip jumps.
     lost : sequence of str
         Names of the contacts that were lost at the end.
     aloft : array (pieces, contacts) of bool, optional
-        Where contacts fly: what they do then are take-offs and landings (see `flights_of`).
+        Whether contacts fly; take-offs and landings come from `flights_of`, not from here.
     """
     contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
     aloft = np.zeros(mode.shape, bool) if aloft is None else aloft
@@ -59,7 +60,7 @@ def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None
 
 
 def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any, aloft: Array) -> list[Event]:
-    """The events of one contact, given its number, its modes and where it flies."""
+    """The events of one contact, given its number, its modes and the pieces on which it flies."""
     of = pieces.layout.contacts[contact]
     thrown = set(nodes_at(pieces, [t for t, jump in impulses if np.ndim(jump) == 0 or np.dot(of.direction, jump) != 0.0]).tolist())
     changed = (np.diff(mode) != 0) & ~aloft[1:] & ~aloft[:-1]
@@ -77,9 +78,9 @@ def _kind(before: int, after: int, thrown: bool) -> str:
 
 
 def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tuple[int, Event]]:
-    """Hits on stops with restitution, each with the number of its node: there the gap is closed, and its rate jumps.
+    """Hits on stops with restitution, each with the number of its node, where the gap is closed and its rate jumps.
 
-    `speed` [m/s] and `time` [s] are typical ones of the machine.
+    `speed` [m/s] and `time` [s] are typical values of the machine.
     """
     inner = np.arange(1, len(pieces.t) - 1)
     t = pieces.t[inner]
@@ -94,7 +95,7 @@ def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tupl
 
 
 def aloft_of(pieces: Any, laws: Any) -> Array:
-    """On which pieces contacts fly (pieces, contacts): there the gap varies, and elsewhere it is zero to the last bit; laws by contact."""
+    """Whether each contact flies on each piece (pieces, contacts): otherwise its gap is exactly zero there; one law for each contact."""
     found = np.zeros(np.shape(pieces.mode), bool)
     for i, (contact, law) in enumerate(zip(pieces.layout.contacts, laws, strict=False)):
         if law.flies:
@@ -103,7 +104,7 @@ def aloft_of(pieces: Any, laws: Any) -> Array:
 
 
 def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
-    """Take-offs and landings, each with the number of its node; a landing that throws the body up again is one too."""
+    """Take-offs and landings, each with the number of its node; a landing followed by an immediate rebound counts too."""
     found = []
     for i in np.flatnonzero(aloft.any(axis=0)):
         contact, up, mode = pieces.layout.contacts[i], aloft[:, i], pieces.mode[:, i]
@@ -119,7 +120,7 @@ def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
 
 
 def nodes_at(pieces: Any, times: Any) -> Array:
-    """Numbers of the inner nodes that lie at given times, to rounding."""
+    """Numbers of the inner nodes that lie at given times, within rounding."""
     inner, times = pieces.t[1:-1], np.asarray(times, float)
     if not len(times) or not len(inner):
         return np.empty(0, int)

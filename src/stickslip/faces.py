@@ -14,11 +14,11 @@ from typing import Any, ClassVar
 from stickslip.errors import StickslipError
 
 NOT_DETERMINED = "not determined"
-_INCHES, _SHOWN = (4.4, 2.2), 96  # of figures, and how many points of the screen an inch is
+_INCHES, _SHOWN = (4.4, 2.2), 96  # size of figures, and screen pixels per inch
 
 
 def rounded(value: float, error: float) -> str:
-    """A value with as many digits as its standard error leaves: two of the error; two of its own where it is smaller than that.
+    """A value rounded to two significant digits of its standard error, or to two of its own if it is below a hundredth of the error.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def rounded(value: float, error: float) -> str:
 
 
 def sure(error: float, digits: str = ".2g") -> str:
-    """A standard error as it stands behind its value.
+    """A standard error as printed after its value.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def sure(error: float, digits: str = ".2g") -> str:
 
 
 class Text(str):
-    r"""Text of several lines that shows itself as it is at the end of a cell, and not with its line breaks written out.
+    r"""Text of several lines that a notebook cell displays as it is, not with escaped line breaks.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class Text(str):
 
 
 class Face:
-    """A result that shows itself in a notebook: its title, its `_facts`, its tables, its notes, and a figure where it has one."""
+    """A result displayed in a notebook: its title, its `_facts`, its tables, its notes, and a figure if it has one."""
 
     def _title(self) -> str:
         return type(self).__name__
@@ -82,11 +82,11 @@ class Face:
         return tuple(getattr(self, "notes", ()) or ())
 
     def _figures(self) -> list[Any]:
-        """Figures of matplotlib, not those of pyplot, which a notebook would show a second time."""
+        """Matplotlib figures made without pyplot, whose figures a notebook would show a second time."""
         return []
 
     def _text(self) -> str:
-        """The same as plain text: title, facts, tables; a result whose record is too long to read is printed so."""
+        """The result as plain text: title, facts and tables; the printed form of results whose record is too long to read."""
         facts = "; ".join(f"{name} {value}" for name, value in self._facts().items())
         rows = [", ".join(f"{name} {cell}" for name, cell in zip(head, row, strict=True)) for head, *rest in self._tables() for row in rest]
         return "\n  ".join([f"{self._title()}: {facts}" if facts else self._title(), *rows])
@@ -100,7 +100,7 @@ class Face:
 
 
 class Drawn(Face):
-    """A result that a function of `stickslip.plot` draws: `plot` is that function."""
+    """A result drawn by a function of `stickslip.plot`, which its method `plot` calls."""
 
     #: Name of the function.
     _drawn_by: ClassVar[str]
@@ -112,7 +112,7 @@ class Drawn(Face):
         return self
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """Draw it, with the arguments of the function of `stickslip.plot` that draws such results; returns the axes."""
+        """Draw the result, with the arguments of the corresponding function of `stickslip.plot`; returns the axes."""
         return _drawing(self._drawn_by)(self._drawn(), *args, **options)
 
     def _figures(self) -> list[Any]:
@@ -120,7 +120,7 @@ class Drawn(Face):
 
 
 def drawn_on(draw: Callable[[Any], Any], inches: tuple[float, float] = _INCHES) -> list[Any]:
-    """A figure of matplotlib that `draw` drew on; none where there is too little to draw, such as basins over one coordinate."""
+    """A list with the Matplotlib figure that `draw` fills; empty if there is too little to draw, such as basins over one coordinate."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=inches, layout="constrained")
@@ -131,19 +131,19 @@ def drawn_on(draw: Callable[[Any], Any], inches: tuple[float, float] = _INCHES) 
 
 
 def _drawing(name: str) -> Any:
-    """A function of `stickslip.plot`, which stands above what it draws and is asked when somebody wants to see something."""
+    """A function of `stickslip.plot`, imported on demand, because that package is built on the results that it draws."""
     return getattr(importlib.import_module("stickslip.plot"), name)
 
 
 def _image(figure: Any) -> str:
     out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=2 * _SHOWN, facecolor="white")  # sharp on screens of two pixels a point
+    figure.savefig(out, format="png", dpi=2 * _SHOWN, facecolor="white")  # sharp on high-resolution screens
     width = round(figure.get_figwidth() * _SHOWN)
     return f'<img alt="figure" width="{width}" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
 
 
 def html_table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows of text as an HTML table, the first its heading."""
+    """Rows of text as an HTML table; the first row is the heading."""
     head = "".join(_cell(cell, "th") for cell in rows[0])
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows[1:])
     return f"<table><tr>{head}</tr>{body}</table>"

@@ -1,10 +1,10 @@
 """Frozen records whose fields may be numbers, arrays of them, or part of the kind.
 
 A field annotated ``float`` (or ``float | None``) is a number: it may hold a float, a NumPy array or a labelled
-`xarray.DataArray`. A field annotated ``tuple[float, ...]`` holds several numbers, named ``field.0``, ``field.1``, …; how many
-there are belongs to the kind. So do a record's parts: one record, or a tuple
-of them with numbers ``field.0.name``, …. A field annotated ``Mapping[str, float]`` holds numbers by names of their own.
-Every other field belongs to the kind. A user's own law needs nothing from here.
+`xarray.DataArray`. A field annotated ``tuple[float, ...]`` holds several numbers, named ``field.0``, ``field.1``, …; their count
+belongs to the kind. So do a record's parts: one record, or a tuple of records with numbers ``field.0.name``, …. A field annotated
+``Mapping[str, float]`` holds numbers under names of their own. Every other field belongs to the kind. A user-defined law needs
+nothing from this module.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from stickslip.typed_numbers import in_unit
 if TYPE_CHECKING:
     import inspect
 
-#: No number of a record is larger: its square is a number too.
+#: Limit for the magnitude of a record's numbers, so that their squares are finite.
 LARGEST = 1e150
 
 
@@ -34,23 +34,23 @@ def is_number_field(field: dataclasses.Field[Any]) -> bool:
 
 
 def is_tuple_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds a tuple of numbers; of one that begins with ``float |`` also one number for all."""
+    """Whether a dataclass field holds a tuple of numbers, or, if its annotation begins with ``float |``, also one number for all."""
     return "tuple[float" in str(field.type)
 
 
 def is_named_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds numbers by names of their own."""
+    """Whether a dataclass field holds numbers under names of their own."""
     return "Mapping[str, float]" in str(field.type)
 
 
 def is_array(value: Any) -> bool:
-    """Whether a number is really many of them."""
+    """Whether a number is an array of numbers."""
     return getattr(value, "ndim", 0) > 0
 
 
 def number(value: Any, unit: str | None = None) -> Any:
-    """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither. With a unit "0.55 mm" is one too."""
-    if type(value) is float:  # nearly all: the other questions need not be asked
+    """A value as a float, or as an array of floats with its labels, else `ValueError`; with a unit, "0.55 mm" is accepted too."""
+    if type(value) is float:  # the usual case, without further checks
         return value
     value = value if unit is None else in_unit(value, unit)
     if _only_looks_like_one(value):
@@ -76,7 +76,7 @@ def number(value: Any, unit: str | None = None) -> Any:
 
 
 def floats(value: Any) -> Any:
-    """A number or an array of them as an array of floats; an empty one of what is neither, which `number` says.
+    """A number or an array of numbers as an array of floats; empty if `number` refuses the value.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def floats(value: Any) -> Any:
 
 
 def masked_in(value: Any) -> int:
-    """How many values of an array are masked, and so no numbers."""
+    """Number of masked values of an array."""
     mask = getattr(value, "mask", None)
     return int(mask.sum()) if mask is not None and hasattr(value, "filled") else 0
 
@@ -103,7 +103,7 @@ def _refused(value: Any) -> str:
 
 
 def _only_looks_like_one(value: Any) -> bool:
-    """Whether NumPy would take it, or an entry of it, for a number that it is not: text, True and False, complex numbers, None."""
+    """Whether the value or an entry is one that NumPy may convert, but is not a number: text, True and False, complex numbers, None."""
     if isinstance(value, (list, tuple)):
         return any(map(_only_looks_like_one, value))
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
@@ -113,7 +113,7 @@ def _only_looks_like_one(value: Any) -> bool:
 
 
 def everywhere(condition: Any) -> bool:
-    """Whether a condition on a number holds: of an array, for all of it.
+    """Whether a condition on a number holds; for an array, whether it holds for all entries.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def describe(value: Any) -> str:
 
 
 def describe_bad(value: Any, good: Callable[[Any], Any]) -> str:
-    """A value as an error message shows it; of an array the first entry that is not good, and how many there are."""
+    """A value as an error message shows it; for an array the first entry that is not allowed, and the number of such entries."""
     if not is_array(value):
         return f" = {value!r}"
     import numpy as np
@@ -156,20 +156,20 @@ def describe_bad(value: Any, good: Callable[[Any], Any]) -> str:
 def checked_number(
     name: str, value: Any, problems: Problems, rule: Callable[[Any], Any] | None, allowed: str, typed: str, unit: str | None = None
 ) -> Any:
-    """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
+    """A number, checked to be finite and to obey its rule; violations are added to `problems`.
 
     Parameters
     ----------
     name, allowed, typed : str
-        What the number is called, what `rule` allows in words, and what to type for example.
+        Name of the number, the values that `rule` allows in words, and an example to type.
     value : float or array
-        As it was given.
+        The given value.
     problems : Problems
-        Takes the sentence.
+        Receives the sentence.
     rule : callable or None
-        From value(s) to truth(s).
+        Maps value(s) to truth value(s).
     unit : str, optional
-        The unit in which it is kept; text such as "0.55 mm" is then allowed too.
+        The unit in which it is stored; text such as "0.55 mm" is then allowed too.
 
     Returns
     -------
@@ -206,10 +206,10 @@ def checked_number(
 
 
 class Frozen:
-    """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
+    """Base class of the frozen records: checks its numbers once, and can be copied with changes."""
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
-        """An empty record, its arguments' names checked."""
+        """Create an empty record after checking the names of the arguments."""
         names, needed = _names_of(cls.__init__)
         if args or kwargs:  # copying makes an empty one first
             fits = kwargs.keys() <= names and all(place < len(args) or name in kwargs for place, name in needed)
@@ -225,7 +225,7 @@ class Frozen:
         problems.check()
 
     def _check_together(self, problems: Problems) -> None:
-        """Check what needs more than one field, as far as the fields are right; of symbols nothing can be said."""
+        """Check conditions on several fields; errors due to invalid fields are ignored, and records with symbols are not checked."""
         if any(type(value) is not float and is_symbol(value) for _, value in leaves(self)):
             return
         try:
@@ -261,7 +261,7 @@ class Frozen:
         object.__setattr__(self, field.name, taken)
 
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
-        """A number by its field's rule; what is wrong with it is noted and the value comes back as it was. A symbol is what it is."""
+        """A number, checked by its field's rule; violations are added to `problems`. A symbol is returned unchanged."""
         if type(value) is not float and is_symbol(value):
             return value
         return checked_number(name, value, problems, *_rule_of(field))
@@ -281,7 +281,8 @@ class Frozen:
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
 
-        A name may mean the numbers of several parts: ``"modules.drive.omega"`` those of all modules, ``"*.omega"`` every name that ends so.
+        A name may stand for the numbers of several parts: ``"modules.drive.omega"`` for those of all modules, ``"*.omega"`` for every
+        name with this ending.
         """
         problems = Problems(type(self).__name__)
         grouped = _spelled_out(self, {**(changes or {}), **fields}, problems)
@@ -289,7 +290,7 @@ class Frozen:
         parts = {}
         for head, sub in _by_head(grouped).items():
             parts[head] = _changed(getattr(self, head), sub.changes) if isinstance(sub, _Sub) else sub
-        return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
+        return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be valid only together
 
 
 @functools.lru_cache(maxsize=256)
@@ -321,7 +322,7 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
 
 @functools.lru_cache(maxsize=512)
 def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
-    """The parameters of a constructor besides the record itself; cached, as Python takes long to find them."""
+    """The parameters of a constructor without ``self``; cached, because `inspect.signature` is slow."""
     import inspect
 
     return tuple(inspect.signature(made).parameters.items())[1:]
@@ -329,7 +330,7 @@ def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
 
 @functools.lru_cache(maxsize=512)
 def _names_of(made: Any) -> tuple[frozenset[str], tuple[tuple[int, str], ...]]:
-    """Names of all that a constructor takes; places and names of what it needs."""
+    """Names of all arguments of a constructor; positions and names of the required ones."""
     known = [p for _, p in _parameters_of(made)]
     needed = ((i, p) for i, p in enumerate(known) if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL))
     return frozenset(p.name for p in known), tuple((i, p.name) for i, p in needed)
@@ -343,7 +344,7 @@ def check_arguments(
     described: Callable[[], Mapping[str, Mapping[str, Any]]],
     not_known: str = "not a field",
 ) -> None:
-    """Names that are not known or missing, said as one of our sentences; what to type is an example of the argument's description."""
+    """Report unknown and missing arguments; the suggestion for a missing one is the example in its description."""
     problems = Problems(what)
     takes_any = any(p.kind is p.VAR_KEYWORD for p in known.values()) and not_known != "not a field"
     for name in kwargs if not takes_any else ():
@@ -357,12 +358,12 @@ def check_arguments(
 
 
 def _example_in(told: Mapping[str, Any]) -> str:
-    """An example of a number; dots where nobody described it."""
+    """An example of a number; dots if it has no description."""
     return example_of(told) if told.get("example") is not None else "..."
 
 
 def _changed(part: Any, changes: dict[str, Any]) -> Any:
-    """A part with some of its fields changed; of several parts, or several numbers, those that are meant by their places."""
+    """A part with some of its fields changed; in a tuple of parts or numbers the changes are selected by position."""
     if isinstance(part, tuple):
         found = list(part)
         for place, sub in _by_head(changes).items():
@@ -372,7 +373,7 @@ def _changed(part: Any, changes: dict[str, Any]) -> Any:
 
 
 def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> dict[str, Any]:
-    """The changes by names that mean one field or number each."""
+    """The changes with every name expanded to single fields or numbers."""
     found: dict[str, Any] = {}
     for path, value in changes.items():
         meant: tuple[str, ...] = (path,)
@@ -420,7 +421,7 @@ def _look_up(record: Any, path: str, given: Any) -> Any:
 
 
 def _of_parts(record: Any, path: str) -> str:
-    """A suggestion for a number of a part that is given without the part's name; None if no part has it."""
+    """A suggestion for a number of a part that is given without the part's name; empty if no part has it."""
     found = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
     typed = " or ".join(f'replace({{"{name}": ...}})' for name in found[:3])
     return f"{found[0].rpartition('.')[0]} has it; type {typed}" if found else ""
@@ -436,7 +437,7 @@ def described_by(cls: Any, name: str) -> Mapping[str, Any]:
 
 
 def example_in(cls: Any) -> Any:
-    """A record with the examples of its fields; a number that has neither example nor default is named in an error.
+    """A record with the examples of its fields; fields with neither example nor default are reported in an `InputError`.
 
     Examples
     --------
@@ -457,7 +458,7 @@ def example_in(cls: Any) -> Any:
 
 
 def _typed(example: Any) -> Any:
-    """An example as the number that it says."""
+    """An example, converted to a number if it is text."""
     return float(example) if isinstance(example, str) else example
 
 
@@ -498,7 +499,7 @@ def is_record(value: Any) -> bool:
 
 
 def is_frozen(record: Any) -> bool:
-    """Whether a record and all its parts stay what they are; numbers by names of their own are in a mapping, which may change."""
+    """Whether a record and all its parts are immutable; numbers under names of their own are in a mapping, which is mutable."""
     cls: Any = type(record)
     values = [getattr(record, name) for name, _ in _plan(cls)]
     parts = [part for value in values for part in (value if _are_records(value) else (value,)) if is_record(part)]
@@ -511,14 +512,14 @@ def _are_records(value: Any) -> bool:
 
 
 def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str, Any]]:
-    """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is not a number.
+    """Every number of a record and of its parts, as (dotted name, value); with `kinds` also the fields that are not numbers.
 
     A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind.
     """
     found: list[tuple[str, Any]] = [(prefix + "__class__", type(record))] if kinds else []
     for name, full, holds in _named_plan(type(record), prefix):  # type: ignore[arg-type]
         value = getattr(record, name)
-        if type(value) is float and holds == "number":  # nearly all: the other questions need not be asked
+        if type(value) is float and holds == "number":  # the usual case, without further checks
             found.append((full, value))
         elif is_record(value):
             found += leaves(value, f"{full}.", kinds)
@@ -536,12 +537,12 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str
 
 @functools.lru_cache(maxsize=1024)
 def _named_plan(cls: type, prefix: str) -> tuple[tuple[str, str, str], ...]:
-    """The plan of a record that is a part: name of each field, the same with what stands before it, and what the field holds."""
+    """The plan of a record that is a part: name of each field, the same with its prefix, and what the field holds."""
     return tuple((name, prefix + name, holds) for name, holds in _plan(cls))
 
 
 def field_description(record: Any, name: str) -> Mapping[str, Any]:
-    """The metadata of the field that a dotted name stands for; nothing where it is part of a tuple of numbers without a field of its own.
+    """The metadata of the field that a dotted name stands for; empty if there is no such field.
 
     Examples
     --------
@@ -562,7 +563,7 @@ def field_description(record: Any, name: str) -> Mapping[str, Any]:
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
-    """A copy, made without any check, in which the named numbers are replaced (the engine puts symbols there)."""
+    """A copy, made without any check, in which the named numbers are replaced (by symbols in the engine)."""
     copy = object.__new__(type(record))
     for name, value in _beside_fields(record).items():
         object.__setattr__(copy, name, value)
@@ -581,7 +582,7 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
 
 
 def _beside_fields(record: Any) -> dict[str, Any]:
-    """Attributes that are not fields, which only a record without numbers may have: elsewhere they would be what other numbers gave."""
+    """Attributes that are not fields; refused in a record with numbers, where they would be outdated once the numbers are replaced."""
     cls: Any = type(record)
     plan = _plan(cls)
     names = {name for name, _ in plan}
@@ -600,6 +601,6 @@ def _is_cached(cls: type, name: str) -> bool:
 
 @functools.lru_cache(maxsize=256)
 def _derived(cls: Any) -> tuple[str, ...]:
-    """Fields that are not arguments of a class, and no numbers that could be replaced with the others."""
+    """Fields that are neither arguments of a class nor numbers that could be replaced with the others."""
     kinds = {name for name, holds in _plan(cls) if holds == "kind"}
     return tuple(f.name for f in dataclasses.fields(cls) if not f.init and f.name in kinds)

@@ -1,9 +1,10 @@
-r"""Flows that switch: smooth fields, guards between them, resets. For systems that are not machines of bodies and contacts.
+r"""Switching flows (hybrid automata): smooth fields, guards and resets, for systems that are not machines of bodies and contacts.
 
 A mode has a field :math:`\dot y = f(t, y)` and switches. A switch happens when its guard falls through zero; the mode after it and the
-state after it may depend on where that happens. A guard that is below zero where a mode begins switches at once; what then follows at
-the same instant is one switch with the composed resets. Of guards that fall together the first in the tuple counts. Fields, guards and
-resets are plain Python on sequences, written with `stickslip.maths`; their derivatives come from their own lines.
+state after it may depend on the time and state of the switch. A guard that is below zero where a mode begins switches at once; further
+switches at the same instant are merged into one with the composed resets. If several guards fall through zero together, the first in
+the tuple takes effect. Fields, guards and resets are plain Python on sequences, written with `stickslip.maths`; their derivatives are
+derived from this code.
 """
 
 from __future__ import annotations
@@ -128,12 +129,12 @@ class SwitchingFlow:
         states: tuple[str, ...] | None = None,
         scales: Sequence[float] | None = None,
     ) -> SwitchingFlow:
-        """A map as a flow that stands still and jumps once in each period of 1: every function for flows then accepts it.
+        """A map as a flow that is at rest and jumps once in each period of 1, so that every function for flows accepts it.
 
         Parameters
         ----------
         f : callable
-            The map, from y, or from (y, n) where there are numbers: what `lyapunov_of_map` takes, written with `stickslip.maths`.
+            The map as a function of y, or of (y, n) if there are numbers, as for `lyapunov_of_map`; written with `stickslip.maths`.
         numbers, states, scales
             As for a flow.
 
@@ -186,7 +187,7 @@ class SwitchingFlow:
 
     @property
     def plain(self) -> SwitchingFlow:
-        """The same flow with its numbers put in: its functions take (t, y)."""
+        """The same flow with its numbers substituted: its functions take (t, y)."""
         if not self.numbers:
             return self
         put = partial(_with_numbers, n=self.given)
@@ -198,16 +199,16 @@ class SwitchingFlow:
         return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales)
 
     def to_toml(self) -> str:
-        """Refused: the functions of a flow are Python, which no file holds."""
+        """Raise `InputError`: the functions of a flow are Python code, which cannot be stored in a file."""
         raise InputError("SwitchingFlow", [_NO_FILE])
 
     @classmethod
     def from_toml(cls, text: str) -> SwitchingFlow:
-        """Refused, as `to_toml` is."""
+        """Raise `InputError`, as `to_toml` does."""
         raise InputError("SwitchingFlow", [_NO_FILE])
 
     def names(self, count: int) -> tuple[str, ...]:
-        """Names of this many coordinates."""
+        """Names of `count` coordinates."""
         return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
 
     def __repr__(self) -> str:
@@ -221,7 +222,7 @@ _NO_FILE = "the functions of a flow are Python, which no file holds; write them 
 
 
 def is_flow(model: Any) -> bool:
-    """Whether something declares fields by modes and the switches between them, as a `SwitchingFlow` does."""
+    """Whether an object declares fields by modes and the switches between them, as a `SwitchingFlow` does."""
     return isinstance(getattr(model, "fields", None), Mapping) and isinstance(getattr(model, "switches", None), Mapping)
 
 
@@ -312,7 +313,7 @@ def knows_mode(fields: Mapping[Any, Any], mode: Any) -> bool:
 
 
 def unknown_mode(mode: Any, fields: Mapping[Any, Any]) -> str:
-    """That a flow has no such mode, and which it has."""
+    """The message that a flow has no such mode, with the known ones or a suggestion."""
     if isinstance(mode, str):
         return f"{mode!r} is not a mode of the flow; {did_you_mean(mode, [repr(m) if not isinstance(m, str) else m for m in fields])}"
     return f"{mode!r} is not a mode of the flow; known: {', '.join(map(repr, fields))}"

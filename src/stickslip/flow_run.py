@@ -17,12 +17,12 @@ from stickslip.maths import Array
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
-_LOOKS = 33  # at a polynomial on one step; its extremes are refined from there
-_FREE = 10  # of a flow without a period: this many times `samples` instants in all
+_LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
+_FREE = 10  # instants of a run without a period, in units of `samples`
 
 
 class ModeChange(NamedTuple):
-    """A switch: when, and the modes before and after it."""
+    """A switch: its time, and the modes before and after it."""
 
     t: float
     before: Any
@@ -54,7 +54,7 @@ class FlowRun(Drawn):
     periods : int, optional
         Periods of the forcing.
     samples : int
-        Instants per period in the columns; ten times as many in all without a period.
+        Instants per period in the columns; without a period, the run has ten times as many in all.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class FlowRun(Drawn):
 
     @cached_property
     def _instants(self) -> tuple[Array, Array]:
-        """The sampled times with the piece of each; an event stands there twice, before and after."""
+        """The sampled times with the piece of each; each event appears twice, before and after."""
         first, last = float(self.nodes[0]), float(self.nodes[-1])
         count = (
             _FREE * self.samples if self.model.period is None else max(int(np.ceil((last - first) / self.model.period * self.samples)), 1)
@@ -202,7 +202,7 @@ class FlowRun(Drawn):
     # ---- doors ----
     @property
     def notes(self) -> list[str]:
-        """Remarks on the run: how it was followed where the engine could not."""
+        """Remarks on the run: why another method replaced the compiled engine."""
         return [f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else []
 
     def to_xarray(self) -> Any:
@@ -222,7 +222,7 @@ class FlowRun(Drawn):
     def save(self, path: str | Path) -> Path:
         """Write the columns to .csv or .nc; returns its path.
 
-        The columns can be read back, the run cannot: the functions of a flow are Python code, which no file holds.
+        The columns can be read back, but not the run: the functions of a flow are Python code, which cannot be stored in a file.
         """
         path = Path(path)
         if path.suffix == ".csv":
@@ -246,13 +246,13 @@ class FlowRun(Drawn):
 
 
 def polynomials(coefficients: Array, theta: Array) -> Array:
-    """Values (pieces, states) of polynomials (pieces, states, powers) at one place of each piece."""
+    """Values (pieces, states) of polynomials (pieces, states, powers) at one point of each piece."""
     value: Array = polyval(theta[:, None], np.moveaxis(coefficients, -1, 0), tensor=False)
     return value
 
 
 def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
-    """The smallest and the largest value of each state on all pieces, also between the looks, and among some states besides.
+    """The smallest and the largest value of each state over all pieces, including interior extremes, and over some additional states.
 
     Examples
     --------
@@ -265,7 +265,7 @@ def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
     curve = slope[..., 1:] * powers[1:-1]
     rates = slope @ looks[None, :] ** powers[:-1, None]
     rises = rates > 0.0
-    piece, state, k = np.nonzero(rises[..., :-1] != rises[..., 1:])  # it turns between two looks
+    piece, state, k = np.nonzero(rises[..., :-1] != rises[..., 1:])  # an extremum between two samples
     before, after = rates[piece, state, k], rates[piece, state, k + 1]
     theta = looks[k] + before / (before - after) / (_LOOKS - 1)
     own, slope, curve = (c[piece, state] for c in (coefficients, slope, curve))

@@ -15,14 +15,14 @@ from stickslip.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 
-_SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
-_ORDINARY = 1e-3  # a velocity [m/s] of ordinary sliding
+_SLOW = 1e-12  # velocity [m/s] of very slow sliding
+_ORDINARY = 1e-3  # velocity [m/s] of ordinary sliding
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 _LIMITS = "return the static friction limits backwards (negative) and forwards (positive)"
 
 
 def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)") -> None:
-    """Note what keeps an object from being a friction law."""
+    """Note the reasons why an object is not a friction law."""
     if isinstance(law, type) or not is_law(law):
         problems.add(
             f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
@@ -45,7 +45,7 @@ def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(
 
 
 def _check_switches(law: Any, problems: Problems) -> None:
-    """Note a law with whole-number memories that nothing switches: neither its rate nor its force would be given them."""
+    """Note a law with whole-number memories but no switches: neither its rate nor its force would receive them."""
     if getattr(law, "modes", 0) and not adapted(law).switching:
         problems.add(
             f"{type(law).__name__} has modes = {law.modes} and no switches; allowed are both or neither; "
@@ -54,7 +54,7 @@ def _check_switches(law: Any, problems: Problems) -> None:
 
 
 def _check_breakaway(law: Any, problems: Problems) -> None:
-    """Note a set-valued law whose breakaway gives no two limits, gives them in the wrong order, or lies below its sliding friction."""
+    """Note a set-valued law whose breakaway does not give two limits, in the right order and at least as large as sliding friction."""
     try:
         limits = law.breakaway(1.0)
         if not isinstance(limits, (tuple, list)) or len(limits) != 2:
@@ -65,7 +65,7 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
         slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
         faster = [np.asarray(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
         rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
-    except Exception as error:  # what else goes wrong inside a law is told where it is traced, with what to write
+    except Exception as error:  # other errors inside a law are reported, with a suggestion, when it is traced
         if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and adapted(law).compiles:
             why = f"{type(law).__name__} cannot take numbers that are arrays ({error})"
             problems.add(f"{why}; write where(condition, yes, no), maximum or minimum from stickslip.maths instead of if, max or min")
@@ -81,12 +81,12 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
 
 
 def inner_start(model: Any, x: Any = 0.0) -> Any:
-    """Inner states with which a run from rest begins, where the law says them, else zeros: array (cases, states).
+    """Initial inner states of a run from rest, given by the law's `start` if it has one, else zeros: array (cases, states).
 
     Parameters
     ----------
     x : float or array
-        Where the body is at t = 0, flat in the order of the cases [m].
+        Position of the body at t = 0, flat in the order of the cases [m].
 
     Examples
     --------
@@ -121,9 +121,9 @@ def offered_force(model: Any, t: Any, x: Any) -> Any:
 
 
 def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
-    """The impulses of a run up to and with `end`: (time [s], jump of v [m/s]), in order; none at the very start.
+    """The impulses of a run up to and including `end`, in order: (time [s], jump of v [m/s]); none at t = 0.
 
-    Of a machine of several bodies a jump is an array, a number for each body.
+    For a machine of several bodies a jump is an array with a number for each body.
     """
     jumps = machine_of(model).jumps
     if not jumps:
@@ -141,21 +141,21 @@ def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
 
 
 def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:
-    """The velocity on the side that `mode` holds, at least `least` in size: laws are evaluated inside one branch."""
+    """The velocity on the side given by `mode`, at least `least` in magnitude, so that laws are evaluated inside one branch."""
     return mode * np.maximum(mode * v, least)
 
 
 def slip_ratio_of(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, memory: Any = ()) -> Any:
-    """Slip ratio 1 - (dz/dt)/v of the first inner state on the side that `mode` holds: 0 while it bends with the body, 1 in sliding.
+    """Slip ratio 1 - (dz/dt)/v of the first inner state on the side given by `mode`: 0 in elastic deflection, 1 in steady sliding.
 
-    It is the elastic part of the friction over its steady sliding value; z is an array (n, states).
+    It is the ratio of the elastic part of the friction to its steady sliding value; z is an array (n, states).
     """
     slip = held_velocity(model.contact_velocity(v), mode, _LEAST * float(model.velocity_scale) or _LEAST)
     return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
 
 
 def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> Any:
-    """Friction force R [N]; z and its rate are one array for each state. Stuck bodies feel what the other forces leave over."""
+    """Friction force R [N], equal to the net applied force on stuck bodies; z and its rate are one array for each state."""
     law, load = law_of(model), normal_load(model, t, x)
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
     if law.dynamic:
@@ -165,7 +165,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
 
 
 def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
-    """Every force, and every motion of the inner mass if there is one, by the names in `stickslip.variables`."""
+    """Acceleration and forces, with the motion of the inner mass if there is one, by the names in `stickslip.variables`."""
     if not machine_of(model).is_single:
         return columns_of_parts(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
     ones = np.ones_like(t)

@@ -10,35 +10,35 @@ import numpy as np
 
 from stickslip.one_thread import in_one_thread
 
-#: Singular values of derivatives, each parameter on a scale of its own, that are this small beside the largest count as zero: derivatives
-#: by central differences are good to 1e-8 of themselves, by one-sided ones to 1e-5.
+#: Singular values of the derivatives, each parameter scaled on its own, count as zero below this fraction of the largest: derivatives by
+#: central differences have a relative accuracy of 1e-8, by one-sided ones of 1e-5.
 SINGULAR = 1e-6
 PART = 1e-3  # a parameter with a smaller share of a direction does not lie in it
-_EXACT = 1e-13  # singular values below this part of the largest are zero where nothing but rounding makes them
-_NOTHING = 1e-12  # of the largest column: a parameter that moves nothing
+_EXACT = 1e-13  # singular values below this fraction of the largest are zero if rounding is the only error
+_NOTHING = 1e-12  # of the largest column: a parameter with a smaller column has no effect
 
 
 @dataclass(frozen=True, eq=False)
 class Information:
-    r"""The information in the derivatives J of residuals (in standard deviations) by parameters, :math:`J^TJ`, taken apart.
+    r"""The information :math:`J^TJ` in the derivatives J of residuals (in standard deviations) by parameters, decomposed.
 
     With :math:`J = U S V^T`, after each column was divided by its length, directions in V whose singular value is zero to the accuracy
     of the derivatives are *undetermined*: their variance is infinite, and so is that of every parameter that lies in one of them. (The
-    pseudo-inverse of the information would make it zero.) The others have their variance from the directions that are left.
+    pseudo-inverse of the information would make it zero.) The variances of the others come from the remaining directions.
 
     Parameters
     ----------
     jacobian : array (values, parameters)
         Derivatives of the residuals.
     singular : float
-        Singular values below this part of the largest are zero.
+        Singular values below this fraction of the largest are zero.
     prior : array (rows, parameters), optional
-        Derivatives of what is known beforehand, in the same units of noise. They are exact, so that no row is too small to count; what the
-        data leave open they may determine.
+        Derivatives of the prior knowledge, in the same units of noise. They are exact, so that no row is too small to count, and may
+        determine directions that the data do not.
 
     Examples
     --------
-    Only the sum of the first two numbers moves anything, and the third by itself:
+    Only the sum of the first two numbers has an effect, and the third by itself:
 
     >>> found = Information(np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 0.5]]))
     >>> found.undetermined.tolist(), found.errors().tolist()
@@ -51,13 +51,13 @@ class Information:
 
     @cached_property
     def _rows(self) -> Any:
-        """All derivatives, those of what is known beforehand last."""
+        """All derivatives, those of the prior knowledge last."""
         data = np.asarray(self.jacobian)
         return data if self.prior is None else np.concatenate([data, self.prior])
 
     @cached_property
     def _sizes(self) -> Any:
-        """Lengths of the columns; infinite for those that are nothing."""
+        """Lengths of the columns; infinite for zero columns."""
         data = np.sqrt(np.sum(np.asarray(self.jacobian) ** 2, axis=0))
         size = np.where(data > _NOTHING * data.max(initial=0.0), data, 0.0)
         known = 0.0 if self.prior is None else np.sqrt(np.sum(np.asarray(self.prior) ** 2, axis=0))
@@ -66,7 +66,7 @@ class Information:
 
     @cached_property
     def _parts(self) -> tuple[Any, Any, Any]:
-        """Singular values as one for each parameter, the directions as rows, and which of them are undetermined."""
+        """A singular value for each parameter, the directions as rows, and which of them are undetermined."""
         values, directions = decomposed(np.asarray(self.jacobian) / self._sizes)
         lost = values <= self.singular * values.max(initial=0.0)
         if self.prior is None or not len(self.prior):
@@ -83,7 +83,7 @@ class Information:
 
     @cached_property
     def projector(self) -> Any:
-        """Projector on the undetermined directions: parameters with an entry beside the diagonal are undetermined together."""
+        """Projector on the undetermined directions: parameters coupled by an off-diagonal entry are undetermined together."""
         return self.directions.T @ self.directions
 
     @cached_property
@@ -93,21 +93,21 @@ class Information:
 
     @cached_property
     def inverse(self) -> Any:
-        """The pseudo-inverse of the derivatives: steps to the least sum of squares that leave undetermined directions alone."""
+        """The pseudo-inverse of the derivatives: least-squares steps without components in undetermined directions."""
         values, directions, lost = self._parts
         kept = directions[~lost]
         scaled = self._rows / self._sizes
         return (kept.T / values[~lost] ** 2) @ kept @ scaled.T / self._sizes[:, None]
 
     def covariance(self, scale: float = 1.0) -> Any:
-        """Covariance of the parameters for noise that is `scale` times what the residuals are measured in.
+        """Covariance of the parameters for noise that is `scale` times the unit of the residuals.
 
         An undetermined parameter has infinite variance, and no (NaN) covariance with others.
         """
         return self.marked(self.of_the_determined(scale))
 
     def of_the_determined(self, scale: float = 1.0) -> Any:
-        """Covariance with undetermined directions left out: that of every combination which does not change along them."""
+        """Covariance without undetermined directions; it holds for every combination that does not change along them."""
         values, directions, lost = self._parts
         kept = directions[~lost] / self._sizes
         return (kept.T * (scale / values[~lost]) ** 2) @ kept
@@ -140,7 +140,7 @@ class Information:
 
 
 def _without_traces(rows: Any, lost: Any) -> Any:
-    """Rows without the shares in undetermined directions that only the accuracy of these makes."""
+    """Rows without small components in undetermined directions, which result from the limited accuracy of these directions."""
     share = rows @ lost.T
     return rows - np.where(abs(share) < PART * np.linalg.norm(rows, axis=1, keepdims=True), share, 0.0) @ lost
 

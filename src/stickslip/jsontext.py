@@ -16,11 +16,11 @@ def plain(
     ----------
     value : object
     key : callable
-        What becomes of the keys of a mapping.
+        Converts the keys of a mapping.
     other : callable
-        What becomes of anything that JSON does not know.
+        Converts anything that JSON does not support.
     number : callable
-        What becomes of a float; by default it stays, also where it is not a number, which Python's JSON knows and others do not.
+        Converts a float; by default it is unchanged, also if it is NaN, which Python's JSON supports and others do not.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def plain(
 
 
 def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str) -> Any:
-    """The same as strict JSON can hold it: numbers that are not numbers are null.
+    """A value that strict JSON can hold: as by `plain`, with None for NaN and infinite numbers.
 
     Examples
     --------

@@ -12,10 +12,10 @@ from stickslip.errors import InputError, is_whole
 
 @dataclass(frozen=True)
 class BodyStates:
-    """Which states make the motion of one body.
+    """The states that describe the motion of one body.
 
-    Its position is `factor` times a way, plus a state. A way is the distance that a reference body went, the integral of that body's
-    velocity: no force depends on it. With a way the state is the rest of the position, such as the length of a spring to the reference
+    Its position is `factor` times a way, plus a state. A way is the displacement of a reference body, the integral of that body's
+    velocity; no force depends on it. With a way the state is the rest of the position, such as the length of a spring to the reference
     body; without one it is the position itself.
 
     Parameters
@@ -24,9 +24,9 @@ class BodyStates:
     velocity : int
         Number of the state that is its velocity [m/s].
     way : int, optional
-        Number of the way that it goes along.
+        Number of its way.
     factor : float
-        How much of that way it goes.
+        Its displacement per unit of that way.
     position : int, optional
         Number of the state that is its position, or the rest of it [m].
     """
@@ -40,17 +40,17 @@ class BodyStates:
 
 @dataclass(frozen=True)
 class ContactStates:
-    """Which states and memories belong to one contact.
+    """The states and memories of one contact.
 
     Parameters
     ----------
     name : str
     direction : tuple of float
-        The slip velocity is the sum of these times the velocities of the bodies, and what is prescribed.
+        Coefficients of the velocities of the bodies in the slip velocity, to which prescribed velocities are added.
     inner : tuple of int
         Numbers of the states that are the inner states of its law.
     memory : tuple of int
-        Numbers of the whole-number memories that are its law's.
+        Numbers of the whole-number memories of its law.
     """
 
     name: str
@@ -61,13 +61,13 @@ class ContactStates:
 
 @dataclass(frozen=True)
 class ControllerStates:
-    """Which states belong to one controller.
+    """The states of one controller.
 
     Parameters
     ----------
     name : str
     states : tuple of str
-        What they are called.
+        Their names.
     inner : tuple of int
         Their numbers among the states.
     """
@@ -90,7 +90,7 @@ class StateLayout:
     single : bool
         Whether the machine has one body and one contact by its kind, as a `Robot` has: columns then have no axis for them.
     principal : str, optional
-        Name of the principal body of a machine of several: columns are then those of this body and its contact, without an axis.
+        Name of the principal body of a machine of several bodies: columns are then those of this body and its contact, without an axis.
     controllers : tuple of ControllerStates, optional
 
     Examples
@@ -112,7 +112,7 @@ class StateLayout:
 
     @classmethod
     def of_one(cls, inner: int = 0, memories: int = 0, knows_position: bool = False) -> StateLayout:
-        """One body on one contact: v, the inner states, and x where the equations know it.
+        """One body on one contact: v, the inner states, and x if the equations contain it.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class StateLayout:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The states by name: "v" velocity, "l" what is added to a way, "x" position, "z" inner, and whose it is if there are several."""
+        """Names of the states: "v" velocity, "l" addition to a way, "x" position, "z" inner state; then the part if there are several."""
         named: dict[int, str] = {}
         for body in self.bodies:
             named.setdefault(body.velocity, self._name("v", body.name))
@@ -151,7 +151,7 @@ class StateLayout:
 
     @property
     def own(self) -> dict[str, int]:
-        """Which body and which contact the columns are those of, by dimension; none where they have an axis for all."""
+        """Numbers of the body and the contact that the columns belong to, by dimension; empty if they have an axis for all."""
         if self.principal is not None:
             return of_principal(self.principal, [b.name for b in self.bodies], [c.direction for c in self.contacts])
         return {"body": 0, "contact": 0} if self.single else {}
@@ -163,12 +163,12 @@ class StateLayout:
 
     @property
     def most_inner(self) -> int:
-        """How many inner states the law, or the controller, with the most of them has."""
+        """Largest number of inner states of a law or a controller."""
         return max((len(part.inner) for part in self.with_inner), default=0)
 
     # ---- checks ----
     def flaws(self, states: int, ways: int, memories: int, contacts: int) -> list[str]:
-        """Inconsistencies with arrays of so many states, positions, memories and contacts: a sentence each."""
+        """Inconsistencies with arrays of these numbers of states, ways, memories and contacts: a sentence each."""
         bodies = self.bodies
         used = [*self.ways, *(b.velocity for b in bodies), *(b.position for b in bodies if b.position is not None)]
         inner, memory = [n for c in self.with_inner for n in c.inner], [n for c in self.contacts for n in c.memory]
@@ -205,7 +205,7 @@ class StateLayout:
 
     @property
     def description(self) -> str:
-        """How many bodies and contacts there are, and their names."""
+        """The numbers of bodies and contacts, and their names."""
         return " and ".join(
             f"{len(parts)} {word if len(parts) == 1 else plural}" + (f" ({', '.join(p.name for p in parts)})" if parts else "")
             for parts, word, plural in ((self.bodies, "body", "bodies"), (self.contacts, "contact", "contacts"))
@@ -213,12 +213,12 @@ class StateLayout:
 
     # ---- files ----
     def to_text(self) -> str:
-        """The layout as JSON, as a file keeps it, with the names of the states."""
+        """The layout as JSON for a file, with the names of the states."""
         return json.dumps({**asdict(self), "states": self.names})
 
     @classmethod
     def from_text(cls, text: str) -> StateLayout:
-        """The layout whose JSON this is."""
+        """The layout from its JSON text."""
         kept = json.loads(text)
         bodies = tuple(BodyStates(**{**body, "factor": float(body["factor"])}) for body in kept["bodies"])
         contacts = tuple(
@@ -230,16 +230,16 @@ class StateLayout:
 
 
 def of_principal(name: str, bodies: Sequence[str], directions: Sequence[Sequence[float]]) -> dict[str, int]:
-    """Numbers of the principal body and of its first contact, by dimension; of a body without contacts the machine's first.
+    """Numbers of the principal body and of its first contact, by dimension; if it has no contact, of the machine's first.
 
     Parameters
     ----------
     name : str
-        That of the body.
+        Name of the principal body.
     bodies : sequence of str
         Names of all bodies.
     directions : sequence
-        Of each contact, what its slip takes of each body's velocity.
+        For each contact, the coefficients of the bodies' velocities in its slip.
 
     Examples
     --------
@@ -252,18 +252,18 @@ def of_principal(name: str, bodies: Sequence[str], directions: Sequence[Sequence
 
 
 def _outside(word: str, numbers: list[Any], count: int) -> list[str]:
-    """Numbers that stand for nothing."""
+    """Sentences on numbers that are out of range."""
     wrong = [n for n in dict.fromkeys(numbers) if not (is_whole(n) and 0 <= n < count)]
     return [f"{word} number {n!r}; allowed is {f'0 to {count - 1}' if count else 'none'}" for n in wrong]
 
 
 def _twice(word: str, numbers: list[Any]) -> list[str]:
-    """Numbers that are given to two contacts, or twice to one."""
+    """A sentence if a number is given to two contacts, or twice to one."""
     return [] if len(set(numbers)) == len(numbers) else [f"the numbers of {word} are {numbers!r}; allowed is each once"]
 
 
 def _misnamed(word: str, parts: Sequence[BodyStates | ContactStates]) -> list[str]:
-    """Names that are none, or stand for two parts."""
+    """A sentence if a name is invalid or belongs to two parts."""
     names = [part.name for part in parts]
     if all(isinstance(name, str) and name for name in names) and len(set(names)) == len(names):
         return []
@@ -271,19 +271,19 @@ def _misnamed(word: str, parts: Sequence[BodyStates | ContactStates]) -> list[st
 
 
 def _unequal(word: str, given: int, of: str, allowed: int) -> list[str]:
-    """Two numbers that should be one."""
+    """A sentence if two numbers that should be equal are not."""
     return [] if given == allowed else [f"{given} {word}; allowed is one for each of the {allowed} {of}"]
 
 
 def of_one_contact(what: str, run: Any, why: str) -> Any:
-    """The run of one body on one contact, with columns that have no axis for them; `InputError` of a run of several, with the reason.
+    """The run of one body on one contact, with columns that have no axis for them; `InputError` with the reason for a run of several.
 
-    Every analysis that knows one velocity and one contact begins with it.
+    Every analysis of a single velocity and contact calls it first.
 
     Parameters
     ----------
     what : str
-        What the user typed.
+        Name of the function that the user called.
     run : Trajectory
     why : str
         Why it cannot take several, such as "it balances one friction force".

@@ -19,7 +19,7 @@ from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
 
 @dataclass(frozen=True, eq=False)
 class MachineAdapter:
-    """A machine, asked for what not every machine has.
+    """A machine with defaults for its optional parts.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class MachineAdapter:
 
     @cached_property
     def declaring(self) -> Any:
-        """The object that declares the equations: the model, or the machine of several bodies that its drive makes of it."""
+        """The object that declares the equations: the model, or the machine of several bodies into which its drive turns it."""
         return parts_of(self.model)
 
     @cached_property
@@ -50,21 +50,21 @@ class MachineAdapter:
 
     @property
     def principal(self) -> str | None:
-        """The body whose motion is the machine's; None where there is none, or one body on one contact."""
+        """The body whose motion counts as the machine's; None if there is none, and for one body on one contact."""
         return None if self.is_single else getattr(self.declaring, "principal", None)
 
     @property
     def own(self) -> dict[str, int]:
-        """Number of its principal body and of that body's contact by dimension, or of its only ones; none where it has neither."""
+        """Numbers of its principal body and of that body's contact by dimension, or of its only ones; empty if it has neither."""
         if self.principal is not None:
             return of_principal(self.principal, self.mechanics.bodies, self.mechanics.slips_of)
         return {"body": 0, "contact": 0} if self.is_single else {}
 
     @property
     def part_names(self) -> dict[str, tuple[str, ...]]:
-        """Names of its bodies, contacts and stops by dimension, of those for which columns have one; none of one body on one contact.
+        """Names of its bodies, contacts and stops, for the dimensions that columns have; empty for one body on one contact.
 
-        Of a machine with a principal body columns have no dimension for bodies and contacts.
+        For a machine with a principal body, columns have no dimension for bodies and contacts.
 
         Examples
         --------
@@ -99,7 +99,7 @@ class MachineAdapter:
 
     @property
     def inner_masses(self) -> tuple[tuple[Any, Any], ...]:
-        """Each inner mass [kg] with its drive; none where nothing is shaken."""
+        """Each inner mass [kg] with its drive; empty without a drive."""
         if self.drive is None:
             return ()
         own = getattr(self.model, "inner_masses", None)
@@ -107,23 +107,23 @@ class MachineAdapter:
 
     @property
     def whole_inner_mass(self) -> Any:
-        """All its inner masses together [kg]."""
+        """Sum of its inner masses [kg]."""
         masses = [mass for mass, _ in self.inner_masses]
         return sum(masses[1:], masses[0])
 
     @property
     def drive_name(self) -> str:
-        """The class of its drive, or of those of its inner masses: "Harmonic + Harmonic"."""
+        """The class names of the drives of its inner masses, such as "Harmonic + Harmonic"."""
         return " + ".join(type(drive).__name__ for _, drive in self.inner_masses)
 
     @property
     def track(self) -> Track | None:
-        """Its track; None if gravity plays no part."""
+        """Its track; None if it has none."""
         return getattr(self.model, "track", None) if self.is_single else None
 
     @property
     def wavelength(self) -> Any:
-        """Distance after which its track repeats [m]; None where it does not, or is the same everywhere."""
+        """Wavelength of its track [m]; None if the track is not periodic, or uniform."""
         return getattr(self.track, "wavelength", None)
 
     @property
@@ -133,7 +133,7 @@ class MachineAdapter:
 
     @property
     def unsorted_breaks(self) -> tuple[Any, ...]:
-        """The same as they are named, numbers or symbols."""
+        """The same instants unsorted, as numbers or symbols."""
         parts = (self.model, self.drive, self.track) if self.is_single else (self.mechanics,)
         return tuple(s for part in parts for s in getattr(part, "breaks", None) or ())
 
@@ -144,7 +144,7 @@ class MachineAdapter:
 
     @property
     def jumps(self) -> tuple[tuple[Any, Any], ...]:
-        """The same of any machine: a jump is a float for one body, and an array with a number for each of several."""
+        """The same for any machine: a jump is a float for one body, and an array with a number for each of several bodies."""
         if self.is_single:
             return tuple((instant, float(jump)) for instant, jump in self.impulses)
         import numpy as np
@@ -160,7 +160,7 @@ class MachineAdapter:
 
     @property
     def time_scale(self) -> Any:
-        """A time in which something happens [s]: its period, or what it says; None where nobody knows."""
+        """A typical time [s]: its period, or the one that it declares; None if unknown."""
         said = self.model if self.is_single else self.mechanics
         return getattr(said, "time_scale", None) if self.model.period is None else self.model.period
 
@@ -177,7 +177,7 @@ class MachineAdapter:
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on its numbers: its own, or those of its law; and on drives that no actuator makes."""
+        """Remarks on its numbers: its own, or those of its law; and on drives that no actuator can produce."""
         unlikely_ones = [note for drive in drives_within(self.model) for note in unlikely(drive_of(drive))]
         return list(dict.fromkeys([*unlikely_ones, *self._own_notes]))
 
@@ -192,9 +192,9 @@ class MachineAdapter:
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]] | None:
-        """The meaning of recorded torque, current or force: the machine without it, and the force for each unit, by kind.
+        """The meaning of a recorded torque, current or force: the machine without it, and the force per unit of it, by kind.
 
-        A machine that does not say is moved by a force besides its own; none on one whose inner mass is shaken.
+        By default it is a force in addition to the machine's own; None if the machine has a driven inner mass.
 
         Examples
         --------
@@ -208,26 +208,26 @@ class MachineAdapter:
 
     @property
     def is_pulled(self) -> bool:
-        """Whether something that moves steadily pulls it along by a spring."""
+        """Whether a spring with a steadily moving far end pulls it."""
         return hasattr(self.model, "far_end_velocity")
 
     @property
     def far_end_velocity(self) -> Any:
-        """Velocity of what pulls it [m/s]; 0 where nothing does."""
+        """Velocity of the far end of the spring that pulls it [m/s]; 0 if there is none."""
         return self.model.far_end_velocity if self.is_pulled else 0.0
 
 
 def machine_of(model: Machine) -> MachineAdapter:
-    """A machine, to be asked for what not every machine has."""
+    """The adapter of a machine."""
     return MachineAdapter(model)
 
 
-_KEPT = 8  # machines whose equations are kept: an analysis asks for those of one again and again
+_KEPT = 8  # machines whose equations are cached, because an analysis needs those of one repeatedly
 _kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
 
 
 def _mechanics_of_parts(model: Any) -> Mechanics:
-    """The equations of a machine of several bodies; those of frozen dataclasses, which do not change, are made once."""
+    """The equations of a machine of several bodies; cached for frozen dataclasses, which do not change."""
     from stickslip.several_bodies import SeveralBodies
 
     declared = getattr(type(model), "__dataclass_params__", None)
@@ -245,5 +245,5 @@ def _mechanics_of_parts(model: Any) -> Mechanics:
 
 
 def is_machine(value: Any) -> bool:
-    """Whether something has the methods that solvers ask."""
+    """Whether an object has the methods that solvers need."""
     return not isinstance(value, type) and (declares_parts(value) or (hasattr(value, "friction") and hasattr(value, "acceleration")))

@@ -4,8 +4,8 @@ On a float they call `math`, on an array NumPy, and on an object with a hook (``
 an equation with its own symbols.
 
 All three give the same values everywhere, without exceptions or warnings, because `where` evaluates both of its branches: a function is NaN
-where it is undefined, and beyond an argument of 690 exp, sinh and cosh keep the value that they have there (5e299), which stays finite when
-multiplied by a factor of ordinary size.
+where it is undefined, and beyond an argument of 690 exp, sinh and cosh keep the value that they have there (2e299 to 5e299), which remains
+finite when multiplied by a factor of ordinary size.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = [
     "wrapped",
 ]  # fmt: skip
 
-Array = Any  # of NumPy: annotations say which numbers are arrays
+Array = Any  # a NumPy array; the name marks arrays in annotations
 pi = math.pi
 
 LARGEST = 690.0  # where exp, sinh and cosh stop growing: a float holds up to exp(709.78)
@@ -49,14 +49,14 @@ def function_value(name: str, x: Any) -> Any:
 
 
 def _beyond(name: str, x: float) -> float:
-    """The value of a function where `math` has none or an infinite one: that of NumPy, within its limits."""
+    """The value of a function where `math` raises or overflows: that of NumPy, with the argument limited."""
     import numpy as np
 
     return float(function_value(name, np.float64(x).reshape(1))[0])
 
 
 def exp(x: Any) -> Any:
-    """e to the power x; from x = 690 on it stays at 5e299.
+    """e to the power x; constant at 5e299 for x above 690.
 
     Examples
     --------
@@ -67,12 +67,12 @@ def exp(x: Any) -> Any:
 
 
 def log(x: Any) -> Any:
-    """Natural logarithm; NaN of a negative number."""
+    """Natural logarithm; NaN for a negative number."""
     return function_value("log", x)
 
 
 def sqrt(x: Any) -> Any:
-    """Square root; NaN of a negative number."""
+    """Square root; NaN for a negative number."""
     return function_value("sqrt", x)
 
 
@@ -92,12 +92,12 @@ def atan(x: Any) -> Any:
 
 
 def sinh(x: Any) -> Any:
-    """Hyperbolic sine; from abs(x) = 690 on it stays at 2e299."""
+    """Hyperbolic sine; constant at 2e299, with the sign of x, for abs(x) above 690."""
     return function_value("sinh", x)
 
 
 def cosh(x: Any) -> Any:
-    """Hyperbolic cosine; from abs(x) = 690 on it stays at 2e299."""
+    """Hyperbolic cosine; constant at 2e299 for abs(x) above 690."""
     return function_value("cosh", x)
 
 
@@ -107,7 +107,7 @@ def tanh(x: Any) -> Any:
 
 
 def asinh(x: Any) -> Any:
-    """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)); rate-and-state friction has it in place of a logarithm."""
+    """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)); used in rate-and-state friction instead of a logarithm."""
     return function_value("asinh", x)
 
 
@@ -151,7 +151,7 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
     hook = getattr(condition, "__ss_where__", None)
     if hook is not None:
         return hook(yes, no)
-    if isinstance(condition, int):  # ~True is the number -2 to Python: in any &, | and ~ of bools it is the last bit that says what holds
+    if isinstance(condition, int):  # ~True is -2 in Python; in any &, | and ~ of bools the last bit holds the truth value
         return yes if condition & 1 else no
     import numpy as np
 
@@ -159,19 +159,19 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def maximum(a: Any, b: Any) -> Any:
-    """The larger of two."""
+    """The larger of two values."""
     return where(a > b, a, b)
 
 
 def minimum(a: Any, b: Any) -> Any:
-    """The smaller of two."""
+    """The smaller of two values."""
     return where(a < b, a, b)
 
 
 def within(t: Any, period: Any) -> Any:
     """Time since the period began [s], by which a piecewise drive selects its piece.
 
-    The engine's own time starts anew with each period and is returned unchanged; for shifted times see `wrapped`. An instant that
+    The engine's own time restarts with each period and is returned unchanged; for shifted times see `wrapped`. An instant that
     is a whole number of periods up to rounding is the beginning of a period, never its end.
 
     Examples

@@ -1,6 +1,6 @@
-"""The equations of motion of any machine, as functions of plain numbers: one coordinate for each body that moves by itself.
+"""The equations of motion of any machine, as functions of plain numbers: one coordinate for each body that moves independently.
 
-Everything here takes floats, arrays of cases or symbols, so that the plain judge and the tracer ask the same declaration.
+Everything here takes floats, arrays of cases or symbols, so that the plain integrators and the tracer use the same declaration.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Mechanics(Protocol):
 
     @property
     def coordinates(self) -> int:
-        """How many bodies, or groups of them, move by themselves."""
+        """Number of bodies, or groups of bodies, that move independently."""
 
     @property
     def laws(self) -> tuple[LawAdapter, ...]:
@@ -43,27 +43,27 @@ class Mechanics(Protocol):
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
-        """Of each contact, what its slip takes of each coordinate's velocity."""
+        """For each contact, the coefficients of the coordinates' velocities in its slip."""
 
     @property
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
-        """Of each contact, what its slip takes of each body's velocity."""
+        """For each contact, the coefficients of the bodies' velocities in its slip."""
         return self.directions
 
     @property
     def shares(self) -> tuple[Any, ...]:
-        """Part of each coordinate in the way that the machine makes: that of its centre of mass."""
+        """Weight of each coordinate in the displacement of the machine: that of its centre of mass."""
         total = reduce(add, self.masses)
         return tuple(mass / total for mass in self.masses)
 
     @property
     def start(self) -> tuple[Any, ...]:
-        """Coordinates at which a run begins that says nothing else [m]."""
+        """Default initial coordinates of a run [m]."""
         return (0.0,) * len(self.masses)
 
     @property
     def period(self) -> Any:
-        """After this time the drives repeat [s]; None where nothing does."""
+        """Period of the drives [s]; None if there is none."""
         return self.model.period
 
     @property
@@ -73,13 +73,13 @@ class Mechanics(Protocol):
 
     @property
     def inner(self) -> tuple[int, ...]:
-        """How many inner states the law of each contact has, and then each controller."""
+        """Number of inner states of the law of each contact, and then of each controller."""
         return (*(law.states for law in self.laws), *self.controllers.counts)
 
     def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N].
 
-        z are the states of the controllers; without them they are switched on at this instant.
+        z are the states of the controllers; if not given, the controllers are switched on at this instant.
         """
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
@@ -137,7 +137,7 @@ class Mechanics(Protocol):
         return (0.0,) * len(self.contacts)
 
     def difference(self, i: int) -> bool:
-        """Whether the slip of a contact is a difference of velocities that vary, which is known less exactly than it is small."""
+        """Whether the slip of a contact is a difference of varying velocities, so that a small slip suffers from cancellation."""
         return False
 
     def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
@@ -146,7 +146,7 @@ class Mechanics(Protocol):
 
 
 class OneBody(Mechanics):
-    """A robot, a mechanism, or whatever says its friction, load, acceleration and contact velocity.
+    """A robot, a mechanism, or any object with friction, load, acceleration and contact velocity.
 
     Examples
     --------
@@ -168,7 +168,7 @@ class OneBody(Mechanics):
 
     @property
     def masses(self) -> tuple[Any, ...]:
-        """All that moves with the contact [kg]."""
+        """Total mass that moves with the contact [kg]."""
         return (self.model.total_mass,)
 
     @property
@@ -194,7 +194,7 @@ class OneBody(Mechanics):
 
 
 def normal_load(model: Any, t: Any, x: Any) -> Any:
-    """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and place."""
+    """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and position."""
     return model.load(t, x) if callable(model.load) else model.load
 
 
@@ -204,12 +204,12 @@ def lists_parts(model: Any) -> bool:
 
 
 def declares_parts(model: Any) -> bool:
-    """Whether a model is a machine of bodies and contacts: it lists them, or its drive says what they are."""
+    """Whether a model is a machine of bodies and contacts: it lists them, or its drive defines them."""
     return lists_parts(model) or _by_drive(model) is not None
 
 
 def parts_of(model: Any) -> Any:
-    """The object that lists a model's bodies and contacts: the model, or the machine that its drive makes of it; None if neither.
+    """The object that lists a model's bodies and contacts: the machine into which its drive turns it, else the model itself.
 
     Examples
     --------
@@ -223,13 +223,13 @@ def parts_of(model: Any) -> Any:
 
 
 def _by_drive(model: Any) -> Any:
-    """The machine of several bodies that a drive makes of a model whose inner mass moves by itself; None if it does not."""
+    """The function by which a drive turns a model with a freely moving inner mass into a machine of several bodies, or None."""
     make = getattr(getattr(model, "drive", None), "machine", None)
     return make if callable(make) else None
 
 
 def _dot(g: Numbers, u: Numbers) -> Any:
-    """Sum of products with 1, -1 and 0."""
+    """Scalar product with factors of 1, -1 and 0."""
     total: Any = 0.0
     for factor, value in zip(g, u, strict=True):
         total = signed_less(total, -factor, value)
@@ -237,5 +237,5 @@ def _dot(g: Numbers, u: Numbers) -> Any:
 
 
 def signed_less(total: Any, factor: float, value: Any) -> Any:
-    """A sum less what a factor of 1, -1 or 0 takes of a value."""
+    """A sum minus a factor of 1, -1 or 0 times a value."""
     return total if factor == 0.0 else total - value if factor == 1.0 else total + value

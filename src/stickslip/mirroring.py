@@ -1,4 +1,4 @@
-"""The mirror image of a machine: what moves forwards in one moves backwards in the other."""
+"""The mirror image of a machine, which moves in the opposite direction."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.track_profiles import mirrored_track
 
-# parts of the period, velocities [m/s], positions [m]; on no round number, where a patch may end
+# fractions of the period, velocities [m/s], positions [m]; not round numbers, where a patch may end
 _MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0.02023491))
 
 
@@ -22,18 +22,18 @@ def mirrored(robot: Model) -> Any:
     """The mirror image of a robot or machine: it performs the same motion in the opposite direction.
 
     Drives and applied forces are reversed, friction forwards and backwards is exchanged, and downhill becomes uphill. The
-    last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.
+    last module of a chain becomes its head; in every other machine, and in a chain with a gait, the bodies keep their names.
 
     Parameters
     ----------
     robot : Robot, mechanism or machine
-        Its laws either have a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or are the same both ways. A machine of
-        one body that is not a Robot has a method `mirrored()` itself, as the mechanisms have.
+        Each law has a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or is the same in both directions. A machine of
+        one body that is not a Robot must have a method `mirrored()` itself, as the mechanisms have.
 
     Returns
     -------
     Robot, mechanism or machine
-        A new one; mirrored again it is the original.
+        A new one; its own mirror image is the original.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def mirrored(robot: Model) -> Any:
 
 
 def _image(model: Any) -> Any:
-    """The mirror image that a machine declares; for a robot that of its parts."""
+    """The mirror image that a machine declares; for a robot, the one composed of the mirror images of its parts."""
     own = machine_of(model).mirror_image
     if own is not None:
         return own()
@@ -72,13 +72,13 @@ def _image(model: Any) -> Any:
 
 
 def _turned(drive: Any) -> Any:
-    """A drive the other way round."""
+    """A drive in the opposite direction."""
     own = getattr(drive, "mirrored", None)
     return own() if callable(own) else drive.drive if isinstance(drive, Reversed) else Reversed(drive)
 
 
 def _unmirrored(model: Any, found: Any) -> str:
-    """The part of a machine of one body that is not mirrored, tested at a few instants; "" if all is."""
+    """The part of a machine of one body that is not mirrored, tested at a few instants; "" if there is none."""
     law, other, T = law_of(model), law_of(found), machine_of(model).time_scale or 1.0
     for s, v, x in _MOMENTS:
         t, w, back = s * T, model.contact_velocity(v), found.contact_velocity(-v)

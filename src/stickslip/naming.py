@@ -21,7 +21,7 @@ _START = {
 
 
 def described(name: str, make: Any = None) -> Mapping[str, Any]:
-    """The description of a number of a record, or of an argument of its maker; empty where nobody described it."""
+    """The description of a number of a record, or of an argument of its maker; empty if it has none."""
     if name in _START:
         return _START[name]
     if callable(make):
@@ -37,7 +37,7 @@ def _meant(record: Any, name: str) -> tuple[str, ...]:
 def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
     """The name of a number and its unit; None if unknown.
 
-    Of a function that does not describe its arguments, those that are called as the presets' mean what theirs do.
+    Arguments that a function does not describe have the descriptions of the presets' arguments of the same names.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
 
 
 def _with_part(told: Mapping[str, Any], name: str, make: Any) -> Mapping[str, Any]:
-    """The description of a number that several parts have, with the part that is meant."""
+    """The description of a number that several parts have, with the part in its label."""
     places = name.split(".")
     last = max((i for i, place in enumerate(places) if place.isdigit()), default=0)
     alike = ".".join(place for place in places if not place.isdigit())
@@ -63,7 +63,7 @@ def _with_part(told: Mapping[str, Any], name: str, make: Any) -> Mapping[str, An
 
 
 def unit_in(name: str, make: Any = None) -> str:
-    """The unit of a number as it stands behind its value; empty for a bare number, and where nobody described it.
+    """The unit of a number as printed after its value; empty for a dimensionless number, and for one without a description.
 
     Examples
     --------
@@ -76,19 +76,19 @@ def unit_in(name: str, make: Any = None) -> str:
 
 
 def in_its_unit(name: str, value: Any, make: Any, problems: Problems, label: str = "") -> Any:
-    """A number, or several, in the unit in which the maker takes that name; words and parts in per cent stay what they are.
+    """One or several numbers, converted to the unit of the maker's argument; words and percentages are unchanged.
 
     Parameters
     ----------
     name : str
-        The number, as of `axis_of`.
+        Name of the number, as for `axis_of`.
     value : number, text or quantity of pint, or several of them
-        As it was typed.
+        The value that was typed.
     make : callable or record
     problems : Problems
-        Takes a sentence where the unit measures something else.
+        Receives a sentence if the unit measures something else.
     label : str
-        What the value is called in that sentence; the name if not given.
+        Name of the value in that sentence; `name` if not given.
 
     Examples
     --------
@@ -114,13 +114,13 @@ def in_its_unit(name: str, value: Any, make: Any, problems: Problems, label: str
 
 
 def example_for(name: str) -> float:
-    """An ordinary value of an argument that is called as the presets'; 1 of others."""
+    """A typical value of an argument that has the name of a preset's; 1 for others."""
     return float(_of_presets().get(name, {}).get("example", 1.0))
 
 
 @functools.cache
 def _of_presets() -> dict[str, Mapping[str, Any]]:
-    """The arguments of the presets, those of the first that has one of this name."""
+    """Descriptions of the presets' arguments by name, from the first preset that has an argument of this name."""
     from stickslip.presets import PRESETS
 
     makers: list[Callable[..., Any]] = list(PRESETS.values())

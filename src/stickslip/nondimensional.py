@@ -1,4 +1,4 @@
-"""The paper's dimensionless form of the LuGre robot, Eqs 5.1 and 5.2, and the way back."""
+"""The paper's dimensionless form of the LuGre robot, Eqs 5.1 and 5.2, and its inverse."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ class DimensionlessRobot(Frozen):
         return v
 
     def load(self, t: Any, x: Any) -> Any:
-        """The unit of load is mu_plus (M+m) g, put into d."""
+        """1, as the unit of load, mu_plus (M+m) g, is contained in d."""
         return 1.0
 
     def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
@@ -145,7 +145,7 @@ class DimensionlessRobot(Frozen):
         return -self.mu * (acceleration + self.drive.acceleration(t))
 
     def robot(self, amplitude: Any, omega: Any, total_mass: Any, gravity: Any = 9.81) -> Robot:
-        """The inverse: the robot in SI units that has this form, given its scales."""
+        """The inverse: the robot in SI units with this dimensionless form, given its scales."""
         law = self.friction
         mu_plus = amplitude * law.a * omega**2 / (law.d * gravity)
         mu_minus = law.k3 * mu_plus
@@ -216,7 +216,7 @@ def dimensionless(robot: Model) -> DimensionlessRobot:
 
 
 def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
-    """Whether both give the same accelerations and rates of the bristle, asked at a few states (a subclass may have changed either)."""
+    """Whether both give the same accelerations and bristle rates at a few states (a subclass may have changed either)."""
     A, omega, law, own = robot.drive.amplitude, robot.drive.omega, robot.friction, found.friction
     for turn, speed, share in ((0.4, 0.3, 0.2), (2.1, -0.7, 0.9), (3.3, 40.0, -0.6), (5.2, -25.0, -0.3)):
         t, v = turn / omega, speed * law.v_s
@@ -235,7 +235,7 @@ def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
 def ratios(mu0: Any, f0: Any, tilt: Any) -> tuple[Any, Any, Any]:
     """k1, k2 and k3 of a folded incline from isotropic coefficients: Eq. 5.2 with the right k3.
 
-    The paper prints k3 = (f0 + tan)/(mu0 - tan); k3 = mu_minus/mu_plus makes it (mu0 + tan)/(mu0 - tan).
+    The paper prints k3 = (f0 + tan)/(mu0 - tan); from k3 = mu_minus/mu_plus follows (mu0 + tan)/(mu0 - tan).
 
     Examples
     --------

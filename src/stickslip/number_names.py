@@ -10,7 +10,7 @@ _INDEX = re.compile(r"\[(\d+|\*)\]")
 
 
 def numbers_meant(typed: str, known: Iterable[str]) -> tuple[str, ...]:
-    """The numbers that a name stands for; those of all parts where it gives no index.
+    """The numbers that a name stands for; those of all parts if it gives no index.
 
     Parameters
     ----------
@@ -18,7 +18,7 @@ def numbers_meant(typed: str, known: Iterable[str]) -> tuple[str, ...]:
         A name as in ``robot.replace``, with an index as "modules[1].drive.amplitude" or as "modules.1.drive.amplitude"; ``*`` stands for
         anything.
     known : iterable of str
-        The names there are.
+        All names of numbers.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def numbers_meant(typed: str, known: Iterable[str]) -> tuple[str, ...]:
 
 
 def _fits(wanted: list[str], own: list[str]) -> bool:
-    """Whether a name is the one that was typed, once indices that were not typed are left out of it."""
+    """Whether a name matches the typed one when indices that were not typed are left out."""
     if not own:
         return not wanted
     if wanted and fnmatchcase(own[0], wanted[0]) and _fits(wanted[1:], own[1:]):

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems
 
-#: What can be made of a function of the state over the last motion period, in words.
+#: Reductions of a function of the state over the last motion period, in words.
 REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest value", "max": "largest value", "last": "value at the end"}
 
 
@@ -20,7 +20,7 @@ class Observable:
     Parameters
     ----------
     function : callable
-        Of the state, in symbols.
+        Function of the state, called with symbols.
     reduce : str
         One of `REDUCTIONS`.
     unit : str
@@ -55,12 +55,12 @@ class Derived:
     Parameters
     ----------
     of, by : str or Observable, str
-        What it is the derivative of, and by which number.
+        The differentiated column, and the number with respect to which it is differentiated.
     unit : str or None
-        Unit of the result; None for that of `of` over that of the number.
+        Unit of the result; None for the unit of `of` divided by that of the number.
     values : callable
-        Columns of a batch, from the batch, how many cases it has, the columns that are asked for (by name) and the periods that a motion
-        is given to settle.
+        Function that returns columns of a batch, given the batch, its number of cases, the requested columns (by name) and the number of
+        transient periods.
     """
 
     of: Any
@@ -75,7 +75,7 @@ class Derived:
 
     @property
     def fingerprint(self) -> str:
-        """The same in every process for the same derivative."""
+        """An identifier that is the same in every process for the same derivative."""
         return f"derivative of {getattr(self.of, 'fingerprint', self.of)} by {self.by} [{self.unit}]"
 
 
@@ -133,14 +133,14 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
 
 
 def parted(observe: Any) -> tuple[dict[str, Observable], dict[str, Derived]]:
-    """Columns that are observed on the way, and those that are computed afterwards."""
+    """Columns that are observed during the run, and those that are computed afterwards."""
     observe = observe or {}
     derived = {name: each for name, each in observe.items() if isinstance(each, Derived)}
     return {name: each for name, each in observe.items() if name not in derived}, derived
 
 
 def checked(what: str, observe: Any, taken: Any = (), derived: bool = False) -> tuple[tuple[str, Any], ...]:
-    """Observables by name, and derivatives where they are allowed; `InputError` where one is none, or has a name that is taken.
+    """Observables by name, and derivatives if they are allowed; `InputError` if one is of another type, or has a name that is taken.
 
     Examples
     --------

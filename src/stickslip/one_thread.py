@@ -1,4 +1,4 @@
-"""Small problems of linear algebra are solved in one thread: threads that wait for one another cost more than they save."""
+"""Linear algebra of small matrices in one thread, because synchronising several threads costs more than it saves."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ R = TypeVar("R")
 
 
 def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
-    """A function during which the libraries under NumPy and SciPy do linear algebra in one thread.
+    """Decorate a function so that the libraries under NumPy and SciPy use one thread for linear algebra while it runs.
 
-    The singular values of a table of a few columns take some .1 ms so, and on a machine whose cores are busy hundreds of ms where several
-    threads share them. Afterwards there are as many threads as before.
+    The singular values of a matrix of a few columns then take some 0.1 ms; with several threads, on a machine whose cores are busy, they
+    take hundreds of ms. Afterwards the number of threads is as before.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
 @cache
 def _libraries() -> Any:
-    import scipy.linalg  # noqa: F401  brings its own library, which has to be there to be found
+    import scipy.linalg  # noqa: F401  has its own library, which must be loaded to be found
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()

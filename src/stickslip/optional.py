@@ -1,4 +1,4 @@
-"""Libraries that not everybody installs: asked for where they are needed, and missed with a sentence that says what to type."""
+"""Optional libraries, imported where they are needed; if one is missing, the error says what to type."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ def library(doing: str, name: str, sentence: str) -> Any:
     Parameters
     ----------
     doing : str
-        The function that needs it, as errors begin.
+        The function that needs it, with which the error begins.
     name : str
-        What is imported, such as ``dask.distributed``.
+        The module to import, such as ``dask.distributed``.
     sentence : str
-        What is told where it is missing: what needs it, and what to type.
+        Text of the error if it is missing: what needs it, and what to type.
 
     Raises
     ------
     InputError
-        With that sentence where it cannot be imported.
+        With that sentence if it cannot be imported.
 
     Examples
     --------
