@@ -13,14 +13,14 @@ TYPES = {"rest": "#999999", "II": "#56B4E9", "I": "#009E73", "III": "#E69F00", "
 
 def curves(ax: plt.Axes) -> None:
     """Velocity of the rig at 1.7 degrees under LuGre and Coulomb friction."""
-    runs = [ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law=law)) for law in ("coulomb", "lugre")]
+    runs = [ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law=law)) for law in ("coulomb-static", "lugre")]
     ss.plot.velocity(runs, periods=2, ax=ax, labels=["Coulomb", "LuGre"])
 
 
 def speeds(ax: plt.Axes) -> None:
     """Mean velocity of 512 robots against amplitude; the Coulomb robot's motion type as colour."""
     amplitude = np.linspace(1e-4, 8e-4, 512)
-    for law, style in (("coulomb", "-"), ("lugre", "--")):
+    for law, style in (("coulomb-static", "-"), ("lugre", "--")):
         many = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, law=law), settle="auto", periods=400)
         if law == "lugre":
             ax.plot(amplitude * 1e3, many.mean_velocity * 1e3, style, color="black", linewidth=0.9, label="LuGre")

@@ -43,7 +43,7 @@ def main(folder: Path) -> None:
         path = os.environ.get("STICKSLIP_CHROMIUM") or shutil.which("chromium")
         browser = p.chromium.launch(executable_path=path, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1000, "height": 700}, reduced_motion="reduce", color_scheme="light")
-        page.set_content(page_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude="0.5525 mm", law="coulomb")))
+        page.set_content(page_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude="0.556 mm", law="coulomb")))
         page.locator("html[data-drawn=yes]").wait_for(state="attached", timeout=60_000)
         page.screenshot(path=target, full_page=True)
         browser.close()

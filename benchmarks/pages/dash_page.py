@@ -17,7 +17,7 @@ def curve(law, amplitude, colour):
 
 
 app = Dash(__name__)
-app.layout = html.Div([dcc.Slider(0.0, 1.6e-3, value=5.525e-4, id="amplitude", updatemode="drag", marks=None), dcc.Graph(id="velocity")])
+app.layout = html.Div([dcc.Slider(0.0, 1.6e-3, value=5.56e-4, id="amplitude", updatemode="drag", marks=None), dcc.Graph(id="velocity")])
 
 
 @app.callback(Output("velocity", "figure"), Input("amplitude", "value"))

@@ -18,7 +18,7 @@ def curve(law, amplitude):
 
 
 def page():
-    slider = pn.widgets.FloatSlider(name="amplitude", start=0.0, end=1.6e-3, step=1e-7, value=5.525e-4)
+    slider = pn.widgets.FloatSlider(name="amplitude", start=0.0, end=1.6e-3, step=1e-7, value=5.56e-4)
     plot = figure(width=800, height=300)
     sources = {law: ColumnDataSource(curve(law, slider.value)) for law in ("lugre", "coulomb-static")}
     for (law, source), colour in zip(sources.items(), ("#0072B2", "#D55E00"), strict=True):

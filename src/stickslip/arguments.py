@@ -57,7 +57,7 @@ def _is_model(value: Any) -> bool:
     return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
 
 
-_ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
+_ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
 #: Used in annotations instead of Any.
 Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
 Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]

@@ -186,9 +186,9 @@ def check(
     Examples
     --------
     >>> import stickslip as ss
-    >>> sure = ss.check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=100, rk4_steps=(2000,))
+    >>> sure = ss.check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=100, rk4_steps=(2000,))
     >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
-    ('0.002015 m/s', True)
+    ('0.002032 m/s', True)
     """
     _check_arguments(robot, rk4_steps, duration)
     court = _Court(robot, periods, start, duration)
@@ -218,7 +218,7 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
     """Refuse arguments that no method accepts; all problems are reported at once."""
     problems, name = Problems("check"), type(robot).__name__
     if not is_machine(robot):
-        problems.add(f"{robot!r} is not a robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
+        problems.add(f"{robot!r} is not a robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")
     elif robot.period is None and duration is None:

@@ -60,10 +60,10 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
     Examples
     --------
     >>> import stickslip as ss
-    >>> pairs = ss.designs.zipped(amplitude=[5.525e-4, 6.032e-4], tilt_deg=[1.7, 2.7])
-    >>> grid = ss.sweep(ss.presets.piezo_rig, pairs, law="coulomb")
+    >>> pairs = ss.designs.zipped(amplitude=[5.56e-4, 6.04e-4], tilt_deg=[1.7, 2.7])
+    >>> grid = ss.sweep(ss.presets.piezo_rig, pairs, law="coulomb-static")
     >>> grid.mean_velocity.dims, grid.mean_velocity.values.round(6).tolist()
-    (('case',), [0.002015, 0.003827])
+    (('case',), [0.002032, 0.003792])
     """
     import numpy as np
 

@@ -24,7 +24,7 @@ class MachineAdapter:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    >>> robot = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
     >>> robot.impulses, robot.breaks, robot.far_end_velocity, robot.drive is None
     ((), (), 0.0, False)
     """

@@ -151,7 +151,7 @@ class OneBody(Mechanics):
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = OneBody(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    >>> robot = OneBody(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
     >>> robot.bodies, robot.contacts, robot.slips(0.0, (0.1,)), robot.directions
     (('body',), ('contact',), (0.1,), ((1.0,),))
     """

@@ -43,7 +43,7 @@ def mirrored(robot: Model) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb", incline="gravity")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static", incline="gravity")
     >>> turned = ss.mirrored(robot)
     >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
     (True, True)

@@ -38,7 +38,7 @@ def knows_position(model: Any) -> bool:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)
     >>> bench = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))
     >>> knows_position(robot), knows_position(bench)
     (False, True)

@@ -29,7 +29,7 @@ def numbers(robot):
 def test_the_pages_folded_track_knows_its_tilt():
     """It has the note of the preset where another law takes the place of the one that contains the incline."""
     values = {name: p.default for name, p in PARAMETERS.items()}
-    made, same = robot("harmonic", "folded", "isotropic", "lugre", values), ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    made, same = robot("harmonic", "folded", "isotropic", "lugre", values), ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)
     assert made.track.folded == same.track.folded == pytest.approx(1.7 * math.pi / 180, rel=1e-15)
     assert any("the tilt of 1.7 degrees was folded" in note for note in made.replace(friction=ss.Coulomb(0.1, 0.2)).notes)
     assert robot("harmonic", "level", "isotropic", "lugre", values).track.folded == 0.0

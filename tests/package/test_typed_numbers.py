@@ -95,7 +95,7 @@ def test_quantities_of_pint_are_numbers_in_their_units():
 def test_what_is_no_length_is_refused_with_what_to_type(given, said):
     with pytest.raises(ss.InputError, match=said) as caught:
         ss.Harmonic(amplitude=given, omega=205.0)
-    assert "type for example amplitude=0.0005525" in str(caught.value)
+    assert "type for example amplitude=0.000556" in str(caught.value)
 
 
 def test_reciprocal_seconds_are_neither_hertz_nor_radians():

@@ -103,7 +103,7 @@ class Motion(Drawn):
 
     @cached_property
     def twin(self) -> str | None:
-        """Motion type of the same robot with Coulomb friction at its kinetic coefficients (solved on first access); None if it has none."""
+        """Motion type of the same robot with Coulomb friction, with its own break-away (solved on first access); None if it has none."""
         return self.type if self._twin is None else self._twin()
 
 
@@ -292,9 +292,10 @@ def _intervals(raw: Segments, dwell: float) -> tuple[tuple[float, float, int], .
     return tuple((float(a), float(b), int(s)) for a, b, s in zip(merged.start[0], merged.length[0], merged.sign[0], strict=True) if b > 0)
 
 
-def coulomb_twin(model: Any) -> Any:
+def coulomb_twin(model: Any, static: bool = False) -> Any:
     """The same robot with Coulomb friction at the kinetic coefficients of its law (Eq. 2.4); None if the law has none.
 
+    With `static` it breaks away at the static coefficients of its law, if the law has any: the limit of stiff bristles.
     A robot whose motion is made of closed arcs already, by its equations, is its own twin.
     """
     from stickslip.solvers.closed_arcs import handles
@@ -304,7 +305,11 @@ def coulomb_twin(model: Any) -> Any:
         return model
     if not _has_kinetic(law):
         return None
-    return dataclasses.replace(model, friction=Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus))  # contains a folded incline, too
+    friction = Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus)  # contains a folded incline, too
+    limits = [getattr(law, name, None) for name in ("f_plus", "f_minus")] if static else [None]
+    if not any(f is None or isinstance(f, tuple) for f in limits):
+        friction = dataclasses.replace(friction, f_plus=limits[0], f_minus=limits[1])
+    return dataclasses.replace(model, friction=friction)
 
 
 def _has_kinetic(law: Any) -> bool:
@@ -324,10 +329,10 @@ def _twin_type(run: Any) -> str | None:
     from stickslip.solvers import solve
     from stickslip.solvers.closed_arcs import handles, reduced
 
-    twin = coulomb_twin(run.model)
+    twin = coulomb_twin(run.model, static=True)
     if twin is None:
         return None
-    if handles(twin) is None:
+    if handles(twin) is None and getattr(twin.friction, "f_plus", None) is None:
         arcs = reduced(twin)
         if arcs.drive[0] > 0 and min(arcs.resist_plus[0], arcs.resist_minus[0]) > 0:
             return str(coulomb_type(arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive)[0])

@@ -56,11 +56,11 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=20)
     >>> round(ss.mean_velocity(run), 9)
-    0.002014682
+    0.002032039
     >>> round(float(run.x[-1] / run.t[-1]), 9)  # of the whole run, with the start from rest
-    0.00201604
+    0.002033485
     """
     if body is not None:
         return _of_body(run, body)
@@ -127,7 +127,7 @@ def velocity_range(run: Any) -> tuple[float, float]:
     Examples
     --------
     >>> import stickslip as ss
-    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=40)
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=40)
     >>> low, high = velocity_range(run)
     >>> low < ss.mean_velocity(run) < high
     True
@@ -203,9 +203,9 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static")
     >>> round(float(periodic_mean_velocity(robot)), 9)
-    0.002014682
+    0.002032039
     """
     if is_flow(model):
         raise InputError(
@@ -246,7 +246,7 @@ def closed_mean_velocity(model: Any) -> Any:
     >>> from stickslip.presets import coulomb_robot
     >>> round(float(closed_mean_velocity(coulomb_robot(0.4, 0.5))), 15)
     0.122475359974498
-    >>> closed_mean_velocity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)) is None  # LuGre
+    >>> closed_mean_velocity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)) is None  # LuGre
     True
     """
     from stickslip.analysis.closed_form import periodic

@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
             return f"{found[1]!r} is an unexpected argument; options are {', '.join(options)}"
         if found := re.search(r"arguments are required: (.+)", message):
             missing = found[1].split(", ")
-            robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.525e-4"
+            robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.56e-4"
             verb = "is" if len(missing) == 1 else "are"
             return f"{' and '.join(missing)} {verb} missing; {robot if 'ROBOT' in missing else f'type for example {self._example()}'}"
         if found := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
@@ -205,7 +205,7 @@ def named_words(words: list[str], problems: Problems, wanted: str, before: str =
 def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
     """NAME=VALUE words as a dict, with numbers converted to the units of their names; errors are noted."""
     found: dict[str, Any] = {}
-    for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.525e-4"):
+    for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.56e-4"):
         if not many and (".." in text or ("," in text)):
             example = f"{name}={example_for(name):.6g}"
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")

@@ -37,7 +37,7 @@ def _check_robot(name: str) -> None:
 
     if name.lower() not in LAWS or name in PRESETS:
         return
-    robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.525e-4", f"ss.identify(rec, ss.{LAWS[name.lower()].__name__}, free={{...}})"
+    robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.56e-4", f"ss.identify(rec, ss.{LAWS[name.lower()].__name__}, free={{...}})"
     said = f"{name!r} is a law, not a robot; give a robot, such as {robot}; laws are fitted to records of force with"
     typed = f"stickslip identify {name} --record FILE --free NAME=A..B, and ranked in Python: ss.rank([{fit}, ...])"
     raise InputError("compare", [f"{said} {typed}"])

@@ -19,8 +19,8 @@ def quantity(value: float, unit: str = "", digits: int = 7) -> str:
 
     Examples
     --------
-    >>> quantity(0.002014682060674, "m/s"), quantity(float("nan"), "m/s")
-    ('0.002014682 m/s', '-')
+    >>> quantity(0.002032038697782, "m/s"), quantity(float("nan"), "m/s")
+    ('0.002032039 m/s', '-')
     """
     if value is None or not math.isfinite(value):
         return "-"

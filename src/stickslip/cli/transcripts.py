@@ -14,7 +14,7 @@ def transcript(command: str) -> str:
     Examples
     --------
     >>> print(transcript("run").splitlines()[0])
-    $ stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4
+    $ stickslip run piezo_rig tilt_deg=1.7 amplitude=5.56e-4
     """
     path = FOLDER / f"{command}.txt"
     return path.read_text(encoding="utf-8") if path.exists() else ""

@@ -97,7 +97,7 @@ class Harmonic(OfFrequency, Remarked, Drive):
     @classmethod
     def example(cls) -> Harmonic:
         """The drive of the paper, with the amplitude inferred for its first track."""
-        return cls(amplitude=5.525e-4, omega=65.4 * pi)
+        return cls(amplitude=5.56e-4, omega=65.4 * pi)
 
 
 def _range(value: Any) -> str:

@@ -263,7 +263,7 @@ def robot(drive: str, track: str, contact: str, law: str, values: Values) -> Rob
     >>> from stickslip.explorer.sliders import PARAMETERS
     >>> import stickslip as ss
     >>> made = robot("harmonic", "folded", "isotropic", "lugre", {name: p.default for name, p in PARAMETERS.items()})
-    >>> made == ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> made == ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)
     True
     """
     return Robot(

@@ -38,7 +38,7 @@ class Parameter:
     --------
     >>> A = PARAMETERS["amplitude"]
     >>> A.shown(A.default)
-    '0.5525 mm'
+    '0.556 mm'
     """
 
     name: str

@@ -56,7 +56,7 @@ def widget(
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static")
     >>> w = ss.widget(robot, ["drive.amplitude", "friction.mu_plus"])
     >>> w.values = {"drive.amplitude": "0.6 mm"}
     >>> w.machine.drive.amplitude

@@ -186,7 +186,7 @@ def compare(
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.564e-4)
+    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.58e-4)
     >>> found = ss.compare(ss.virtual_rig(robot, noise=1e-5, seed=1), robot, laws=["coulomb", "lugre"])
     >>> found.best.label, found["Coulomb"].type, found["LuGre"].r2 > 0.9999
     ('LuGre', 'II', True)

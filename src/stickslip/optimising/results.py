@@ -38,9 +38,9 @@ def results_of(
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = results_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.525e-4, 8e-4], law="coulomb"), 2)
+    >>> found = results_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.56e-4, 8e-4], law="coulomb-static"), 2)
     >>> found["mean_velocity"].round(9).tolist()
-    [0.002014682, 0.004308808]
+    [0.002032039, 0.004308808]
     """
     options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
     found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())

@@ -42,7 +42,7 @@ def check(found: Checked, ax: Ax = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static")
     >>> ax = ss.plot.check(ss.check(robot, periods=100, rk4_steps=(2000,)))
     >>> ax.get_xlabel()
     'difference in mean velocity (m/s)'

@@ -47,7 +47,7 @@ def comparison(found: Compared, ax: Ax = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.564e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.58e-4, law="coulomb-static")
     >>> found = ss.compare(ss.virtual_rig(robot, noise=1e-4, seed=1), robot, laws=["coulomb"])
     >>> ss.plot.comparison(found).get_xlabel()
     'drive periods'

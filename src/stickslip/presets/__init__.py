@@ -7,9 +7,11 @@ from stickslip.presets.chains import two_modules, worm
 from stickslip.presets.joints import servo
 from stickslip.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
 from stickslip.presets.stages_and_conveyors import conveyor, stick_slip_stage
+from stickslip.quantities import PAPER_AMPLITUDES
 
 __all__ = [
     "DIMENSIONLESS",
+    "PAPER_AMPLITUDES",
     "PRESETS",
     "capsubot",
     "capsule",

@@ -48,13 +48,14 @@ def piezo_rig(
     tilt_deg : float or array
         Tilt of the track, downhill is forwards [degrees].
     amplitude : float or array
-        Amplitude of the inner mass [m]. The paper does not print the one it used.
+        Amplitude of the inner mass [m]. The paper prints none for its experiments; `ss.presets.PAPER_AMPLITUDES` has the inferred ones.
     omega : float or array
         Angular frequency of the drive [rad/s].
     mu0, f0 : float or array
         Isotropic kinetic and static friction coefficients of body and track [-].
     law : {"lugre", "coulomb", "coulomb-static"}
-        "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
+        "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0, as the printed results of
+        the paper do.
     incline : {"folded", "gravity"}
         "folded" includes the incline in the coefficients, as the paper does (Eq. 4.1); "gravity" lets gravity act. Choose "gravity" if you
         want to replace the law: in place of the folded law it would be on a level track, as ``notes`` then says.
@@ -71,7 +72,7 @@ def piezo_rig(
 
     Examples
     --------
-    >>> robot = piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> robot = piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)
     >>> round(robot.friction.mu_plus, 6)
     0.150255
     """

@@ -41,7 +41,7 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
     Examples
     --------
     >>> import stickslip as ss
-    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=20)
     >>> text = run_page(run, "The rig on 1.7 degrees")
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)

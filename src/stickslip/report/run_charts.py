@@ -16,7 +16,7 @@ def velocity(run: Any) -> dict[str, Any]:
     Examples
     --------
     >>> import stickslip as ss
-    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=20)
     >>> abs(max(velocity(run)["curves"][0]["y"]) - 1e3 * float(run.v.max())) < 1e-3
     True
     """

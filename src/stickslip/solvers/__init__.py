@@ -94,9 +94,9 @@ def solve(
     Examples
     --------
     >>> import stickslip as ss
-    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=20)
     >>> f"{ss.mean_velocity(run):.6f} m/s"
-    '0.002015 m/s'
+    '0.002032 m/s'
     """
     if is_flow(model):
         from stickslip.solvers import flow_solving

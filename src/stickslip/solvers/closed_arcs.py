@@ -62,9 +62,9 @@ def reduced(model: Any) -> Arcs:
     Examples
     --------
     >>> import stickslip as ss
-    >>> arcs = reduced(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))
+    >>> arcs = reduced(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"))
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
-    0.480458
+    0.477433
     """
     count = labels_of(model).cases
     return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
@@ -87,8 +87,8 @@ def handles(model: Any) -> str | None:
     Examples
     --------
     >>> import stickslip as ss
-    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))
-    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"))
+    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
     kind = type(model).__name__

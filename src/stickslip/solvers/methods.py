@@ -241,7 +241,7 @@ def method_for(name: str, model: Any, observed: bool = False) -> Method:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)
     >>> type(method_for("auto", robot)).__name__, type(method_for("auto", robot.replace(friction=ss.Coulomb(0.15, 0.21)))).__name__
     ('TaylorSeries', 'ClosedArcs')
     """

@@ -73,7 +73,7 @@ def request(
             "solve",
             [
                 f"{model!r} is not a model; allowed is a Robot, a mechanism, or a machine of several bodies; "
-                "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
+                "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
             ],
         )
     numbers = _numbers_of(model, problems)

@@ -175,9 +175,9 @@ def solve_batch(
     Examples
     --------
     >>> import stickslip as ss
-    >>> raw = solve_batch(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.525e-4, 8e-4], law="coulomb"), periods=200, settle=100)
+    >>> raw = solve_batch(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.56e-4, 8e-4], law="coulomb-static"), periods=200, settle=100)
     >>> (raw["displacement"] / (raw["window"] * 2 / 65.4)).round(9).tolist()  # mean velocity
-    [0.002014682, 0.004308808]
+    [0.002032039, 0.004308808]
     """
     arcs = reduced(model) if arcs is None else arcs
     x0, v0 = _start(model, start)
@@ -224,7 +224,7 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
     Examples
     --------
     >>> import stickslip as ss
-    >>> arcs, counts = solve_one(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=2)
+    >>> arcs, counts = solve_one(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=2)
     >>> arcs.mode[:, 0].tolist(), counts
     ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
     """

@@ -23,7 +23,7 @@ def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
     Examples
     --------
     >>> import stickslip as ss
-    >>> check_period(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    >>> check_period(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
     """
     if model.period is None:
         return

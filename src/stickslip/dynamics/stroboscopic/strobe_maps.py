@@ -251,9 +251,9 @@ def strobe_map(
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static")
     >>> strobe_map(robot, [[0.0], [1e-3]], periods=3).displacement.round(9).tolist()
-    [0.000185664, 0.000186046]
+    [0.00018731, 0.000187693]
     """
     states = np.atleast_2d(np.asarray(states, float))
     if stepped:
