@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import json
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -49,11 +51,47 @@ def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
     With several bodies and contacts a column's name contains that of the part, as in "x.head". Inner states are numbered; those that a
     law does not have are left out.
     """
-    return _flat(trajectory_columns(run), names_of(run), run.model)
+    return flat(trajectory_columns(run), names_of(run), run.model)
 
 
-def _flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
+def flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
+    """Columns by name as columns of numbers with their units; the `model` says whether coordinates are lengths or angles."""
     return {n: (one, unit_of(name, model)) for name, column in columns.items() for n, one in _parts(name, column, names)}
+
+
+@dataclass(frozen=True)
+class Table:
+    """The columns of a run, as files hold them.
+
+    Parameters
+    ----------
+    columns : dict
+        Arrays by name, (time, ...).
+    units : dict
+        Units of these, "1" for none.
+    names : dict
+        Names of bodies and contacts by dimension.
+    head : list of (str, str, str)
+        Heading, unit and meaning of each one-dimensional part.
+    flat : list of array (time,)
+        These parts: numbers, or words.
+    about : dict
+        Status, method, model and provenance.
+    """
+
+    columns: dict[str, Any]
+    units: dict[str, str]
+    names: dict[str, list[str]]
+    head: list[tuple[str, str, str]]
+    flat: list[Any]
+    about: dict[str, Any]
+
+
+def table_of(run: Any) -> Table:
+    """The columns of a trajectory for a file."""
+    columns, parts = trajectory_columns(run), flat_columns(run)
+    units = {name: unit_of(name, run.model) or "1" for name in columns}
+    return Table(columns, units, names_of(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
 
 
 def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:
@@ -80,14 +118,14 @@ def _meaning(name: str) -> str:
     return "" if variable is None else f"{variable.long_name}: {part}" if part else variable.long_name
 
 
-def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None, model: Any = None) -> None:
-    """Write columns of a run as CSV, to a path or an open file: names with units first, then the numbers to full precision.
-
-    `names` are those of the bodies and contacts. The `model` determines whether coordinates are lengths or angles.
-    """
-    flat = _flat(columns, names or {}, model)
-    table = np.column_stack([values for values, _ in flat.values()])
-    np.savetxt(file, table, delimiter=",", header=",".join(headed(flat)), comments="", fmt="%.17g", encoding="utf-8")
+def write_csv(head: Sequence[str], columns: Sequence[Any], file: TextIO) -> None:
+    """Write columns (time,) as CSV to an open file: their headings first, then the numbers to full precision, or words."""
+    rows = csv.writer(file, lineterminator="\n")
+    rows.writerow(head)
+    if all(np.asarray(values).dtype.kind in "biuf" for values in columns):
+        np.savetxt(file, np.column_stack(columns), delimiter=",", fmt="%.17g")
+    else:
+        rows.writerows(zip(*(np.asarray(values).tolist() for values in columns), strict=True))
 
 
 def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:

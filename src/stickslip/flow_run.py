@@ -11,11 +11,13 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from stickslip.arguments import Numbers, explains_arguments
-from stickslip.errors import InputError, did_you_mean
+from stickslip.datasets import Table
+from stickslip.errors import InputError, as_path, did_you_mean
 from stickslip.faces import Drawn
 from stickslip.maths import Array
+from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
-from stickslip.storage import FORMAT
+from stickslip.storage import FORMAT, NETCDF, save_columns, save_datasets
 
 _LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
 _FREE = 10  # instants of a run without a period, in units of `samples`
@@ -31,7 +33,7 @@ class ModeChange(NamedTuple):
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowRun(Drawn):
+class FlowRun(RunFiles, Drawn):
     """One run of a switching flow, made by `solve`. ``run[name]`` is the column of a state over the instants `t`.
 
     Parameters
@@ -218,21 +220,29 @@ class FlowRun(Drawn):
         """The columns as a `pandas.DataFrame` over time."""
         return self.to_xarray().to_dataframe()
 
+    def _table(self) -> Table:
+        """The columns as files hold them; states have no unit."""
+        data = self.to_xarray()
+        columns = {"time": self.t, **{str(name): data[name].values for name in data.data_vars}}
+        meanings = {"time": "time", "mode": "mode of the flow"}
+        head = [(name, "", meanings.get(name, "state of the flow")) for name in columns]
+        return Table(columns, dict.fromkeys(columns, "1"), {}, head, list(columns.values()), dict(data.attrs))
+
     @explains_arguments
     def save(self, path: str | Path) -> Path:
-        """Write the columns to .csv or .nc; returns its path.
+        """Write the columns to a netCDF4 file (.nc), .csv, .xlsx or .mat; returns its path.
 
         The columns can be read back, but not the run: the functions of a flow are Python code, which cannot be stored in a file.
+        An existing file is replaced in a single step at the end.
         """
-        path = Path(path)
-        if path.suffix == ".csv":
-            self.to_dataframe().to_csv(path)
-        elif path.suffix == ".nc":
-            told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
-            self.to_xarray().assign_attrs(told).to_netcdf(path)
-        else:
-            raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are .csv and .nc"])
-        return path
+        path = as_path(path, "save")
+        if path.suffix.lower() in (".csv", ".xlsx", ".mat"):
+            return save_columns(self, path)
+        if path.suffix.lower() not in NETCDF:
+            allowed = ", ".join([*NETCDF[:-1], ".csv, .xlsx and .mat"])
+            raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
+        told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
+        return save_datasets(path, {"": (self.to_xarray().assign_attrs(told), {})})
 
     _drawn_by = "states"
 

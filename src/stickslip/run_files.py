@@ -11,11 +11,19 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from stickslip.datasets import Table
+
 
 class RunFiles:
     """Files and tables of a `Trajectory`."""
 
     __slots__ = ()
+
+    def _table(self) -> Table:
+        """The columns as files hold them."""
+        from stickslip.datasets import table_of
+
+        return table_of(self)
 
     def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

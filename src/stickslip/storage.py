@@ -1,26 +1,22 @@
 """Runs on disk: netCDF4 files that come back as they were, and MATLAB files.
 
 A file holds the sampled columns at its root, for MATLAB and every other reader of netCDF4, and the dense output in the group
-``pieces``, from which `stickslip.load` makes the run again. There is no pickle in it. It is written beside its place and then moved there,
-so that a reader never sees half a file.
+``pieces``, from which `stickslip.load` makes the run again. There is no pickle in it.
 """
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import errno
+import io
 import json
-import os
-import secrets
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip import hdf5
-from stickslip.datasets import attributes, explained_columns, flat_columns, names_of, trajectory_columns, trajectory_dataset, write_csv
+from stickslip.datasets import attributes, names_of, trajectory_dataset, write_csv
 from stickslip.dense_output import kind_of, pieces_from_arrays
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
@@ -32,38 +28,11 @@ from stickslip.mechanisms import MECHANISMS
 from stickslip.robot import Robot
 from stickslip.tables import document_of
 from stickslip.unpacking import Allowance
-from stickslip.variables import unit_of
+from stickslip.whole_files import for_hdf5, unwritable, whole_file
 from stickslip.workbooks import write_workbook
 
 #: Version of the file format; a reader refuses a newer one. 1 had one body on one contact, without axes for them.
 FORMAT = 2
-
-
-@contextlib.contextmanager
-def moved_into_place(path: Path, failed: Callable[[Path, OSError], Exception]) -> Iterator[Path]:
-    """A path beside `path` to write to; it takes the place of `path` when all went well, and `failed` makes the error where it cannot."""
-    if not path.name or path.is_dir():
-        raise failed(path, IsADirectoryError(errno.EISDIR, "it is a folder"))
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{path.suffix}")
-    try:
-        beside.open("xb").close()
-        yield beside
-        os.replace(beside, path)
-    except OSError as error:
-        raise failed(path, error) from None
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-
-
-def unwritable(doing: str) -> Callable[[Path, OSError], InputError]:
-    """The message, with a suggestion, for a file that cannot be written."""
-
-    def failed(path: Path, error: OSError) -> InputError:
-        why = (error.strerror or str(error)) if path.parent.exists() else "that folder does not exist; make it first"
-        return InputError(doing, [f"cannot write {str(path)!r}: {why}; give a path in a folder that you may write to"])
-
-    return failed
 
 
 # ---- netCDF4 ----
@@ -92,9 +61,9 @@ def save(run: Any, path: str | Path) -> Path:
     """
     path = as_path(path, "save")
     if path.suffix.lower() in _OF_COLUMNS:
-        return _OF_COLUMNS[path.suffix.lower()](run, path)
-    if path.suffix.lower() not in _NETCDF:
-        allowed = f"{', '.join(_NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
+        return save_columns(run, path)
+    if path.suffix.lower() not in NETCDF:
+        allowed = f"{', '.join(NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
     attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
     import xarray as xr
@@ -103,10 +72,19 @@ def save(run: Any, path: str | Path) -> Path:
     texts = {name: array for name, array in kept.items() if isinstance(array, str)}
     arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in kept.items() if name not in texts}
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "_FillValue": None}
-    with moved_into_place(path, unwritable("save")) as beside:
-        data.to_netcdf(beside, engine="h5netcdf", encoding={str(name): packed for name in data.variables if name not in names_of(run)})
-        pieces = xr.Dataset(arrays, attrs={"kind": kind_of(run.pieces), **texts})
-        pieces.to_netcdf(beside, mode="a", group="pieces", engine="h5netcdf", encoding={name: {"_FillValue": None} for name in arrays})
+    pieces = xr.Dataset(arrays, attrs={"kind": kind_of(run.pieces), **texts})
+    encoding = {str(name): packed for name in data.variables if name not in names_of(run)}
+    return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
+
+
+def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doing: str = "save") -> Path:
+    """Write datasets with their encodings to the groups of one netCDF4 file ("" is its root); returns its path."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    with whole_file(path, unwritable(doing)) as file, for_hdf5(file) as target, h5netcdf.File(target, "w") as whole:
+        for name, (data, encoding) in groups.items():
+            data.dump_to_store(H5NetCDFStore(whole.create_group(name) if name else whole), encoding=encoding)
     return path
 
 
@@ -262,39 +240,41 @@ class _UnknownSetValued:
     sliding = breakaway = _unknown_law
 
 
-# ---- MATLAB ----
+# ---- columns ----
+def save_columns(run: Any, path: Path) -> Path:
+    """Write the columns of a run to a file whose ending is one of theirs."""
+    return _OF_COLUMNS[path.suffix.lower()](run, path)
+
+
 def to_mat(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a MATLAB file (version 5), one variable each, with units and status; returns its path."""
     from scipy.io import savemat
 
-    path = as_path(path, "to_mat", "run.mat")
-    columns = trajectory_columns(run)
-    units = {name: unit_of(name, run.model) or "1" for name in columns}
-    with moved_into_place(path, unwritable("to_mat")) as beside:
-        savemat(beside, {**columns, "units": units, "run": attributes(run), **names_of(run)}, oned_as="column", appendmat=False)
+    path, table = as_path(path, "to_mat", "run.mat"), run._table()
+    with whole_file(path, unwritable("to_mat")) as file:
+        savemat(file, {**table.columns, "units": table.units, "run": table.about, **table.names}, oned_as="column")
     return path
 
 
-# ---- text ----
 def to_csv(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a CSV file, units in its first line; returns its path."""
-    path = as_path(path, "to_csv", "run.csv")
-    with moved_into_place(path, unwritable("to_csv")) as beside:
-        write_csv(trajectory_columns(run), beside, names_of(run), run.model)
+    path, table = as_path(path, "to_csv", "run.csv"), run._table()
+    with whole_file(path, unwritable("to_csv")) as file:
+        text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+        write_csv([heading for heading, _, _ in table.head], table.flat, text)
+        text.detach()  # flushed, and not closed
     return path
 
 
-# ---- Excel ----
 def to_excel(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to an Excel workbook, units in its first line, with their meanings; returns its path."""
-    path = as_path(path, "to_excel", "run.xlsx")
-    columns = flat_columns(run)
-    rows = zip(*(np.asarray(values, float).tolist() for values, _ in columns.values()), strict=True)
-    with moved_into_place(path, unwritable("to_excel")) as beside:
-        write_workbook(beside, explained_columns(columns), rows, len(run.t), attributes(run), "to_excel")
+    path, table = as_path(path, "to_excel", "run.xlsx"), run._table()
+    rows = zip(*(np.asarray(values).tolist() for values in table.flat), strict=True)
+    with whole_file(path, unwritable("to_excel")) as file:
+        write_workbook(file, table.head, rows, len(run.t), table.about, "to_excel")
     return path
 
 
 #: Endings of a file that `load` reads back, and of those that hold the columns alone.
-_NETCDF = (".nc", ".nc4", ".h5", ".hdf5", "")
+NETCDF = (".nc", ".nc4", ".h5", ".hdf5", "")
 _OF_COLUMNS: dict[str, Callable[[Any, Path], Path]] = {".csv": to_csv, ".xlsx": to_excel, ".mat": to_mat}

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import math
+import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from stickslip.errors import InputError
 from stickslip.optional import library
@@ -17,27 +19,41 @@ _NARROW, _WIDE, _SENTENCE = 12, 36, 80  # widths of columns, in characters
 
 
 def write_workbook(
-    path: Path,
+    file: BinaryIO,
     columns: Sequence[tuple[str, str, str]],
     rows: Iterable[Sequence[Any]],
     count: int,
     about: Mapping[str, Any],
     doing: str,
 ) -> None:
-    """Write a table of `count` rows and what is to be known `about` it to an .xlsx file.
+    """Write a table of `count` rows and what is to be known `about` it as an Excel workbook to an open file.
 
     Each of the `columns` has a heading, a unit and a meaning. Numbers that are none (NaN) are empty cells. `InputError` of `doing` where
     openpyxl is missing or a sheet cannot hold so many rows.
     """
     _check(count, len(columns), doing)
     openpyxl = library(doing, "openpyxl", 'Excel files need openpyxl; type pip install "stickslip[io]", or give a .csv path')
-    book = openpyxl.Workbook(write_only=True)
-    head = [heading for heading, _, _ in columns]
-    data = _sheet(openpyxl, book, "data", head, [min(max(_NARROW, len(text) + 4), _WIDE) for text in head], rows)
-    data.auto_filter.ref = f"A1:{openpyxl.utils.get_column_letter(len(head))}{count + 1}"
-    _sheet(openpyxl, book, "columns", ("column", "unit", "meaning"), (_WIDE, _NARROW, _SENTENCE), columns)
-    _sheet(openpyxl, book, "about", ("name", "value", "unit", "meaning"), (_WIDE, _WIDE, _NARROW, _SENTENCE), _facts(about))
-    book.save(path)
+    book, made = openpyxl.Workbook(write_only=True), io.BytesIO()
+    try:
+        head = [heading for heading, _, _ in columns]
+        data = _sheet(openpyxl, book, "data", head, [min(max(_NARROW, len(text) + 4), _WIDE) for text in head], rows)
+        data.auto_filter.ref = f"A1:{openpyxl.utils.get_column_letter(len(head))}{count + 1}"
+        _sheet(openpyxl, book, "columns", ("column", "unit", "meaning"), (_WIDE, _NARROW, _SENTENCE), columns)
+        _sheet(openpyxl, book, "about", ("name", "value", "unit", "meaning"), (_WIDE, _WIDE, _NARROW, _SENTENCE), _facts(about))
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+            openpyxl.writer.excel.ExcelWriter(book, archive).save()
+    except BaseException:
+        _abandon(book)
+        raise
+    file.write(made.getbuffer())
+
+
+def _abandon(book: Any) -> None:
+    """Remove the temporary files of a workbook that could not be made, such as where there is no room for them."""
+    for sheet in book.worksheets:
+        for act in (lambda sheet=sheet: sheet.close(), lambda sheet=sheet: sheet._writer.cleanup()):
+            with contextlib.suppress(Exception):
+                act()
 
 
 def _sheet(openpyxl: Any, book: Any, name: str, head: Sequence[str], widths: Sequence[int], rows: Iterable[Sequence[Any]]) -> Any:

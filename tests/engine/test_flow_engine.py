@@ -289,7 +289,9 @@ def test_a_period_may_follow_from_the_numbers():
 
 def test_columns_files_and_pictures_have_the_states_names(ball, tmp_path):
     import matplotlib.pyplot as plt
+    import openpyxl
     import xarray as xr
+    from scipy.io import loadmat
 
     run = ss.solve(ball, start={"height": 1.0}, duration=1.0)
     data = run.to_xarray()
@@ -297,6 +299,11 @@ def test_columns_files_and_pictures_have_the_states_names(ball, tmp_path):
     assert run.save(tmp_path / "ball.csv").read_text(encoding="utf-8").startswith("time,height,v,mode")
     with xr.open_dataset(run.save(tmp_path / "ball.nc")) as again:
         np.testing.assert_array_equal(again.height, data.height)
+    table = loadmat(run.save(tmp_path / "ball.mat"))
+    np.testing.assert_array_equal(table["height"].ravel(), data.height)
+    book = openpyxl.load_workbook(run.save(tmp_path / "ball.xlsx"))
+    assert [[cell.value for cell in row] for row in book["data"]["A1:D2"]] == [["time", "height", "v", "mode"], [0, 1, 0, 0]]
+    assert book["columns"]["C3"].value == "state of the flow"
     ax = ss.plot.states(run, "v")
     assert ax.get_ylabel() == "v" and len(ax.lines) == 1 + len(run.events)
     ax = ss.plot.phase(run, x="v", y="height")
@@ -304,8 +311,8 @@ def test_columns_files_and_pictures_have_the_states_names(ball, tmp_path):
     plt.close("all")
     with pytest.raises(ss.InputError, match="'hight' is not a state of the flow; did you mean 'height'"):
         run["hight"]
-    with pytest.raises(ss.InputError, match=r"allowed are .csv and .nc"):
-        run.save(tmp_path / "ball.h5")
+    with pytest.raises(ss.InputError, match=r"allowed are .nc, .nc4, .h5, .hdf5, .csv, .xlsx and .mat"):
+        run.save(tmp_path / "ball.zip")
 
 
 def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):

@@ -125,15 +125,13 @@ def test_an_unwritable_place_is_named(run, tmp_path):
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(run, tmp_path, monkeypatch):
-    import xarray as xr
-
     path = run.save(tmp_path / "run.nc")
     before = path.read_bytes()
 
     def full(*arguments, **more):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ss.InputError, match="No space left"):
         run.save(path)
     assert path.read_bytes() == before and [p.name for p in tmp_path.iterdir()] == ["run.nc"]

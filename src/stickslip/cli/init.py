@@ -10,20 +10,21 @@ from stickslip.cli.arguments import names_of, subject
 from stickslip.cli.docstrings import about, meanings
 from stickslip.cli.outputs import Outcome
 from stickslip.cli.study_files import found
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.naming import axis_of, example_for
 from stickslip.quantities import with_unit
+from stickslip.whole_files import unwritable, write_whole
 
 
 def act(asked: Any) -> Outcome:
     """Do the command."""
-    target = asked.file
+    target = None if asked.file is None else as_path(asked.file, "init", "study.toml")
     if target is not None and target.exists() and not asked.force:
         raise InputError("FILE", [f"{str(target)!r} is there already; give another name, or type --force to write over it"])
     text = commented(_robot(asked))
     if target is None:
         return Outcome({"written": None, "text": text}, text.removesuffix("\n"))
-    target.write_text(text, encoding="utf-8")
+    write_whole(target, text, unwritable("init"))
     typed = f'"{target}"' if " " in str(target) else target
     return Outcome({"written": str(target), "text": text}, f"written to {target}; try: stickslip run {typed}")
 

@@ -39,29 +39,23 @@ def act(asked: Any) -> Outcome:
 
 
 def _write(files: list[Path | None], best: Any, record: dict[str, Any], study: Any, again: str) -> None:
+    from stickslip.whole_files import unwritable, write_whole
+
     out, search, report = files
     if out is not None:
         import tomli_w
 
-        _put(out, f"{best.model.to_toml()}\n{tomli_w.dumps({'optimise': table_of(best)})}")
+        write_whole(out, f"{best.model.to_toml()}\n{tomli_w.dumps({'optimise': table_of(best)})}", unwritable("optimise"))
     if search is not None:
         import json
 
         from stickslip.jsontext import strict
 
-        _put(search, json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+        write_whole(search, json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False) + "\n", unwritable("optimise"))
     if report is not None:
         from stickslip.report import optimum_page, write
 
         write(report, optimum_page(best, f"The best of {study.title()}", again))
-
-
-def _put(path: Path, text: str) -> None:
-    """Write a file; an existing one is replaced in a single step at the end."""
-    from stickslip.storage import moved_into_place, unwritable
-
-    with moved_into_place(path, unwritable("optimise")) as beside:
-        beside.write_text(text, encoding="utf-8")
 
 
 def _record(title: str, again: str, best: Any) -> dict[str, Any]:

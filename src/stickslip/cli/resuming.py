@@ -82,6 +82,8 @@ def remembered(asked: Any, file: Path | None) -> Iterator[None]:
 
 def _write(path: Path, command: str, words: list[str]) -> None:
     """Store the command line, without the options that belong to one run; an existing file is kept."""
+    from stickslip.sweeps.folder import put
+
     if path.exists():
         return
     flags, valued = _OWN
@@ -92,4 +94,4 @@ def _write(path: Path, command: str, words: list[str]) -> None:
             continue
         kept.append(word)
     text = json.dumps({"command": command, "words": kept, "folder": os.getcwd()}, indent=1, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    put(path, f"{text}\n".encode(), new=True)

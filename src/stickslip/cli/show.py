@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
@@ -126,8 +127,8 @@ def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | N
 
 def draw_to(path: Path, figure: Any) -> Path:
     """Save a figure; an existing file is replaced in a single step at the end."""
-    from stickslip.storage import moved_into_place, unwritable
+    from stickslip.whole_files import unwritable, write_whole
 
-    with moved_into_place(path, unwritable("figure")) as beside:
-        figure.savefig(beside)
-    return path
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=path.suffix.lower().lstrip("."))
+    return write_whole(path, drawn.getvalue(), unwritable("figure"))

@@ -12,7 +12,6 @@ import hashlib
 import importlib.util
 import os
 import sys
-import tempfile
 import threading
 import types
 from collections.abc import Iterator
@@ -20,6 +19,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
+from stickslip.whole_files import write_whole
 
 _loaded: dict[str, types.ModuleType] = {}
 _lock = threading.RLock()
@@ -52,10 +52,10 @@ def _chosen() -> Path:
     """The folder that the environment or the platform names."""
     own = os.environ.get("STICKSLIP_CACHE_DIR")
     if own:
-        return Path(own)
+        return Path(own).expanduser()
     xdg = os.environ.get("XDG_CACHE_HOME")
     if xdg:
-        return Path(xdg) / "stickslip"
+        return Path(xdg).expanduser() / "stickslip"
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "stickslip"
     if sys.platform == "darwin":
@@ -104,6 +104,9 @@ def _import(source: str, key: str, label: str) -> types.ModuleType:
         _say(f"compiling {label}, once …")
     try:
         return _execute(source, key, path)
+    except OSError as error:  # Numba could not write what it has compiled, such as on a full disk
+        _say(f"the cache folder {folder()} cannot be written ({error.strerror}); compiling {label} in memory for this process only …")
+        return _execute(source, key, None)
     except Exception:
         if not _compiled(path):  # not a bad cache: the source itself fails
             raise
@@ -123,10 +126,7 @@ def _written(source: str, key: str) -> Path | None:
             probe = path.parent / "__pycache__"
             return path if _compiled(path) or os.access(probe if probe.exists() else path.parent, os.W_OK) else None
         make_folder(path.parent / "__pycache__")
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(temporary, path)
+        write_whole(path, text, lambda _, error: error)
     except OSError:
         return None
     return path

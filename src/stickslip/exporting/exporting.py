@@ -63,13 +63,11 @@ class ExportedLaw:
         Path
             Where it was written. An existing file is replaced.
         """
-        from stickslip.storage import moved_into_place, unwritable
+        from stickslip.whole_files import unwritable, write_whole
 
         target = Path(self.file) if path is None else as_path(path, "save", self.file)
         target = target / self.file if target.is_dir() else target
-        with moved_into_place(target, unwritable("export_law")) as beside:
-            beside.write_text(self.text, encoding="utf-8")
-        return target
+        return write_whole(target, self.text, unwritable("export_law"))
 
 
 @explains_arguments

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from stickslip.paper.sentences import filled, texts
 from stickslip.plot.style import SHADE, WIDTH, publication
 from stickslip.report.drawn import svg
+from stickslip.whole_files import unwritable, write_whole
 
 __all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "curve", "render", "shade_rest"]
 
@@ -66,7 +68,9 @@ def render(
             draw(whole.add_subplot(rows, min(columns, len(panels)), place + 1))
         files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
         for file in files:
-            whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
+            drawn = io.BytesIO()
+            whole.savefig(drawn, format=file.suffix[1:], metadata={"Date": None} if file.suffix == ".svg" else {})
+            write_whole(file, drawn.getvalue(), unwritable("reproduce"))
             whole.set_layout_engine("none")  # the second file reuses the layout of the first, which halves the work
         alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
         return Picture(key=key, files=files, panels=alone, **filled(texts("pictures")[text or key], values))

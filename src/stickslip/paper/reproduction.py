@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.callbacks import progress_callback
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import infer
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
@@ -129,7 +129,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     'I'
     """
     begun, tell = time.perf_counter(), progress_callback(progress, "reproduce") or _silent
-    folder = _folder(Path(out))
+    folder = _folder(as_path(out, "reproduce", "paper"))
     runs = solve_all(tell)
     study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)
     judged = claims(study)

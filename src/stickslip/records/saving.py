@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.errors import Problems, as_path
 from stickslip.records.channel import ROLES
-from stickslip.storage import moved_into_place, unwritable
+from stickslip.whole_files import unwritable, write_whole
 
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
@@ -63,9 +63,7 @@ def save(rec: Any, path: str | Path) -> Path:
     table = csv.writer(file, lineterminator="\n")
     table.writerow([_heading(first.axis_name or "axis", first.axis_unit), *(_heading(c.name, c.unit) for c in channels)])
     np.savetxt(file, np.column_stack([first.t, *(c.values for c in channels)]), delimiter=",", fmt="%.17g")
-    with moved_into_place(path, unwritable("record")) as beside:
-        beside.write_text(file.getvalue(), encoding="utf-8", newline="")
-    return path
+    return write_whole(path, file.getvalue(), unwritable("record"))
 
 
 def _role_lines(channels: list[Any]) -> list[str]:

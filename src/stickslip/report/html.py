@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError, as_path
 from stickslip.report.mathml import mathml
-from stickslip.storage import moved_into_place, unwritable
+from stickslip.whole_files import unwritable, write_whole
 
 
 def svg_address(svg: str) -> str:
@@ -86,7 +86,4 @@ def outside_addresses(text: str) -> list[str]:
 
 def write(path: str | Path, text: str) -> Path:
     """Write a page; returns its path. An existing file is replaced in a single step at the end."""
-    path = as_path(path, "report", "report.html")
-    with moved_into_place(path, unwritable("report")) as beside:
-        beside.write_text(text, encoding="utf-8")
-    return path
+    return write_whole(as_path(path, "report", "report.html"), text, unwritable("report"))

@@ -8,7 +8,6 @@ from __future__ import annotations
 import errno
 import json
 import os
-import secrets
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
+from stickslip.whole_files import whole_file
 
 MANIFEST = "manifest.json"
 #: The shell command that began the study.
@@ -36,29 +36,12 @@ class StorageError(StickslipError, OSError):
 # ---- bytes on the disk ----
 def put(path: Path, content: bytes, new: bool = False) -> bool:
     """Write a file atomically. With `new`, an existing file is kept, and False is returned."""
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
-        with beside.open("xb") as file:
+        with whole_file(path, unwritable, new) as file:
             file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if not new:
-            os.replace(beside, path)
-            return True
-        try:
-            os.link(beside, path)
-            return True
-        except FileExistsError:
-            return False
-        except OSError:  # a file system without hard links
-            if path.exists():
-                return False
-            os.replace(beside, path)
-            return True
-    except OSError as error:
-        raise unwritable(path, error) from None
-    finally:
-        beside.unlink(missing_ok=True) if beside.exists() else None
+    except FileExistsError:
+        return False
+    return True
 
 
 _NO_ROOM = {

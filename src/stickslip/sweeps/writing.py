@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -16,9 +18,9 @@ from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.optional import library
 from stickslip.status import STATUS
-from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.result_columns import COLUMNS, TYPES, attributes_in_files, characters, coded, unwritten
+from stickslip.whole_files import for_hdf5, unwritable, whole_file
 from stickslip.workbooks import write_workbook
 
 _ROWS = 65536  # cases per block
@@ -60,8 +62,8 @@ def export(study: Any, path: str | Path) -> Path:
     data = _opened(study)
     if target.suffix.lower() in (".csv", ".xlsx", ".parquet"):
         data = one_row_a_case(data)
-    with moved_into_place(target, unwritable("export")) as beside:
-        write(data, beside)
+    with whole_file(target, unwritable("export")) as file:
+        write(data, file)
     return target
 
 
@@ -105,18 +107,20 @@ def _is_sweep(data: Any) -> bool:
 
 
 # ---- grids ----
-def _netcdf(data: Any, path: Path) -> None:
+def _netcdf(data: Any, file: BinaryIO) -> None:
     """Write a sweep block by block, so that memory does not grow with it; other datasets are written by xarray."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
     if not _is_sweep(data):
         try:
-            data.to_netcdf(path, engine="h5netcdf")
+            with for_hdf5(file) as target, h5netcdf.File(target, "w") as whole:
+                data.dump_to_store(H5NetCDFStore(whole))
         except (TypeError, ValueError) as error:
             raise InputError(
                 "export", [f"the dataset cannot be kept in a netCDF file: {error}; leave out what is not a number and no word"]
             ) from None
         return
-    import h5netcdf
-
     problems = Problems("export")
     for name in data.variables:
         if data[name].dtype.kind not in "iufbOSU":
@@ -124,18 +128,19 @@ def _netcdf(data: Any, path: Path) -> None:
                 f"{name} holds {data[name].dtype}; a file of a sweep keeps numbers, words, True and False; type drop_vars({name!r})"
             )
     problems.check()
-    with h5netcdf.File(path, "w") as file:
-        file.dimensions = {**{str(d): n for d, n in data.sizes.items()}, "character": 32}
-        file.attrs.update({k: v for k, v in data.attrs.items() if isinstance(v, (str, int, float))})
-        file.attrs.update({"stickslip_content": "sweep", "Conventions": "CF-1.11"})
+    with for_hdf5(file) as target, h5netcdf.File(target, "w") as whole:
+        whole.dimensions = {**{str(d): n for d, n in data.sizes.items()}, "character": 32}
+        whole.attrs.update({k: v for k, v in data.attrs.items() if isinstance(v, (str, int, float))})
+        whole.attrs.update({"stickslip_content": "sweep", "Conventions": "CF-1.11"})
         labels = [str(name) for name in data.coords if name not in data.dims]
         if labels:
-            file.attrs["coordinates"] = " ".join(labels)
+            whole.attrs["coordinates"] = " ".join(labels)
         for name in map(str, data.variables):
+            target.check()
             if name in COLUMNS and name in data.data_vars:
-                _column(file, name, data[name])
+                _column(whole, name, data[name])
             else:
-                _own(file, name, data[name])
+                _own(whole, name, data[name])
 
 
 def _column(file: Any, name: str, values: Any) -> None:
@@ -161,7 +166,7 @@ def _own(file: Any, name: str, values: Any) -> None:
     made.attrs.update({} if kept is None else {"kept_as": kept, "_Encoding": "utf-8"})
 
 
-def _matlab(data: Any, path: Path) -> None:
+def _matlab(data: Any, file: BinaryIO) -> None:
     from scipy.io import savemat
 
     kept = {}
@@ -176,7 +181,7 @@ def _matlab(data: Any, path: Path) -> None:
     types = {"motion_types": np.array(TYPES, object)} if "motion_type" in data.data_vars else {}
     about = {str(k): v for k, v in data.attrs.items() if isinstance(v, (str, int, float))}
     meanings = {"dimensions": np.array(_dims(data), object), "units": units, **types, "study" if _is_sweep(data) else "about": about}
-    savemat(path, {**kept, **meanings}, oned_as="column", appendmat=False, long_field_names=True)
+    savemat(file, {**kept, **meanings}, oned_as="column", long_field_names=True)
 
 
 def _cells(values: Array) -> Array:
@@ -240,18 +245,17 @@ def _lines(data: Any) -> Iterator[tuple[Any, ...]]:
         yield from zip(*(_sentences(values) if name == "status" else values.tolist() for name, values in part.items()), strict=True)
 
 
-def _csv(data: Any, path: Path) -> None:
-    import csv
+def _csv(data: Any, file: BinaryIO) -> None:
+    text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+    writer = csv.writer(text)
+    writer.writerow([_headed(data, name) for name in _columns(data)])
+    writer.writerows(_lines(data))
+    text.detach()  # flushed, and not closed
 
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([_headed(data, name) for name in _columns(data)])
-        writer.writerows(_lines(data))
 
-
-def _excel(data: Any, path: Path) -> None:
+def _excel(data: Any, file: BinaryIO) -> None:
     count = math.prod(data.sizes[d] for d in _dims(data))
-    write_workbook(path, [_explained(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
+    write_workbook(file, [_explained(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
 
 
 def _explained(data: Any, name: str) -> tuple[str, str, str]:
@@ -261,7 +265,7 @@ def _explained(data: Any, name: str) -> tuple[str, str, str]:
     return _headed(data, name), str(told.get("units", "1")), f"{told.get('long_name', '')}{codes}"
 
 
-def _parquet(data: Any, path: Path) -> None:
+def _parquet(data: Any, file: BinaryIO) -> None:
     missing = 'Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path'
     pa, pq = (library("export", name, missing) for name in ("pyarrow", "pyarrow.parquet"))
     units = {name.encode(): str(data[name].attrs.get("units", "1")).encode() for name in _columns(data)}
@@ -271,7 +275,7 @@ def _parquet(data: Any, path: Path) -> None:
         for part in _rows(data):
             arrays = [pa.array(_texts(n, v), pa.string()) if n == "status" or v.dtype.kind in "OSU" else v for n, v in part.items()]
             rows = pa.table(arrays, names=list(part)).replace_schema_metadata(about)
-            writer = writer or pq.ParquetWriter(path, rows.schema)
+            writer = writer or pq.ParquetWriter(file, rows.schema)
             writer.write_table(rows)
     finally:
         if writer is not None:
@@ -279,4 +283,4 @@ def _parquet(data: Any, path: Path) -> None:
 
 
 #: File extension -> writer.
-FORMATS: dict[str, Callable[[Any, Path], None]] = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".xlsx": _excel, ".parquet": _parquet}
+FORMATS: dict[str, Callable[[Any, BinaryIO], None]] = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".xlsx": _excel, ".parquet": _parquet}
