@@ -18,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import stickslip as ss
 from explorers import PATIENCE, Explorer, answer, axis, curves, plane
+from pairs import each_once
 from stickslip.explorer import kernels as kernels_module
 from stickslip.explorer.code import python
 from stickslip.explorer.dropped_records import drive_of, velocity_of
@@ -45,8 +46,7 @@ def explorer():
 # robots -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", FRICTION)
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize(("drive", "law"), each_once(DRIVES, FRICTION))
 def test_every_drive_goes_with_every_law_alone_and_as_a_map(drive, law):
     for track in TRACKS:
         for contact in CONTACTS:
@@ -99,8 +99,7 @@ def test_everything_wrong_with_a_state_is_said_at_once():
     assert "did you mean 'coulomb'" in " ".join(found) and "amplitude = 1e+12 mm; allowed is 0 mm to 1600 mm" in " ".join(found)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400])
-@pytest.mark.parametrize("name", PARAMETERS)
+@pytest.mark.parametrize(("name", "value"), each_once(PARAMETERS, [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400]))
 def test_no_parameter_takes_what_is_no_number(name, value):
     assert len(problems_of(lambda: state({"values": {name: value}}))) == 1
 

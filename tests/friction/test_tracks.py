@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from pairs import each_once
 from registries import examples
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.fields import leaves, replace_leaf
@@ -28,6 +29,7 @@ EVERY = {
     "varying twice": ss.VaryingFriction(ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3), depth=0.2, harmonic=3),
 }
 every_track = pytest.mark.parametrize("track", EVERY.values(), ids=EVERY)
+every_track_and_drive = pytest.mark.parametrize(("track", "drive"), each_once(EVERY, examples(ss.DRIVES)))
 
 
 def rig(track, law="coulomb"):
@@ -49,10 +51,9 @@ def test_a_study_file_keeps_every_track(track):
     assert ss.Robot.from_toml(robot.to_toml()) == robot
 
 
-@every_track
-@pytest.mark.parametrize("drive", examples(ss.DRIVES).values(), ids=examples(ss.DRIVES))
+@every_track_and_drive
 def test_the_load_can_be_written_down_and_repeats(track, drive):
-    robot = rig(track).replace(drive=drive)
+    robot = rig(EVERY[track]).replace(drive=examples(ss.DRIVES)[drive])
     graph = Graph()
     written = replace_leaf(robot, {name: graph.case(name) for name, _ in leaves(robot)})
     assert isinstance(written.load(graph.variable("t"), graph.constant(0.0)), Sym)
@@ -110,12 +111,11 @@ def test_a_run_uphill_is_a_negative_tilt():
 # mirror images ----------------------------------------------------------------------------------------------------
 
 
-@every_track
-@pytest.mark.parametrize("drive", examples(ss.DRIVES).values(), ids=examples(ss.DRIVES))
+@every_track_and_drive
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
 def test_a_mirrored_robot_obeys_mirrored_equations(track, drive, law):
-    robot = rig(track, law).replace(drive=drive)
-    image, t, v = ss.mirrored(robot), 0.3 * drive.period, 0.02
+    robot = rig(EVERY[track], law).replace(drive=examples(ss.DRIVES)[drive])
+    image, t, v = ss.mirrored(robot), 0.3 * robot.drive.period, 0.02
     load = robot.load(t, 0.0)
     assert image.load(t, 0.0) == load
 
