@@ -4,6 +4,6 @@ from itertools import cycle, islice
 
 
 def each_once(*factors):
-    """Rows in which every value of every factor stands at least once, shifted against one another so that like does not always meet like."""
+    """Rows in which every value of every factor stands at least once, shifted so that like does not always meet like."""
     longest = max(len(factor) for factor in factors)
     return list(zip(*(islice(cycle(list(factor)), shift, shift + longest) for shift, factor in enumerate(factors)), strict=True))
