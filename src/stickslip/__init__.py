@@ -13,7 +13,10 @@ def __getattr__(name: str) -> object:
 
         hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
         raise AttributeError(f"stickslip has no {name!r}; {hint}")
-    return _load(name)
+    from stickslip.interruption import held_together
+
+    with held_together():  # an import that Ctrl-C ends half done, such as that of Numba, fails until the process is started anew
+        return _load(name)
 
 
 #: Names that other packages use for some of our functions.

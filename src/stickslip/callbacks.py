@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.interruption import PROGRESS, stop_call
 
 #: A progress callback, called with (what, done, total) or (done, total); returning False stops the work.
 Reported = Callable[..., Any]
@@ -51,7 +52,9 @@ def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
 
 
 def reporting(progress: Any, what: str) -> Reported:
-    """The progress callback, or a function that does nothing: called with the latest item, the number done and the total.
+    """A function that is called with the latest item, the number done and the total, and passes them to the progress callback if any.
+
+    If that returns False before all is done, the call that runs is to end (see `stickslip.interruption`).
 
     Examples
     --------
@@ -60,7 +63,12 @@ def reporting(progress: Any, what: str) -> Reported:
     ('amplitude = 4e-4', 3, 400)
     """
     call = progress_callback(progress, what)
-    return (lambda *state: None) if call is None else call
+
+    def report(*state: Any) -> None:
+        if call is not None and call(*state) is False and state[-2] < state[-1]:
+            stop_call(PROGRESS)
+
+    return report
 
 
 def _is_watched(out: Any) -> bool:

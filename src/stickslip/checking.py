@@ -13,9 +13,10 @@ from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, perio
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
@@ -143,6 +144,7 @@ def _row(judge: Judge) -> tuple[str, ...]:
 
 
 @explains_arguments
+@interruptible
 def check(
     robot: Model,
     periods: int = 200,
@@ -197,13 +199,21 @@ def check(
     tell("our own methods")
     run, judges = court.ladder(rtol) if dynamic else court.exact()
     best = judges[-1].mean_velocity if dynamic else judges[0].mean_velocity
-    if scipy:
-        tell(f"scipy {SCIPY[dynamic][0]}")
-        judges.append(court.scipy(*SCIPY[dynamic], tight=max(1e-4 * rtol, _TIGHTEST)))
-    for n in rk4_steps:
-        tell(f"Runge-Kutta, {n} steps")
-        judges.append(court.judge(RK4, f"{n} per period", best, counts=False, method="rk4", steps=n))
-    tell("done")
+    own = len(judges)
+    with partial_result() as ending:
+        if scipy:
+            tell(f"scipy {SCIPY[dynamic][0]}")
+            judges.append(court.scipy(*SCIPY[dynamic], tight=max(1e-4 * rtol, _TIGHTEST)))
+        for n in rk4_steps:
+            tell(f"Runge-Kutta, {n} steps")
+            judges.append(court.judge(RK4, f"{n} per period", best, counts=False, method="rk4", steps=n))
+    if ending.interrupted:
+        asked = [*([f"scipy {SCIPY[dynamic][0]}"] if scipy else []), *[RK4] * len(rk4_steps)]
+        settings = [*([""] if scipy else []), *(f"{n} per period" for n in rk4_steps)]
+        done = len(judges) - own
+        judges += [_skipped(*pair, ending.words) for pair in list(zip(asked, settings, strict=True))[done:]]
+    else:
+        tell("done")
     period, balance = period_number(run), energy(run).worst
     answer = judges[0].mean_velocity
     counted = [judge for judge in judges if judge.counts and math.isfinite(judge.difference)]
@@ -211,7 +221,8 @@ def check(
     uncertainty = math.nan if alone else max([*(abs(judge.difference) for judge in counted), 2e-16 * abs(answer)])
     digits = certain_digits(answer, uncertainty)
     verdict = sentence(answer, uncertainty, digits, period, counted, robot) + naive(answer, judges, robot)
-    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(run.notes), verdict)
+    early = [ending.note("some methods were not asked, so fewer digits may be certain than are given")] if ending.interrupted else []
+    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict)
 
 
 def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
@@ -233,8 +244,13 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
 
 def _told(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
     """A function that passes the name of the next method and the number of methods done to the progress callback."""
-    done, tell = iter(range(whole + 1)), progress_callback(progress, "check")
-    return lambda who: tell(who, next(done), whole) if tell else None
+    done, report = iter(range(whole + 1)), reporting(progress, "check")
+
+    def tell(who: str) -> None:
+        report(who, next(done), whole)
+        look()
+
+    return tell
 
 
 def _skipped(name: str, setting: str, why: str) -> Judge:

@@ -17,6 +17,7 @@ from stickslip.faces import Drawn
 from stickslip.maths import Array
 from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
+from stickslip.status import INTERRUPTED
 from stickslip.storage import FORMAT, NETCDF, save_columns, save_datasets
 
 _LOOKS = 33  # samples of a polynomial on one step, from which its extremes are refined
@@ -204,8 +205,14 @@ class FlowRun(RunFiles, Drawn):
     # ---- doors ----
     @property
     def notes(self) -> list[str]:
-        """Remarks on the run: why another method replaced the compiled engine."""
-        return [f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else []
+        """Remarks on the run: an early end, and why another method replaced the compiled engine."""
+        early = [f"the run was {self.status}"] if self.interrupted else []
+        return [*early, *([f"{self.method}: {self.provenance['why']}"] if self.provenance.get("why") else [])]
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the run was interrupted before its end: `status` says when."""
+        return self.status.startswith(INTERRUPTED)
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time."""

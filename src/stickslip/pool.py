@@ -1,89 +1,69 @@
-"""Work shared by threads: the one pool, with progress, Ctrl-C and a way to say stop."""
+"""Work shared by threads: the one pool, which an error or an interruption ends."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
-from typing import Any, Protocol, TypeVar
+from typing import TypeVar
+
+from stickslip.interruption import FAILED, Interrupted, in_threads, look
 
 P = TypeVar("P")
 T = TypeVar("T")
-_NOTHING: Any = object()
-_LOOK = 0.2  # how often it looks whether somebody said stop [s]
+_LOOK = 0.2  # how often it looks whether the call is to end [s]
 
 
-class Cancelled(Exception):
-    """Work that noticed that it was told to stop."""
-
-
-class Stoppable(Protocol):
-    """A flag that threads check for cancellation."""
-
-    stopped: bool
-
-
-class _Unwatched:
-    stopped = False
-
-
-def shared(work: Callable[[P], T], parts: Iterable[P], workers: int = 1, watch: Stoppable | None = None) -> Iterator[tuple[P, T]]:
+def shared(work: Callable[[P], T], parts: Iterable[P], workers: int = 1, all_parts: bool = False) -> Iterator[tuple[P, T]]:
     """Each part and what `work` makes of it: in order by one worker, as they become ready by several.
 
-    Parts are taken a few at a time, so that memory does not grow with their number. An error ends it; so does Ctrl-C, within a
-    fraction of a second if the work lets go of the interpreter.
+    Parts are taken a few at a time, so that memory does not grow with their number. An error ends it. So does an interruption of the
+    call (see `stickslip.interruption`): no part is begun then, those at work end when they look, what is ready is yielded, and
+    `Interrupted` is raised.
 
     Parameters
     ----------
     work : callable
-        Takes a part. Where there is a watch it may raise `Cancelled`: there is then no result of this part.
+        Takes a part.
     parts : iterable
     workers : int
         Threads.
-    watch : optional
-        What knows whether to stop. No part is begun after that, and it is told where an error or Ctrl-C ends the work.
+    all_parts : bool
+        Whether all parts are begun after an interruption too: `work` looks for itself, and returns what it has.
 
     Examples
     --------
     >>> sorted(shared(lambda n: n * n, range(4), workers=2))
     [(0, 0), (1, 1), (2, 4), (3, 9)]
     """
-    tried = work if watch is None else _tried(work)
-    made = _in_turn(tried, parts, watch or _Unwatched()) if workers == 1 else _in_threads(tried, parts, workers, watch or _Unwatched())
-    return ((part, result) for part, result in made if result is not _NOTHING)
+    return _in_turn(work, parts, all_parts) if workers == 1 else _in_threads(work, parts, workers, all_parts)
 
 
-def _tried(work: Callable[[P], T]) -> Callable[[P], T]:
-    """The same, with nothing where it noticed that it was told to stop."""
-
-    def tried(part: P) -> T:
-        try:
-            return work(part)
-        except Cancelled:
-            return _NOTHING
-
-    return tried
-
-
-def _in_turn(work: Callable[[P], T], parts: Iterable[P], watch: Stoppable) -> Iterator[tuple[P, T]]:
+def _in_turn(work: Callable[[P], T], parts: Iterable[P], all_parts: bool) -> Iterator[tuple[P, T]]:
     for part in parts:
-        if watch.stopped:
-            return
+        if not all_parts:
+            look()
         yield part, work(part)
 
 
-def _in_threads(work: Callable[[P], T], parts: Iterable[P], workers: int, watch: Stoppable) -> Iterator[tuple[P, T]]:
+def _in_threads(work: Callable[[P], T], parts: Iterable[P], workers: int, all_parts: bool) -> Iterator[tuple[P, T]]:
     rest = iter(parts)
+    stop, run = in_threads()
     with ThreadPoolExecutor(workers) as pool:
         running: dict[Future[T], P] = {}
         try:
             while True:
-                for part in islice(rest, 0 if watch.stopped else 2 * workers - len(running)):
-                    running[pool.submit(work, part)] = part
+                for part in islice(rest, 0 if stop and not all_parts else 2 * workers - len(running)):
+                    running[pool.submit(run, work, part)] = part
                 if not running:
-                    return
+                    break
                 for ready in wait(running, timeout=_LOOK, return_when=FIRST_COMPLETED).done:
-                    yield running.pop(ready), ready.result()
+                    part = running.pop(ready)
+                    if not (stop and isinstance(ready.exception(), Interrupted)):
+                        yield part, ready.result()
         finally:
-            watch.stopped = watch.stopped or bool(running)
+            if running:
+                stop.set(FAILED)
             pool.shutdown(wait=True, cancel_futures=True)
+    if not all_parts:
+        look()

@@ -44,6 +44,20 @@ class Status(IntEnum):
 STATUS: dict[int, str] = {int(status): status.sentence for status in Status}
 
 
+INTERRUPTED = "interrupted at t = "
+
+
+def interrupted_at(t: float) -> str:
+    """The status of one run that was interrupted at a time [s].
+
+    Examples
+    --------
+    >>> interrupted_at(1.5)
+    'interrupted at t = 1.5 s'
+    """
+    return f"{INTERRUPTED}{float(t):.6g} s"
+
+
 def counted(codes: Any, said: dict[int, str] = STATUS) -> dict[str, int]:
     """How many there are of each code, by what it says.
 

@@ -12,7 +12,7 @@ from stickslip.errors import did_you_mean
 from stickslip.mechanics import declares_parts
 from stickslip.part_notes import notes_of_cases
 from stickslip.sealing import seal, sealed
-from stickslip.status import counted
+from stickslip.status import Status, counted
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 from stickslip.variables import VARIABLES
 
@@ -112,6 +112,11 @@ class Summary:
         return self.labels.shape
 
     @property
+    def interrupted(self) -> bool:
+        """Whether the batch was interrupted before all its cases were solved: their status is "not computed"."""
+        return bool(np.any(np.asarray(self.columns.get("status", 0)) == Status.NOT_COMPUTED))
+
+    @property
     def status_counts(self) -> dict[str, int]:
         """How many cases ended with each sentence."""
         return counted(self.columns["status"])
@@ -126,7 +131,9 @@ class Summary:
         """Sentences on cases that are not steady, and what to type, whose bodies moved apart, or in which forces at rest are not told."""
         told = notes_of_cases(self.model, self.columns)
         of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in told.items()]
-        return unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", [])) + of_parts
+        left = int(np.sum(np.asarray(self.columns.get("status", 0)) == Status.NOT_COMPUTED))
+        early = [f"interrupted: {left} of {np.size(self.columns['status'])} cases are not computed"] if left else []
+        return early + unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", [])) + of_parts
 
     def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""

@@ -23,7 +23,7 @@ from stickslip.part_notes import shared_at_rest
 from stickslip.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
-from stickslip.status import Status
+from stickslip.status import INTERRUPTED, Status
 from stickslip.steadiness import Steadiness, drifting_apart, of_run
 from stickslip.variables import VARIABLES
 
@@ -196,6 +196,35 @@ class Trajectory(Drawn, RunFiles):
     def lost_contact(self) -> bool:
         """Whether the run ended because the load fell to zero."""
         return self.status == Status.LOST.sentence
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the run was interrupted: then `status` says when, and analyses take `shortened` instead."""
+        return self.status.startswith(INTERRUPTED)
+
+    def shortened(self) -> Trajectory:
+        """An interrupted run as one that was asked for the whole drive periods it has, of which at most half are to settle.
+
+        Raises
+        ------
+        InputError
+            If there is no whole drive period.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+        >>> run = ss.solve(robot, periods=2_000_000, progress=lambda done, periods: done < 100)  # stopped by progress, as by Ctrl-C
+        >>> run.interrupted, run.shortened().interrupted, round(ss.mean_velocity(run.shortened()), 9)
+        (True, False, 0.002014682)
+        """
+        if self.model.period is None:
+            return replace(self, status=Status.FINISHED.sentence)
+        periods = len(self.strobe_times) - 1
+        if not periods:
+            raise InputError("shortened", [f"the run was {self.status}, before its first drive period was over; type ss.solve again"])
+        whole, settle = self.pieces.until(self.strobe_times[-1]), min(self.settle, periods // 2)
+        return replace(self, pieces=whole, periods=periods, settle=settle, status=Status.FINISHED.sentence)
 
     @cached_property
     def events(self) -> list[Event]:
@@ -504,12 +533,18 @@ class Trajectory(Drawn, RunFiles):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the machine's numbers, a motion that has not settled, bodies that drift apart, and friction that is not determined."""
-        found = (self._settled, drifting_apart(self.parted), shared_at_rest(self))
-        return [*machine_of(self.model).notes, *(note for note in found if note)]
+        """Remarks on the machine's numbers, an early end, motion not settled, bodies that drift apart, and friction not determined."""
+        found = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.parted), shared_at_rest(self))
+        return [note for note in found if note]
+
+    @property
+    def _early_end(self) -> str:
+        return f"the run was {self.status}; type run.shortened() for what analyses take" if self.interrupted else ""
 
     @property
     def _settled(self) -> str:
+        if self.interrupted:
+            return ""
         layout = self.pieces.layout
         if machine_of(self.model).is_single and not layout.is_one:
             return f"whether a motion of {layout.description} has settled is not judged"

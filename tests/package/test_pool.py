@@ -1,10 +1,9 @@
 """The one pool: what comes out, in which order, and how it ends."""
 
-from types import SimpleNamespace
-
 import pytest
 
-from stickslip.pool import Cancelled, shared
+from stickslip.interruption import PROGRESS, Interrupted, interruptible, is_stopped, look, partial_result, stop_call
+from stickslip.pool import shared
 
 
 def test_one_worker_keeps_the_order_and_works_only_when_it_is_asked():
@@ -34,38 +33,55 @@ def test_several_workers_make_the_same_and_take_few_parts_at_a_time():
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_no_part_is_begun_after_somebody_said_stop_and_cancelled_parts_have_no_result(workers):
-    watch = SimpleNamespace(stopped=False)
+def test_no_part_is_begun_after_an_interruption_and_those_at_work_have_no_result(workers):
+    @interruptible
+    def squares():
+        def work(n):
+            if n == 4:
+                stop_call(PROGRESS)
+                look()
+            return n
 
-    def work(n):
-        if n == 4:
-            watch.stopped = True
-            raise Cancelled
-        return n
+        found = []
+        with partial_result() as ending:
+            for n, _ in shared(work, iter(range(1000)), workers):
+                found.append(n)
+        return found, ending.interrupted
 
-    found = [n for n, _ in shared(work, iter(range(1000)), workers, watch)]
-    assert 4 not in found and set(range(4)) <= set(found) and len(found) < 20
+    found, interrupted = squares()
+    assert interrupted and 4 not in found and set(range(4)) <= set(found) and len(found) < 20
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_without_a_watch_it_is_an_error_like_any_other(workers):
-    def work(n):
-        raise Cancelled
+def test_all_parts_are_begun_after_an_interruption_where_each_looks_for_itself(workers):
+    @interruptible
+    def squares():
+        def work(n):
+            if n == 4:
+                stop_call(PROGRESS)
+            return not is_stopped()
 
-    with pytest.raises(Cancelled):
+        return [n for n, _ in shared(work, range(50), workers, all_parts=True)]
+
+    assert sorted(squares()) == [*range(50)]
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_an_interruption_without_a_call_is_an_error_like_any_other(workers):
+    def work(n):
+        raise Interrupted
+
+    with pytest.raises(Interrupted):
         list(shared(work, range(3), workers))
 
 
-def test_an_error_ends_the_work_and_tells_the_watch():
-    watch = SimpleNamespace(stopped=False)
-
+def test_an_error_ends_the_work_of_the_other_threads():
     def work(n):
         if n == 2:
             raise ValueError("two")
-        while not watch.stopped and n > 2:
-            pass
+        while n > 2:
+            look()
         return n
 
     with pytest.raises(ValueError, match="two"):
-        list(shared(work, range(100), 2, watch))
-    assert watch.stopped
+        list(shared(work, range(100), 2))

@@ -254,10 +254,13 @@ def test_an_error_of_every_case_is_raised_with_a_folder_too(tmp_path, shard):
     assert kept.status.values.tolist() == [101 if shard else 100, 100] and "not today" in kept.attrs["notes"]
 
 
-def test_a_map_that_is_stopped_at_once_says_nothing_is_computed(every_report):
+def test_a_map_that_is_stopped_has_right_numbers_and_says_where_it_has_none(every_report):
     axes = dict(amplitude=np.linspace(1e-4, 8e-4, 9), omega=np.linspace(60.0, 300.0, 9), tilt_deg=1.7)
     grid = ss.map(RIG, refine=True, coarse=3, progress=lambda now: False, **axes)
-    assert (grid.status == 101).all()
+    whole = ss.map(RIG, refine=True, coarse=3, **axes)
+    there, missing = grid.status <= 1, grid.status == 101
+    assert missing.any() and there.any() and (grid.mean_velocity == whole.mean_velocity).where(there, True).all()
+    assert grid.mean_velocity.where(missing).isnull().all() and "stopped by progress: not computed" in grid.notes
 
 
 # starts, neighbours, results ------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip import forces
 from stickslip.analysis import works as works_of_parts
-from stickslip.analysis.steady import needs_run
+from stickslip.analysis.steady import is_run, needs_run
 from stickslip.arguments import Run, explains_arguments
 from stickslip.dense_output import HarmonicArcs
 from stickslip.faces import Drawn
@@ -118,6 +118,8 @@ def energy(run: Run) -> Energy:
     [0.0]
     """
     several = hasattr(run, "model") and not machine_of(run.model).is_single
+    if several:
+        is_run("energy", run)
     run = run.parted if several else needs_run("energy", run, "it balances the friction of one contact")
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)

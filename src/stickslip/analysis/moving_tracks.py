@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.contact_modes import FLIGHT, contact_modes
-from stickslip.analysis.steady import mean_velocity
+from stickslip.analysis.steady import is_run, mean_velocity
 from stickslip.arguments import Model, Run, explains_arguments
 from stickslip.batch import flat, labels_of
 from stickslip.errors import InputError
@@ -148,6 +148,7 @@ def hops(run: Run, contact: str | None = None) -> Hops:
     >>> found.landings, round(found.fraction, 9)
     (1, 0.857309824)
     """
+    is_run("hops", run)
     flying = [name for name, law in zip(run.contacts, machine_of(run.model).laws, strict=True) if law.flies]
     name = str(contact or next(iter(flying), ""))
     if name not in flying:

@@ -10,6 +10,7 @@ from stickslip import recurrence, steadiness
 from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible
 from stickslip.layout import of_one_contact
 from stickslip.summary import Summary
 
@@ -103,6 +104,9 @@ def is_run(what: str, run: Any) -> None:
         raise InputError(what, [f"{told}; allowed is a Trajectory; type run[name] for a state, run.strobe for its strobe points"])
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
+    if getattr(run, "interrupted", False):
+        told = f"the run was {run.status}, and what is asked of it is that of the whole run"
+        raise InputError(what, [f"{told}; type run.shortened() for the part that there is, or ss.solve again"])
 
 
 def _too_short(run: Any) -> str:
@@ -177,6 +181,7 @@ def period_number(run: Any) -> int | None:
 
 
 @explains_arguments
+@interruptible
 def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-12) -> float | NDArray[np.float64]:
     """Mean velocity of the periodic motion itself, free of transients.
 

@@ -20,6 +20,7 @@ from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
 from stickslip.friction import LAWS
 from stickslip.friction.law_adapter import adapted
+from stickslip.interruption import interruptible, look, partial_result
 
 #: The experiments by name, in the order of the figure.
 EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
@@ -38,6 +39,7 @@ def bench(law: list[Any] | tuple[Any, ...], *arguments: Any, **more: Any) -> Ben
 @overload
 def bench(law: Any, *arguments: Any, **more: Any) -> Bench: ...
 @explains_arguments
+@interruptible
 def bench(
     law: Any,
     load: float = 1.0,
@@ -100,16 +102,21 @@ def bench(
     found: list[Bench] = []
     report = reporting(progress, "bench")
     whole = len(laws) * len(names)
-    for one in laws:
-        setup = Setup(one, float(load), float(mass), stiffness, speed)
-        done: list[Experiment] = []
-        for name in names:
-            report(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
-            with finite(one):
-                done.append(EXPERIMENTS[name](setup))
-        notes = adapted(one).notes(float(load))
-        found.append(Bench(one, float(load), float(mass), tuple(done), tuple(notes)))
-    report("measured", whole, whole)
+    measured: list[list[Experiment]] = []
+    with partial_result() as ending:
+        for one in laws:
+            setup = Setup(one, float(load), float(mass), stiffness, speed)
+            measured.append([])
+            for name in names:
+                report(f"{type(one).__name__}: {name}", (len(measured) - 1) * len(names) + len(measured[-1]), whole)
+                look()
+                with finite(one):
+                    measured[-1].append(EXPERIMENTS[name](setup))
+        report("measured", whole, whole)
+    ending.needs(any(measured))
+    for one, done in zip(laws, filter(None, measured), strict=False):
+        early = [ending.note(f"{len(done)} of {len(names)} experiments are measured")] if len(done) < len(names) else []
+        found.append(Bench(one, float(load), float(mass), tuple(done), (*early, *adapted(one).notes(float(load)))))
     return Benches(tuple(found)) if many else found[0]
 
 

@@ -1,6 +1,7 @@
 """The command ``stickslip``: dispatch of its commands, and treatment of errors. Nothing heavy is imported for the help.
 
-Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong. Results go to stdout, everything else to stderr.
+Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong, 130 interrupted by Ctrl-C.
+Results go to stdout, everything else to stderr.
 Colours and progress bars appear in a terminal only.
 """
 
@@ -15,9 +16,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip.errors import InputError, StickslipError, did_you_mean
+from stickslip.interruption import ended_early
 
 __all__ = ["COMMANDS", "done", "main"]
 
+INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
 _FOLDER = Path(__file__).parent / "commands"
 #: Command -> (module, description), from ``commands/_index.toml``.
 COMMANDS: dict[str, tuple[str, str]] = tomllib.loads((_FOLDER / "_index.toml").read_text(encoding="utf-8"))
@@ -38,14 +41,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     0
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    before = len(ended_early)
+    code = _done(words)
+    return INTERRUPTED if len(ended_early) > before else code
+
+
+def _done(words: list[str]) -> int:
+    """The exit code of a command that is not interrupted."""
     try:
         return contextvars.copy_context().run(_dispatch, words)  # the permissions of one command do not apply to the next
     except InputError as error:
         return _say(str(error), 2)
     except StickslipError as error:
         return _say(str(error), 1)
-    except KeyboardInterrupt:
-        return _say("interrupted", 1)
+    except KeyboardInterrupt as pressed:
+        return _say(str(pressed) or "interrupted", INTERRUPTED)
     except BrokenPipeError:  # the reader of our stdout has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1

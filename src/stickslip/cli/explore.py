@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -18,7 +19,8 @@ def act(asked: Any) -> int:
     from stickslip.explorer.server import server_of
 
     tell = _announced(not asked.no_browser, asked.json, place)
-    server_of(asked.host, port, tell, workers, not asked.no_token, shown=shown).run()
+    with contextlib.suppress(KeyboardInterrupt):  # how it is meant to end: its server has closed by then
+        server_of(asked.host, port, tell, workers, not asked.no_token, shown=shown).run()
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ from stickslip.cli.arguments import SOLVER, Subject, subject, units_of, value
 from stickslip.cli.outputs import FILES, Outcome
 from stickslip.cli.resuming import remembered
 from stickslip.cli.study_files import found
-from stickslip.errors import InputError, Problems, StickslipError, as_path
+from stickslip.errors import InputError, Problems, as_path
+from stickslip.interruption import ended_early
 
 _SHOWN = 60  # rows of the printed table
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
@@ -27,15 +29,13 @@ def act(asked: Any) -> Outcome:
     from stickslip.sweeps import export, sweep
 
     options = run_options(asked, file)
-    try:
-        with remembered(asked, file):
-            grid = sweep(study.make, *designs, progress=True, **{**study.options, **options}, **study.arguments)
-    except KeyboardInterrupt:
-        if "out" in options:
-            raise StickslipError(f"interrupted; what is finished is in {asked.out}: type stickslip resume {asked.out} to go on") from None
-        raise
+    before = len(ended_early)
+    with remembered(asked, file):
+        grid = sweep(study.make, *designs, progress=True, **{**study.options, **options}, **study.arguments)
     if file is not None:
         export(grid, file)
+    elif "out" in options and len(ended_early) > before:
+        print(f"stickslip: type stickslip resume {asked.out} to go on", file=sys.stderr)
     written = str(file or asked.out) if asked.out else None
     return Outcome(lambda: _record(grid, study, written), lambda: _text(grid, study, written))
 

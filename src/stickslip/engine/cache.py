@@ -19,6 +19,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
+from stickslip.interruption import held_together
 from stickslip.whole_files import write_whole
 
 _loaded: dict[str, types.ModuleType] = {}
@@ -79,11 +80,12 @@ def load(source: str, name: str, label: str) -> types.ModuleType:
     label : str
         What a person is told while it compiles, such as ``"LuGre × Harmonic"``.
     """
-    key = f"{name}_{_digest(source)}"
-    with _lock:
-        if key not in _loaded:
-            _loaded[key] = _import(source, key, label)
-        return _loaded[key]
+    with held_together():
+        key = f"{name}_{_digest(source)}"
+        with _lock:
+            if key not in _loaded:
+                _loaded[key] = _import(source, key, label)
+            return _loaded[key]
 
 
 @lru_cache(64)

@@ -27,8 +27,10 @@ from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, kind_of, label, trace
 from stickslip.engine.unforeseen import hides, slopes
+from stickslip.interruption import is_stopped, look
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
+from stickslip.status import Status
 
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
@@ -350,8 +352,12 @@ def run(
     progress: Callable[[int], None] | None = None,
     keep_pieces: bool = False,
     slice_calls: int = 0,
+    partial: bool = False,
 ) -> Results:
-    """Run all cases of a table, returning to Python after every slice, so that Ctrl-C works.
+    """Run all cases of a table, returning to Python after every slice, where an interruption ends it (see `stickslip.interruption`).
+
+    With `partial` what is done by then is returned: a case that has not ended has the status "not computed", and of a recorded one there
+    are the steps until then. `progress` is called with the number of cases begun; of a recorded case with its drive periods.
 
     A start is a row of x, the states, and the memories of the law; a row without memories begins with zeros.
     Results do not depend on how cases are spread over lanes, slices, calls and threads.
@@ -369,6 +375,7 @@ def run(
     S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
     todo = np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
+    count[:, 0] = Status.NOT_COMPUTED
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
@@ -390,14 +397,21 @@ def run(
     at = driver.where_they_are(shared)
     advance = driver.load("advance_pooled" if pooled else "advance")
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
+    if not partial:
+        look()
     while advance(S, slice_calls, at.ctypes.data, k.table):
         kept.append(pieces[: todo[columns.WRITTEN]].copy())
         todo[columns.WRITTEN] = 0
         if progress is not None:
-            progress(int(todo[columns.NEXT]))
+            progress(int(shared["N"][0, columns.DONE] if keep_pieces else todo[columns.NEXT]))
+        if is_stopped():
+            if not partial:
+                look()
+            break
+    else:
+        if progress is not None:
+            progress(job.periods if keep_pieces else cases)
     kept.append(pieces[: todo[columns.WRITTEN]].copy())
-    if progress is not None:
-        progress(cases)
     last = 6 + n + k.modes
     wide_max, wide_min = found[:, signals:, 1:].transpose(2, 0, 1)
     several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for name, i in k.signals.items()}) if signals else None

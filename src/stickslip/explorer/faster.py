@@ -16,13 +16,13 @@ from stickslip.explorer.machines import OF_A_ROBOT, Shown
 from stickslip.explorer.requests import Message
 from stickslip.explorer.sliders import PARAMETERS, Parameter
 from stickslip.explorer.surroundings import PATIENCE, Stop, Stopped
+from stickslip.interruption import Interrupted
 from stickslip.optimising.best_candidate import values_of
-from stickslip.optimising.candidates import Candidates, Stopped as Ended
+from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.constraints import Limit
 from stickslip.optimising.peaks import LIMITS
 from stickslip.optimising.searching import search
 from stickslip.optimising.unknowns import Unknowns, Varied
-from stickslip.pool import Cancelled
 from stickslip.variables import VARIABLES
 
 #: As for maps: loose enough for the fast method, tight enough for four digits.
@@ -122,16 +122,16 @@ def _searched(space: Unknowns, here: Any, sign: float, limits: list[Limit], stop
 
     def watch(*_: int) -> None:
         if stop() or time.monotonic() > end:
-            raise Cancelled
+            raise Interrupted
 
     def tell(tried: int) -> None:
         if stop() or time.monotonic() > end:
-            raise Ended
+            raise Interrupted
 
     worth = Candidates(space, "mean_velocity", sign, limits, tell=tell, rtol=_RTOL, watch=watch)
     try:
         search(worth, here[None], 0, _GENERATIONS, _POPULATION, climbing=False)
-    except (Cancelled, Ended):
+    except Interrupted:
         if stop():
             raise Stopped from None
         return worth, [f"the search was ended after {PATIENCE:g} s: the best so far"]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.errors import Problems
-from stickslip.identifying.search import polished
+from stickslip.identifying.search import polished_to_end
 from stickslip.identifying.spread import effective
+from stickslip.interruption import look
+from stickslip.pool import shared
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
@@ -58,17 +59,21 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     problems.whole("workers", workers, 1, example=2)
     problems.check()
     resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
-    with ThreadPoolExecutor(workers) as pool:
-        places, settled = _stepped(fit, resampled, pool)
-        rest = [r for r in range(repeats) if not settled[r]]
-        for r, place in zip(rest, pool.map(lambda r: polished(resampled[r], fit.place, rough=True).place, rest), strict=True):
-            places[r] = place
+    places, settled = _stepped(fit, resampled, workers)
+    finished = partial(_finished, fit, resampled)
+    for r, end in shared(finished, [r for r in range(repeats) if not settled[r]], workers):
+        places[r] = end.place
     free = fit.problem.parameters.free
     table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
     return np.where(fit.information.undetermined[: len(free)], np.nan, table)
 
 
-def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[Any, Any]:
+def _finished(fit: Fit, problems: list[Any], r: int) -> Any:
+    """Where the steps of one replicate end."""
+    return polished_to_end(problems[r], fit.place, rough=True)
+
+
+def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
     """Places of all replicates after common steps, and which of them have settled."""
     low, high = fit.problem.bounds()
     inverse = fit.information.inverse
@@ -77,7 +82,8 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
     open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)
     costs = np.full(len(problems), np.inf)
     for _ in range(_STEPS):
-        rests = _residuals(problems, places, open_ones, pool.map)
+        look()
+        rests = _residuals(problems, places, open_ones, workers)
         cost = np.sum(rests**2, axis=1)
         falls = cost <= costs[open_ones] * (1 + 1e-9)
         costs[open_ones] = cost
@@ -94,12 +100,13 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
     return places, settled
 
 
-def _residuals(problems: list[Any], places: Any, which: Any, mapped: Callable[..., Any]) -> Any:
+def _residuals(problems: list[Any], places: Any, which: Any, workers: int) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
     if problems[0].batched:
         least, most = problems[0].ends(places[which])
         return np.stack([problems[r].rest((least[:, k], most[:, k]), places[r]) for k, r in enumerate(which)])
-    return np.stack(list(mapped(lambda r: problems[r].residuals(places[r]), which)))
+    found = dict(shared(lambda r: problems[r].residuals(places[r]), which, workers))
+    return np.stack([found[r] for r in which])
 
 
 def _resampled_problem(fit: Fit, rng: Any) -> Any:

@@ -18,6 +18,7 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.identifying.problems import best_phase, modelled_values
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.records import Record
 from stickslip.records.settling import settled
 from stickslip.sealing import sealed
@@ -143,6 +144,7 @@ def _cells(row: Row) -> tuple[str, ...]:
 
 
 @explains_arguments
+@interruptible
 def compare(
     record: Measured,
     robot: Model,
@@ -196,15 +198,19 @@ def compare(
     record, _, said = settled(record, settle, frequency)
     seen = target(record, using, noise, frequency, "record", 0)
     curves, report = {}, reporting(progress, "compare")
-    for done, (label, model) in enumerate(robots.items()):
-        report(label, done, len(robots))
-        curves[label] = steady_curve(model, None, rtol)
-    report("all laws", len(robots), len(robots))
+    with partial_result() as ending:
+        for done, (label, model) in enumerate(robots.items()):
+            report(label, done, len(robots))
+            look()
+            curves[label] = steady_curve(model, None, rtol)
+        report("all laws", len(robots), len(robots))
+    ending.needs(curves)
     shifts = {label: best_phase(seen, curve) for label, curve in curves.items()}
     rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label
     measured = _measured(record, seen, shifts[best])
-    notes = [*_notes(record, robot, seen, curves), *_words(measured, rows)]
+    early = [ending.note(f"{len(curves)} of {len(robots)} laws are compared")] if ending.interrupted else []
+    notes = [*early, *_notes(record, robot, seen, curves), *_words(measured, rows)]
     return Comparison(
         measured, rows, seen.sigma, seen.kind,
         (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes), whole,

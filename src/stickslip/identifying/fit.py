@@ -17,6 +17,7 @@ from stickslip.identifying.bootstrapping import by_bootstrap
 from stickslip.identifying.fit_text import OVER_MOTION
 from stickslip.identifying.quality import quality
 from stickslip.identifying.spread import correlated, correlations_of, information_of
+from stickslip.interruption import interruptible
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -173,6 +174,7 @@ class Fit(Face):
         return np.asarray(correlations_of(self.covariance))
 
     @explains_arguments
+    @interruptible
     def interval(self, name: str, level: float = 0.95, method: str = "auto", part: str = "total", **options: Any) -> tuple[float, float]:
         """A confidence interval of a parameter.
 

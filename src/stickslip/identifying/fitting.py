@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.distributions import ALLOWED, distribution_of
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
@@ -33,6 +33,7 @@ from stickslip.identifying.spread import noise_scale, spread_of
 from stickslip.identifying.steady_curves import moves_alike_anywhere
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, weighted
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
@@ -42,6 +43,7 @@ _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
 
 @explains_arguments
+@interruptible
 def identify(
     records: Measured | Sequence[Measured] | Numbers,
     make: Maker,
@@ -146,7 +148,7 @@ def identify(
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, progress_callback(progress, "identify"), partial(nested_seeds, rough, starts, seed))
+    best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(nested_seeds, rough, starts, seed))
     problem, best = finished(problem, best)
     spared = [] if best.stopped else spared_numbers(problem, best)
     problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.identifying.formula_shapes import Formula, candidates, gradient, local_formulas
-from stickslip.identifying.search import polished
+from stickslip.identifying.search import polished_to_end
 from stickslip.identifying.spread import determined_spread
 
 _ALONG = (3e-3, 0.05)  # parts of what a formula can change by that it may change by along an undetermined direction: exact, and less so
@@ -146,5 +146,5 @@ class _Way:
         others = [self.members[j] for j in rest]
         place[others] += (place - fit.place)[self.own] @ np.linalg.pinv(self.directions[:, index]) @ self.directions[:, rest]
         problem = fit.problem.only({free[k].name: float(x) for k, x in zip(self.own, v, strict=True)})
-        found = polished(problem, np.delete(place, self.own))
+        found = polished_to_end(problem, np.delete(place, self.own))
         return float(max(found.cost - fit.cost - 1e-6 * fit.cost, 0.0) / fit.scale**2)

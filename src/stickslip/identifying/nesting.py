@@ -10,7 +10,8 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import leaves
 from stickslip.identifying.effects import EFFECTS, numbers_without
-from stickslip.identifying.search import polished, searched
+from stickslip.identifying.search import polished_to_end, searched
+from stickslip.interruption import Interrupted
 
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
@@ -94,13 +95,13 @@ def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any],
     reduced = problem.leaving_out(effects).only({name: float(held[name]) for name in (problem.parameters.names[k] for k in idle)})
     try:
         if inside:
-            end = min((polished(reduced, np.delete(place, idle), rough=True) for place in inside), key=lambda e: e.cost)
+            end = min((polished_to_end(reduced, np.delete(place, idle), rough=True) for place in inside), key=lambda e: e.cost)
         else:
             end, _ = searched(reduced, min(starts, _STARTS), seed)
     except InputError:
         return None
     if end.stopped:
-        raise KeyboardInterrupt
+        raise Interrupted
     place = end.place
     for k in idle:
         place = np.insert(place, k, 0.5)

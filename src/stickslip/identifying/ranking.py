@@ -199,7 +199,7 @@ def prediction_errors(
     [0.0001]
     """
     from stickslip.identifying.fitting import as_list, problem_of
-    from stickslip.identifying.search import polished
+    from stickslip.identifying.search import polished_to_end
 
     of = fit.problem.parameters
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
@@ -212,7 +212,7 @@ def prediction_errors(
         as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor
     )
     problem = whole.only(fit.values)
-    found = polished(problem, problem.aligned(np.empty(0)))
+    found = polished_to_end(problem, problem.aligned(np.empty(0)))
     rest = problem.parts(found.residuals[: len(problem.y)] * problem.sigma)
     return [float(np.sqrt(np.mean(part**2))) for part in rest]
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.errors import InputError, Problems, is_whole
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective, root_of
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.optional import library
 
 if TYPE_CHECKING:
@@ -19,10 +20,12 @@ if TYPE_CHECKING:
 
 _NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
 _LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
+_FEWEST = 10  # draws of an interrupted chain
 _OPEN = 0.05  # parts of the bounds over which walkers begin along what the data do not determine
 _SPREAD = 0.5  # standard errors within which walkers begin
 
 
+@interruptible
 def sample(
     fit: Fit, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
 ) -> xr.Dataset:
@@ -65,10 +68,14 @@ def sample(
     rng = np.random.default_rng(seed)
     sampler = emcee.EnsembleSampler(count, size, target, vectorize=True)
     sampler._random.seed(int(rng.integers(2**31)))  # the stretch moves draw from it: one seed, one chain
-    report, steps = progress_callback(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
-    for done, _ in enumerate(steps, 1):
-        if report:
+    report, steps = reporting(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
+    done = 0
+    with partial_result() as ending:
+        for done, _ in enumerate(steps, 1):
             report(done, ahead + draws)
+            look()
+    ending.needs(done - ahead >= _FEWEST)
+    draws = done - ahead
     chain = sampler.get_chain(discard=ahead)  # (draws, walkers, numbers)
     times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
     named = enumerate(_named(fit).items())
@@ -79,7 +86,7 @@ def sample(
         "law": fit.law, "sampler": f"emcee {emcee.__version__}", "seed": seed, "burn": ahead,
         "acceptance": float(np.mean(sampler.acceptance_fraction)), "autocorrelation_time": longest,
         "independent_draws": int(draws * count / longest),
-        "note": "" if draws >= _LEAST * longest else few,
+        "note": "; ".join(filter(None, (ending.note(f"{draws} draws"), "" if draws >= _LEAST * longest else few))),
     }  # fmt: skip
     return xr.Dataset(data, coords={"draw": np.arange(draws), "walker": np.arange(count)}, attrs=attrs)
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.interruption import Interrupted, look, looking, partial_result
 from stickslip.one_thread import in_one_thread
 from stickslip.sealing import sealed
 
@@ -66,16 +67,15 @@ def searched(
         Gives whole places from which steps are taken in any case: the best of simpler models inside this one.
     """
     judged: list[tuple[float, Any]] = []
-    try:
+    with partial_result() as ending:
         ends = _ends(problem, starts, seed, progress, seeds, judged)
-    except KeyboardInterrupt:
-        if not judged:
-            raise
+    ending.needs(judged)
+    if ending.interrupted:
         place = min(judged, key=lambda pair: pair[0])[1]
         ends = [Found(place, problem.residuals(place), problem.jacobian(place), 0, stopped=True)]
     best = min(ends, key=lambda end: end.cost)
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
-    if progress:
+    if progress and not ends[-1].stopped:
         progress(_POLISHED + 1, _POLISHED + 1)
     return dataclasses.replace(best, stopped=ends[-1].stopped), agree
 
@@ -104,6 +104,7 @@ def _ends(
     for k, place in enumerate([*inside, *(place for _, place in kept)]):
         if progress:
             progress(min(k, _POLISHED), _POLISHED + 1)
+            look()
         ends.append(polished(problem, place, rough=True))
         if ends[-1].stopped:
             break
@@ -111,6 +112,7 @@ def _ends(
 
 
 def _judged(problem: Any, place: Any) -> tuple[float, Any]:
+    look()
     whole = problem.aligned(place)
     rest = problem.residuals(whole)
     return float(rest @ rest), whole
@@ -138,16 +140,23 @@ def polished(problem: Any, place: Any, rough: bool = False) -> Found:
     if len(inside) == 0:
         rest = problem.residuals(inside)
         return Found(inside, rest, np.empty((len(rest), 0)), 0)
-    try:
+    with partial_result() as ending:
         fit = least_squares(
-            best, inside, jac=best.jacobian, bounds=(low, high), x_scale="jac",
+            looking(best), inside, jac=best.jacobian, bounds=(low, high), x_scale="jac",
             ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
         )  # fmt: skip
-    except KeyboardInterrupt:
-        if best.place is None:
-            raise
+    ending.needs(best.place is not None)
+    if ending.interrupted:
         return Found(best.place, best.residuals, problem.jacobian(best.place), best.steps, stopped=True)
     return Found(best.limits.place(fit.x), fit.fun, best.slopes, int(fit.nfev))
+
+
+def polished_to_end(problem: Any, place: Any, rough: bool = False) -> Found:
+    """The same for whoever needs the least sum of squares itself: an interruption goes on."""
+    end = polished(problem, place, rough)
+    if end.stopped:
+        raise Interrupted
+    return end
 
 
 class _Best:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.identifying.fit_text import listed, undetermined
-from stickslip.identifying.search import polished
+from stickslip.identifying.search import polished_to_end
 from stickslip.identifying.spread import effective, spread_of
 from stickslip.information import Information
 
@@ -127,7 +127,7 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
     name = fit.names[k]
     free = fit.problem.parameters.free[k]
     problem = fit.problem.only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
-    found = polished(problem, np.delete(start, k), rough=True)
+    found = polished_to_end(problem, np.delete(start, k), rough=True)
     return found.cost - fit.cost, np.insert(found.place, k, held)
 
 

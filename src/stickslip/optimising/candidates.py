@@ -29,10 +29,6 @@ _STEP = 1e-5  # of unknowns, for what has no exact derivative
 _FINE = 1e-9  # tolerance of dynamic laws where differences are taken
 
 
-class Stopped(Exception):
-    """Whoever watches said stop."""
-
-
 @dataclass(eq=False)
 class Candidates:
     """The objective on tables of unknowns, smaller is better; it remembers the best that keeps all limits.
@@ -48,7 +44,7 @@ class Candidates:
     workers : int
         Threads.
     tell : callable
-        Called with the number of candidates tried so far; raises `Stopped` to end the search.
+        Called with the number of candidates tried so far; may raise `Interrupted`, which ends the search.
     sample : dict of arrays, optional
         Uncertain numbers: every candidate is run with all of them, the same for all candidates.
     quantile : float, optional
@@ -56,7 +52,7 @@ class Candidates:
     rtol : float
         Tolerance of dynamic laws.
     watch : callable, optional
-        Called with (candidates begun, of how many) while a generation is run; may raise `Cancelled`.
+        Called with (candidates begun, of how many) while a generation is run; may raise `Interrupted`.
     """
 
     space: Unknowns

@@ -15,6 +15,7 @@ from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, per
 from stickslip.dynamics.periodic.steady_motions import Closed, Closing, settled
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, spread_over, strobe_map
 from stickslip.errors import InputError, SolveError, did_you_mean
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 from stickslip.optimising.beside import moves_of, sides_of, sizes_of, words_of
@@ -64,6 +65,7 @@ class Gradient(dict[str, float]):
 
 
 @explains_arguments
+@interruptible
 def gradient(
     model: Model, of: str | Observable = "mean_velocity", wrt: str | Sequence[str] | None = None, rtol: float = RTOL_OF_SLOPES
 ) -> Gradient:

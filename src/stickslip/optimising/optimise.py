@@ -8,10 +8,11 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.batch import shape_of
-from stickslip.callbacks import progress_callback
-from stickslip.errors import InputError, Problems, StickslipError, is_whole
+from stickslip.callbacks import reporting
+from stickslip.errors import InputError, Problems, is_whole
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.optimising.best_candidate import optimum_of
-from stickslip.optimising.candidates import Candidates, Stopped
+from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.constraints import KEPT, checked_limits, scales_within
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.results import check_quantity
@@ -27,6 +28,7 @@ _SAMPLE = 64  # cases of every candidate, where numbers are uncertain
 
 
 @explains_arguments
+@interruptible
 def optimise(
     model: Model,
     over: dict[str, Any],
@@ -117,21 +119,20 @@ def optimise(
     _check_middle(space)
     population = int(np.clip(_EACH * space.count, _LEAST, _MOST))
     generations = _GENERATIONS + _MORE * space.count
-    report, most = progress_callback(progress, "optimise"), 2 * population * generations
+    report, most = reporting(progress, "optimise"), 2 * population * generations
 
     def tell(tried: int) -> None:
-        if report is not None and report(min(tried, most), most) is False:
-            raise Stopped
+        report(min(tried, most - 1), most)
+        look()
 
     worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, int(workers), tell, sample, quantile)
-    notes = []
-    try:
+    with partial_result() as ending:
         searched(worth, closed_starts(space) if starts else np.empty((0, space.count)), int(seed), generations, population)
-    except (KeyboardInterrupt, Stopped):
-        notes.append("the search was stopped: the best so far")
+    ending.needs(worth.best is not None)
     if worth.best is None:
         raise _none_kept(worth)
-    if report is not None and not notes:
+    notes = [ending.note("the search did not end, and this is the best so far")] if ending.interrupted else []
+    if not notes:
         report(worth.tried, worth.tried)
     over = {each.name: each.form or (each.low, each.high) for each in varied}
     asked = (over, {limit.name: limit.ends for limit in limits}, _as_given(robust), quantile, starts, int(seed))
@@ -193,10 +194,8 @@ def _check_middle(space: Unknowns) -> None:
         raise InputError("optimise", told) from None
 
 
-def _none_kept(worth: Candidates) -> StickslipError:
+def _none_kept(worth: Candidates) -> InputError:
     """Why there is no best."""
-    if not worth.tried:
-        return StickslipError("optimise: the search was stopped before a candidate was run")
     limits = {limit.name: limit for limit in worth.limits}
     nearest = [f"{limits[name].in_words()} (nearest: {value:.6g})" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
     said, kept = f"none of {worth.tried} candidates", " and ".join(limit.in_words() for limit in worth.limits)

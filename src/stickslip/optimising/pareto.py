@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.errors import InputError, Problems, StickslipError
 from stickslip.fields import leaves
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.naming import axis_of
 from stickslip.optimising.optimise import optimise
 from stickslip.optimising.optimum import Optimum
@@ -23,6 +24,7 @@ _ABOVE = 1e-6  # of the least value: how far above it the first level is, so tha
 
 
 @explains_arguments
+@interruptible
 def pareto(
     model: Model,
     over: dict[str, Any],
@@ -80,21 +82,24 @@ def pareto(
     if maximise == minimise or (isinstance(subject_to, dict) and minimise in subject_to):
         problems.add(f"{minimise!r} is to be small and is maximised or limited too; allowed are two quantities; leave it out of the other")
     problems.check()
-    report, whole = progress_callback(progress, "pareto"), points + 2
+    report, whole = reporting(progress, "pareto"), points + 2
     asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers)
     least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
     most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
     found, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
-    for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
-        if report is not None and report(done + 2, whole) is False:
-            break
-        try:
-            found.append(optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked))
-        except StickslipError:  # the search has not met a machine below this level
-            continue
-    if report is not None:
-        report(whole, whole)
-    return _dataset([each for each in found if not _beaten(each, found, maximise, minimise)], maximise, minimise)
+    with partial_result() as ending:
+        for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
+            report(done + 2, whole)
+            look()
+            try:
+                found.append(optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked))
+            except StickslipError:  # the search has not met a machine below this level
+                continue
+    front = _dataset([each for each in found if not _beaten(each, found, maximise, minimise)], maximise, minimise)
+    if ending.interrupted:
+        return front.assign_attrs(note=ending.note(f"{len(found)} of at most {points} searches are done"))
+    report(whole, whole)
+    return front
 
 
 def _beaten(one: Optimum, others: list[Optimum], maximise: str, minimise: str) -> bool:

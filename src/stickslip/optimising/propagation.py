@@ -14,11 +14,14 @@ from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import Problems
 from stickslip.faces import Drawn, rounded, sure
 from stickslip.fields import leaves
+from stickslip.interruption import Ending, interruptible, look, partial_result, taking_some_cases
 from stickslip.optimising.results import check_quantity, results_of, unit_of_result
 from stickslip.optimising.uncertainty_samples import check_sample, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
+from stickslip.status import Status
 
 Array = Any
+_LEAST = 16  # cases of an interrupted sample from which its distribution is still told
 _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
 _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
@@ -142,6 +145,7 @@ class Propagated(Drawn):
 
 
 @explains_arguments
+@interruptible
 def propagate(
     model: Model,
     uncertain: dict[str, Any] | Fitted,
@@ -218,12 +222,28 @@ def propagate(
     problems.check()
     watch = progress_callback(progress, "propagate")
     u = _designed(len(spread.names), samples, int(seed), indices)
-    values = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch).reshape(u.shape[1:])
+    nominal = float(results_of(spread_over(model, 1), 1)[of][0])
+    values, there = np.empty(0), np.empty(0, bool)
+    with partial_result() as ending, taking_some_cases():
+        values, there = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch)
+        if not there.all():
+            look()
+    if ending.interrupted:
+        return _part(model, of, spread, u, values, there, nominal, ending)
+    values = values.reshape(u.shape[1:])
     found, notes = _indices(spread.names, values, int(seed)) if indices else (None, [])
     kept = values[:2] if indices else values  # the other rows of a design for indices are mixtures of the first two
     inputs = spread.inputs(u[:, : len(kept)].reshape(len(u), -1))
-    nominal = float(results_of(spread_over(model, 1), 1)[of][0])
     return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes), unit_of_result(of, model))
+
+
+def _part(model: Any, of: str, spread: Any, u: Array, values: Array, there: Array, nominal: float, ending: Ending) -> Propagated:
+    """What an interrupted run of a sample gives: the first points, up to one that is not computed, since the rest would be a selection."""
+    kept = min(int(np.argmin([*there, False])), min(u.shape[1], 2) * u.shape[2])
+    ending.needs(kept >= _LEAST)
+    inputs = {name: column[:kept] for name, column in spread.inputs(u.reshape(len(u), -1)).items()}
+    note = ending.note(f"the first {kept} of {u[0].size} cases, without swings and indices")
+    return Propagated(of, values[:kept], inputs, nominal, None, None, (note,), unit_of_result(of, model))
 
 
 def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
@@ -236,16 +256,19 @@ def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
     return np.concatenate([A[:, None], B[:, None], mixed], axis=1)
 
 
-def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None) -> Array:
-    """A result for each case of a sample."""
+def _run(
+    model: Any, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None
+) -> tuple[Array, Array]:
+    """A result for each case of a sample, and whether it was computed."""
     check_sample("propagate", model, sample)
     machines, cases = sampled(model, 1, sample)
-    return results_of(machines, cases, workers, watch=watch)[of]
+    found = results_of(machines, cases, workers, watch=watch)
+    return found[of], found["status"] != Status.NOT_COMPUTED
 
 
 def _swings(model: Any, spread: Any, of: str) -> dict[str, tuple[float, float]]:
     """The result where each number in turn is at the ends of its band."""
-    found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of) for name in spread.names}
+    found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of)[0] for name in spread.names}
     return {name: (float(low), float(high)) for name, (low, high) in found.items()}
 
 

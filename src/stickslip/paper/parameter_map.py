@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.interruption import in_threads
 from stickslip.paper.cases import AMPLITUDE_5
 from stickslip.paper.solved_runs import Tell
 from stickslip.paper.words import millimetres, plain
@@ -103,8 +104,9 @@ def around(fast: bool, tell: Tell) -> Around:
     from stickslip.presets import piezo_rig
 
     what, (n, m) = "mapping what lies around section 5", FAST_SIZE if fast else SIZE
-    with ThreadPoolExecutor(1) as pool:
-        followed = pool.submit(_flips)  # continuation is sequential: meanwhile the map keeps the other cores busy
+    stop, run = in_threads()
+    with ThreadPoolExecutor(1) as pool, stop.on_error():
+        followed = pool.submit(run, _flips)  # continuation is sequential: meanwhile the map keeps the other cores busy
         grid = chaos_map(
             piezo_rig, mu0=np.geomspace(0.03, 0.21, n), amplitude=np.linspace(2.5e-4, 9.5e-4, m), tilt_deg=1.7,
             settle=300, periods=60 if fast else 100, rtol=_RTOL, workers=min(os.cpu_count() or 1, 8),

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.callbacks import progress_callback
+from stickslip.callbacks import reporting
 from stickslip.errors import InputError, as_path
+from stickslip.interruption import interruptible, look
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import infer
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
@@ -100,6 +101,7 @@ class Reproduction(Study):
         return f"<Reproduction: {len(self.claims)} claims, {len(self.errata)} errata, {len(self.figures)} figures in {str(self.folder)!r}>"
 
 
+@interruptible
 def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress: Tell | bool | None = None) -> Reproduction:
     """Reproduce the paper: the table of section 4, Figures 6 to 30, every claim with a verdict, and the errata.
 
@@ -128,7 +130,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     >>> result.table[0].type  # doctest: +SKIP
     'I'
     """
-    begun, tell = time.perf_counter(), progress_callback(progress, "reproduce") or _silent
+    begun, tell = time.perf_counter(), _telling(progress)
     folder = _folder(as_path(out, "reproduce", "paper"))
     runs = solve_all(tell)
     study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)
@@ -160,8 +162,15 @@ def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tupl
     )
 
 
-def _silent(what: str, done: int, of: int) -> None:
-    """No progress."""
+def _telling(progress: Any) -> Tell:
+    """A function that reports progress; the call may end there. A report is complete or not written at all."""
+    report = reporting(progress, "reproduce")
+
+    def tell(what: str, done: int, of: int) -> None:
+        report(what, done, of)
+        look()
+
+    return tell
 
 
 def _folder(folder: Path) -> Path:

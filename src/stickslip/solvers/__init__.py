@@ -7,6 +7,7 @@ from typing import Any, Literal, overload
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.flow import is_flow
+from stickslip.interruption import accept_part, interruptible, taking_some_cases
 from stickslip.solvers.methods import METHODS, method_for
 from stickslip.solvers.request import request
 from stickslip.summary import Summary
@@ -24,6 +25,7 @@ def solve(
     model: Any, periods: int | None = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any
 ) -> Trajectory | Summary: ...
 @explains_arguments
+@interruptible
 def solve(
     model: Model,
     periods: int | None = None,
@@ -70,7 +72,9 @@ def solve(
     slip_ratio, dwell : float
         Thresholds below which a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with (cases begun, cases in all).
+        True for a progress line, or a function that is called with (cases begun, cases in all), for one run with drive periods; return
+        False to stop, which does what Ctrl-C does: a run ends there, with the status "interrupted at t = ...", and the cases of a batch
+        that are not finished have the status "not computed".
     duration : float, optional
         How long to simulate [s], instead of `periods`. Required for a model without a period, not allowed for a batch of periodic
         models.
@@ -105,7 +109,11 @@ def solve(
         return flow_solving.solve(
             model, periods, settle, start, keep, samples, method, progress, duration, options, rtol, workers, of_machines
         )
-    todo = request(
-        model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
-    )
-    return method_for(todo.method, todo.model, bool(todo.observe)).run(todo)
+    with taking_some_cases():
+        todo = request(
+            model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
+        )
+        result = method_for(todo.method, todo.model, bool(todo.observe)).run(todo)
+        if todo.partial and result.interrupted:
+            accept_part()
+        return result

@@ -14,6 +14,7 @@ from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.errors import SolveError
 from stickslip.flow_run import ModeChange
+from stickslip.interruption import look
 from stickslip.sealing import sealed
 from stickslip.status import STATUS, Status
 
@@ -99,7 +100,9 @@ def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: A
     return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
 
 
-def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True) -> Followed:
+def followed(
+    flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True, partial: bool = False
+) -> Followed:
     """Follow a flow from one start.
 
     Parameters
@@ -116,6 +119,8 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
         It ends after so many switches.
     growth : bool
         Whether the derivative of the end by the start is asked for.
+    partial : bool
+        Whether an interruption ends it with the steps until then (without growth).
 
     Raises
     ------
@@ -128,11 +133,18 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     results = []
     for direction in np.eye(n) if growth else np.zeros((1, n)):
         start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
-        results.append(lanes.run(kernel, row, start[None, :], lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET), keep_pieces=True))
+        job = lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET)
+        results.append(lanes.run(kernel, row, start[None, :], job, keep_pieces=True, partial=partial))
         _check(flow, results[-1], begin, n, most)
-    whole, early = results[0], int(results[0].status[0]) == Status.SWITCHES
-    last = round(float(whole.memory[0, 0]))
+    whole, early = results[0], int(results[0].status[0]) in (Status.SWITCHES, Status.NOT_COMPUTED)
     steps = _steps(whole)
+    end, last = whole.end[0, 1 : 1 + n], whole.memory[0, 0]
+    if whole.status[0] == Status.NOT_COMPUTED:  # its last step is that in which it was interrupted
+        if len(steps) < 2:
+            look()
+        end, last = steps[-1, _FIRST:].reshape(kernel.states, -1)[:n, 0], steps[-1, 4]
+        steps = steps[:-1]
+    last = round(float(last))
     where = _last_before_switches(whole, steps)
     told = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
     events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
@@ -142,7 +154,7 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     nodes[-1] = nodes[-1] if early else begin + duration
     M, rank_deficient = _growth(results, n, kernel.states) if growth else (None, False)
     coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
-    state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
+    state = end + 0.0  # no negative zero
     return Followed(
         nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, rank_deficient,
         int(whole.accepted[0]),
@@ -226,7 +238,7 @@ def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> No
     lost = np.flatnonzero(~np.isfinite(rows[:, _FIRST : _FIRST + n * width]).all(axis=1))
     if status <= Status.REPEATS and len(lost):
         rows, status = rows[: lost[0]], Status.NOT_A_NUMBER
-    if status <= Status.REPEATS or (status == Status.SWITCHES and most is not None):
+    if status in (Status.FINISHED, Status.REPEATS, Status.NOT_COMPUTED) or (status == Status.SWITCHES and most is not None):
         return
     t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
     names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))

@@ -15,9 +15,10 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
+from stickslip.interruption import accept_part, is_outermost, is_stopped, look, partial_result
 from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
-from stickslip.status import Status
+from stickslip.status import Status, interrupted_at
 from stickslip.summary import Summary
 
 Array = Any
@@ -172,11 +173,15 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
 
 def _run(asked: Asked, start: Any) -> FlowRun:
     flow, y = asked.flow, asked.states[0]
-    done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False)
+    done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False, partial=is_outermost())
+    status = Status.FINISHED.sentence
+    if is_stopped() and done.time < float(asked.spans[0]):
+        status = interrupted_at(done.time)
+        accept_part()
     given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
     return FlowRun(
         flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods,
-        asked.settle, Status.FINISHED.sentence, asked.samples, given, {"versions": versions()}, {"steps": done.steps},
+        asked.settle, status, asked.samples, given, {"versions": versions()}, {"steps": done.steps},
     )  # fmt: skip
 
 
@@ -190,11 +195,15 @@ def untraced(why: str) -> str:
 
 def _summary(asked: Asked, progress: Any) -> Summary:
     found: list[dict[str, Any]] = []
-    for k, flow in enumerate(cases_of(asked.flow)):
-        found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
-        progress(k + 1, len(asked.states))
-    names = list(found[0])
-    columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in names}
+    with partial_result() as ending:
+        for k, flow in enumerate(cases_of(asked.flow)):
+            look()
+            found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
+            progress(k + 1, len(asked.states))
+    ending.needs(found)
+    lacking = dict.fromkeys(found[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in found[0]}
+    found += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(len(asked.states) - len(found))]
+    columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in found[0]}
     settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}
     return Summary(asked.flow, asked.labels, columns, {"settings": settings})
 

@@ -12,9 +12,10 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
+from stickslip.interruption import look
 from stickslip.solvers.part_results import OF_TYPE, RawParts, beside, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
-from stickslip.status import STATUS, Status
+from stickslip.status import STATUS, Status, interrupted_at
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.summary import Columns, Summary
 from stickslip.trajectory import Trajectory
@@ -179,14 +180,20 @@ def _remedy(status: int) -> str:
 
 
 def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:
-    """A trajectory from dense output, cut at the duration that was asked for; `SolveError` where there is no motion at all."""
+    """A trajectory from dense output, cut at the duration that was asked for; `SolveError` where there is no motion at all.
+
+    With the status "not computed" it was interrupted, and its own status says when.
+    """
+    if status == Status.NOT_COMPUTED and len(pieces.mode) == 0:
+        look()
     if len(pieces.mode) == 0 or not pieces.t[-1] > pieces.t[0]:
         raise SolveError(f"the run ended at its start, t = {float(pieces.t[0]):.6g} s: {STATUS[status]}; {_remedy(status)}")
     tolerance = None if method == "exact" else todo.rtol
     if todo.duration is not None and pieces.t[-1] > todo.duration:
         pieces, status = pieces.until(todo.duration), 0
+    told = interrupted_at(pieces.t[-1]) if status == Status.NOT_COMPUTED else STATUS[status]
     return Trajectory(
         model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method,
-        status=STATUS[status], samples=todo.samples, start=dict(todo.given_start),
+        status=told, samples=todo.samples, start=dict(todo.given_start),
         provenance=provenance(todo, method, tolerance), counts=counts,
     )  # fmt: skip

@@ -18,6 +18,7 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import is_outermost, takes_some_cases
 from stickslip.machine_adapter import MachineAdapter, is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
@@ -50,6 +51,7 @@ class Request:
     span: Any  # (cases,): time of one period [s]: the model's, or the duration if it has none
     observe: tuple[tuple[str, Observable], ...] = ()
     numbers: dict[str, Any] = field(default_factory=dict)  # of the model
+    partial: bool = False  # whether an interruption ends it with what is done
 
     @property
     def cases(self) -> int:
@@ -102,6 +104,7 @@ def request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
         None if duration is None else float(duration), span, observed, numbers,
+        partial=is_outermost() if keep == "trajectory" else takes_some_cases(),
     )  # fmt: skip
 
 

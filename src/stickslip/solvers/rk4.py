@@ -7,7 +7,7 @@ chatters where it should stick, and its error falls no faster than its step.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from stickslip.dense_output import PolynomialPieces
 from stickslip.engine import fixed_steps as engine
 from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import is_stopped, look
 from stickslip.pool import shared
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
@@ -61,7 +62,9 @@ def solve(todo: Request) -> Trajectory | Summary:
     if todo.keep == "summary":
         return gather(todo, "rk4", _parts(todo, kernel, rows, int(steps)))
     march = _March(todo.model, kernel, rows[0], todo.start[0], int(steps), thinned=True)
-    march.go(todo.periods)
+    march.go(todo.periods, told=lambda done: todo.progress(done, todo.periods), partial=todo.partial)
+    if march.interrupted and march.done:
+        return trajectory(todo, "rk4", march.pieces(), {"steps": march.done * int(steps)}, Status.NOT_COMPUTED)
     if march.done < todo.periods:
         raise SolveError(
             f"the run stopped in period {march.done + 1} of {todo.periods}: {Status.NOT_A_NUMBER.sentence}; type more than steps={steps}"
@@ -88,10 +91,10 @@ class _March:
         self.every = -(-steps // PIECES) if thinned else 0
         self.strobe: list[Any] = [self.state[None, :].copy()]
         self.nodes: list[Any] = []
-        self.extremes, self.done = np.array([np.inf, -np.inf]), 0
+        self.extremes, self.done, self.interrupted = np.array([np.inf, -np.inf]), 0, False
 
-    def go(self, periods: int, every: int | None = None) -> None:
-        """Do some periods; `done` counts those that went well."""
+    def go(self, periods: int, every: int | None = None, told: Callable[[int], None] | None = None, partial: bool = False) -> None:
+        """Do some periods; `done` counts those that went well. After an interruption, fewer, if a part of them is asked for."""
         every = self.every if every is None else every
         block = max(1, SLICE // self.steps)
         per_period = -(-self.steps // every) if every else 0
@@ -107,6 +110,13 @@ class _March:
             self.nodes.append(nodes)
             self.extremes = np.array([min(self.extremes[0], found[0]), max(self.extremes[1], found[1])])
             periods -= count
+            if told is not None:
+                told(self.done)
+            self.interrupted = periods > 0 and is_stopped()
+            if self.interrupted:
+                if not partial:
+                    look()
+                return
 
     @property
     def strobes(self) -> Any:
@@ -187,11 +197,12 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
 
     def work(i: int) -> dict[str, Any]:
         model = with_row(todo.model, kernel.names, rows[i])
-        result = _summary(todo, _March(model, kernel, rows[i], todo.start[i], steps, thinned=False))
+        march = _March(model, kernel, rows[i], todo.start[i], steps, thinned=False)
+        result = strobes.case_or_nothing(lambda: _summary(todo, march), strobes.NOTHING, todo.partial)
         todo.progress(i + 1, len(rows))
         return result
 
-    for i, result in shared(work, range(len(rows)), todo.workers):
+    for i, result in shared(work, range(len(rows)), todo.workers, all_parts=todo.partial):
         yield (i, i + 1), strobes.raw([result])
 
 

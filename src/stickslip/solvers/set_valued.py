@@ -15,11 +15,13 @@ from stickslip.batch import labels_of
 from stickslip.dense_output import HarmonicArcs
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.errors import SolveError
+from stickslip.interruption import is_stopped, look, takes_some_cases
 from stickslip.pool import shared
 from stickslip.solvers import undriven
 from stickslip.solvers.closed_arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
 from stickslip.solvers.request import Request
+from stickslip.status import Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
@@ -43,7 +45,9 @@ AT_REST = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
     if todo.keep == "trajectory":
-        return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, _start_of(todo)))
+        arcs, counts = solve_one(todo.model, todo.periods, _start_of(todo), todo.progress, todo.partial)
+        whole = arcs.t[-1] == todo.periods * float(todo.span[0])
+        return trajectory(todo, "exact", arcs, counts, Status.FINISHED if whole else Status.NOT_COMPUTED)
     return summary(todo, batch(todo))
 
 
@@ -106,20 +110,26 @@ def shared_rows(
 ) -> dict[str, Array]:
     """Results of a kernel for cases that threads share, `size` at a time: numbers by name, statuses, segments.
 
-    `run` takes the first case, the one after the last, and the arrays to be filled in.
+    `run` takes the first case, the one after the last, and the arrays to be filled in. After an interruption the statuses of cases that
+    were not begun are "not computed", where that is allowed (`takes_some_cases`).
     """
-    out, count = np.empty((cases, len(names))), np.zeros((cases, 4), np.int64)
+    out, count = np.full((cases, len(names)), np.nan), np.zeros((cases, 4), np.int64)
+    count[:, 0] = Status.NOT_COMPUTED
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), np.int8)
 
+    partial = takes_some_cases()
+
     def part(first: int) -> int:
+        if partial and is_stopped():
+            return 0
         last = min(first + size, cases)
         run(first, last, out, count, seg_time, seg_code)
         return last - first
 
     done = 0
-    for _, finished in shared(part, range(0, cases, size), workers):
+    for _, finished in shared(part, range(0, cases, size), workers, all_parts=partial):
         done += finished
-        if progress is not None:
+        if progress is not None and finished:
             progress(done, cases)
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
@@ -202,7 +212,9 @@ def _start(model: Any, start: dict[str, Any] | None) -> tuple[Array, Array]:
     return x, v
 
 
-def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> tuple[HarmonicArcs, dict[str, int]]:
+def solve_one(
+    model: Any, periods: int, start: dict[str, Any] | None = None, progress: Progress | None = None, partial: bool = False
+) -> tuple[HarmonicArcs, dict[str, int]]:
     """Run one case and keep every arc.
 
     Parameters
@@ -213,6 +225,10 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
         Drive periods to run.
     start : dict
         Position x [m] and velocity v [m/s] at t = 0.
+    progress : callable, optional
+        Called with (periods done, periods).
+    partial : bool
+        Whether an interruption ends it with the periods that are done.
 
     Returns
     -------
@@ -237,7 +253,7 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
         )
     a, omega, T = (float(n[0]) for n in (numbers.drive, numbers.omega, numbers.period))
     if driven[0]:
-        number, (phase, x, v), mode = _recorded(rows[0], periods)
+        (number, (phase, x, v), mode), periods = _recorded(rows[0], periods, progress, partial)
         t = np.minimum(number * T + phase / omega, (number + 1) * T)
         x, v = x * (a / omega**2), v * (a / omega)
     else:
@@ -252,8 +268,8 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
     return arcs, {"arcs": len(mode), "switches": int(np.count_nonzero(np.diff(mode)))}
 
 
-def _recorded(row: Array, periods: int) -> tuple[Array, Array, Array]:
-    """Drive period, (phase, displacement, w) and mode of all arcs."""
+def _recorded(row: Array, periods: int, progress: Progress | None, partial: bool) -> tuple[tuple[Array, Array, Array], int]:
+    """Drive period, (phase, displacement, w) and mode of all arcs; and the drive periods that are done."""
     kernel, state, n, found = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
     while n < periods:
         number, arcs, mode = np.empty(_ROOM, np.int64), np.empty((_ROOM, 3)), np.empty(_ROOM, np.int64)
@@ -263,5 +279,11 @@ def _recorded(row: Array, periods: int) -> tuple[Array, Array, Array]:
                 f"period {n} has too many arcs; this is a bug of the exact solver: please report it with the robot's to_toml()"
             )
         found.append((number[:count].copy(), arcs[:count].copy(), mode[:count].astype(np.int8)))
+        if progress is not None:
+            progress(n, periods)
+        if not partial:
+            look()
+        elif is_stopped():
+            break
     numbers, arcs, modes = (np.concatenate(part) for part in zip(*found, strict=True))
-    return numbers, arcs.T, modes
+    return (numbers, arcs.T, modes), n

@@ -39,8 +39,13 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, job))
     table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
-    results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
+    results = lanes.run(
+        kernel, table.rows, table.start, job, lambda done: todo.progress(done, todo.periods), keep_pieces=True, partial=todo.partial
+    )
     status = int(results.status[0])
+    if status == Status.NOT_COMPUTED:
+        pieces = _pieces(results.pieces, kernel, table, todo.periods)
+        return trajectory(todo, method, pieces, {"steps": len(pieces.mode)}, status)
     if status > Status.REPEATS and status != Status.LOST:
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
@@ -112,9 +117,10 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
 
         cases = slice(first, last)
         table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine)
-        return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
+        results = lanes.run(kernel, table.rows, table.start, job, progress=tell, partial=todo.partial)
+        return _raw(results, kernel, table, todo.observe)
 
-    for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1):
+    for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
         yield bounds[i], raw
 
 

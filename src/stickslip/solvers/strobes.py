@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,9 @@ import numpy as np
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.forces import slip_ratio_of
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import Interrupted, look
 from stickslip.solvers.gather import NEEDED, Raw
+from stickslip.status import Status
 from stickslip.steadiness import window_count
 
 _LOOKS = 5000  # in a drive period
@@ -19,6 +22,17 @@ NOTHING: dict[str, Any] = {
     "wide_min": np.nan, "wide_max": np.nan,
     "seg_count": 0, "seg_time": np.zeros(SEGMENTS), "seg_code": np.zeros(SEGMENTS, np.int8), "margin_force": np.inf,
 }  # fmt: skip
+
+
+def case_or_nothing(work: Callable[[], dict[str, Any]], nothing: dict[str, Any], partial: bool) -> dict[str, Any]:
+    """The results of one case; after an interruption, where a part of a batch is taken, those of a case that is not computed."""
+    try:
+        look()
+        return work()
+    except Interrupted:
+        if not partial:
+            raise
+        return {**nothing, "status": Status.NOT_COMPUTED}
 
 
 def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x: Any, memory: Any = ()) -> Any:

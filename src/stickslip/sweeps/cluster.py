@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pkgutil
 import secrets
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError
+from stickslip.interruption import look
 from stickslip.jsontext import plain
 from stickslip.optional import library
 from stickslip.storage import from_text
@@ -22,6 +24,8 @@ from stickslip.sweeps.models_of_points import starts_at
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.space import Column, Space
+
+_LOOK = 0.02  # how often it looks for a tile that is ready [s]
 
 
 def _distributed() -> Any:
@@ -120,12 +124,13 @@ def tiles_from(
         ready.add(future)
 
     try:
-        while not watch.stopped:
+        while True:
+            look()
             for _, k in zip(range(max(2 * sum(client.nthreads().values()), 4) - len(running)), rest, strict=False):
                 send(k)
             if not running:
                 return
-            future = next(ready, None)
+            future = _next(ready)
             if future is None:  # the remaining tiles were lost with their workers
                 lost, running = list(running.values()), {}
                 for k in lost:
@@ -140,3 +145,11 @@ def tiles_from(
     finally:
         for future in running:
             future.cancel()
+
+
+def _next(ready: Any) -> Any:
+    """The next future that is ready, or None where none is left; it looks meanwhile whether the call is to end."""
+    while not ready.is_empty() and not ready.has_ready():
+        look()
+        time.sleep(_LOOK)
+    return next(ready, None)

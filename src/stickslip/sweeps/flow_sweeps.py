@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
+from stickslip.interruption import partial_result
 from stickslip.jsontext import plain
 from stickslip.pool import shared
 from stickslip.solvers.flow_solving import asked_of, check_others, columns_of
@@ -33,14 +34,18 @@ def sweep_of_flow(
     space = space_of(flow, designs, axes)
     case = _cases(flow, space, arguments)
     watch, found = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
-    for k, columns in shared(case, range(space.cases), workers, watch):
-        found[k] = columns
-        watch.finished(k, np.array([columns["status"]]))
+    with partial_result() as ending:
+        for k, columns in shared(case, range(space.cases), workers):
+            found[k] = columns
+            watch.finished(k, np.array([columns["status"]]))
     whole = {name: _column(found, name).reshape(space.shape) for name in next((c for c in found if len(c) > 1), {"status": 0})}
     data = {name: (space.dims, values, _told(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
     coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
-    return xr.Dataset(data, coords, {"settings": json.dumps(plain(arguments | {"start": str(arguments["start"])}))})
+    attributes = {"settings": json.dumps(plain(arguments | {"start": str(arguments["start"])}))}
+    if ending.interrupted:
+        attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in found)})
+    return xr.Dataset(data, coords, attributes)
 
 
 def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:

@@ -13,6 +13,7 @@ from stickslip.contracts import Array
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import Interrupted, takes_some_cases, taking_some_cases
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
 from stickslip.solvers import coulomb_steady_motions as orbits, stepping
@@ -79,7 +80,13 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
     whole = {name: values.reshape(count, 2, steps, *values.shape[1:]) for name, values in result.items()}
     ends: dict[Any, Array] = {}
     for n, (way, step) in enumerate([(0, s) for s in range(steps)] + [(1, s) for s in reversed(range(steps))]):
-        columns, ends = _one_step(plan, lines[:, step], ends, workers, notes)
+        try:
+            with taking_some_cases(False):
+                columns, ends = _one_step(plan, lines[:, step], ends, workers, notes)
+        except Interrupted:
+            if not takes_some_cases():
+                raise
+            break
         for name, values in columns.items():
             whole[name][:, way, step] = values
         if tell is not None:

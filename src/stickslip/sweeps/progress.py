@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.callbacks import progress_callback
-from stickslip.pool import Cancelled
+from stickslip.interruption import PROGRESS, is_stopped, look, stop_call, takes_some_cases
 from stickslip.status import STATUS, counted
 
 PAUSE = 0.1  # shortest time between two reports [s]
@@ -77,10 +77,10 @@ def _duration(seconds: float) -> str:
 
 
 class Watch:
-    """Collects the progress of tiles and threads for the callback, at most ten times a second, and records its request to stop."""
+    """Collects the progress of tiles and threads for the callback, at most ten times a second and at the end; False ends the call."""
 
     def __init__(self, cases: int, callback: Callable[[Progress], Any] | bool | None):
-        self.cases, self.callback, self.stopped = cases, progress_callback(callback, "progress"), False
+        self.cases, self.callback = cases, progress_callback(callback, "progress")
         self._begun: dict[int, int] = {}
         self._statuses = Counter[str]()
         self._finished, self._resumed, self._began, self._told = 0, 0, time.monotonic(), 0.0
@@ -96,10 +96,10 @@ class Watch:
         self._tell(PAUSE)
 
     def at_work(self, tile: int, cases: int) -> None:
-        """As `begun`, called during the work; raises `Cancelled` if the sweep was stopped."""
+        """As `begun`, called during the work; raises `Interrupted` if the call is to end."""
         self.begun(tile, cases)
-        if self.stopped:
-            raise Cancelled
+        if not takes_some_cases():
+            look()
 
     def finished(self, tile: int, status: Any) -> None:
         """Count a finished tile."""
@@ -114,11 +114,11 @@ class Watch:
         return Progress(min(done, self.cases), self.cases, dict(self._statuses), time.monotonic() - self._began, self._resumed)
 
     def _tell(self, pause: float) -> None:
-        if self.callback is None or self.stopped:
+        if self.callback is None or is_stopped():
             return
         with self._lock:
             if time.monotonic() - self._told < pause:
                 return
             self._told = time.monotonic()
-            if self.callback(self.now()) is False:
-                self.stopped = True
+            if self.callback(self.now()) is False and self._finished < self.cases:
+                stop_call(PROGRESS)

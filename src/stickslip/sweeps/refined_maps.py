@@ -14,7 +14,7 @@ from stickslip.arguments import Maker, explains_arguments
 from stickslip.contracts import Array
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
-from stickslip.pool import Cancelled
+from stickslip.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.status import Status
 from stickslip.sweeps.labelling import dataset, labels_of, provenance_of
 from stickslip.sweeps.models_of_points import starts_at
@@ -31,6 +31,7 @@ _CHUNK = 16384
 
 
 @explains_arguments
+@interruptible
 def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -> xr.Dataset:
     """Solve a robot over a plane: two axes of numbers.
 
@@ -117,7 +118,7 @@ class _Refined:
     def __init__(self, plan: Plan, workers: int, watch: Watch):
         self.plan, self.workers, self.watch, self.shape = plan, workers, watch, plan.shape
         self.columns = {name: values.reshape(self.shape) for name, values in empty(plan.cases, plan.columns).items()}
-        self.known = np.zeros(self.shape, bool)
+        self.known, self.asked = np.zeros(self.shape, bool), np.zeros(self.shape, bool)
         self.kind = np.full(self.shape, "", "U24")
         self.notes = Counter[str]()
 
@@ -127,21 +128,31 @@ class _Refined:
         while min(self.shape) > 2 * stride * (coarse - 1) + 1:
             stride *= 2
         lines = self._lines(stride)
-        self._compute(_crossed(*lines, self.shape))
-        while not self.watch.stopped:
-            changing = self._settled(lines)
-            if stride == 1:
-                break
-            stride //= 2
-            finer = self._lines(stride)
-            self._fill(lines, finer)
-            self._compute(self._beside(changing, lines, finer))
-            lines = finer
+        with partial_result() as ending, taking_some_cases():
+            self._compute(_crossed(*lines, self.shape))
+            while True:
+                changing = self._settled(lines)
+                if stride == 1:
+                    break
+                stride //= 2
+                finer = self._lines(stride)
+                self._fill(lines, finer)
+                self._compute(self._beside(changing, lines, finer))
+                lines = finer
         self.columns["status"][~self.known & (self.kind != "")] = Status.FILLED
+        if ending.interrupted:
+            self._leave_blank()
+            self.notes[ending.note(Status.NOT_COMPUTED.sentence)] = int((self.columns["status"] == Status.NOT_COMPUTED).sum())
         if all_failed(self.columns["status"][self.known]):
             raise InputError("map", list(self.notes))
         found = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
         return found.assign_attrs(refined=json.dumps({"computed": int(self.known.sum()), "cases": self.plan.cases, "coarse": coarse}))
+
+    def _leave_blank(self) -> None:
+        """After an interruption: points that were to be computed, since motions differ about them, and were only filled."""
+        blank = self.asked & ~self.known
+        for name, values in empty(int(blank.sum()), self.columns).items():
+            self.columns[name][blank] = values
 
     def _lines(self, stride: int) -> tuple[Array, Array]:
         first, second = (np.unique([*range(0, n, stride), n - 1]) for n in self.shape)
@@ -150,15 +161,12 @@ class _Refined:
     def _compute(self, points: Array) -> None:
         """Solve those of some points, given by their indices, that are not known yet."""
         points = points[~self.known.ravel()[points]]
+        self.asked.reshape(-1)[points] = True
         for part in np.array_split(points, -(-len(points) // _CHUNK)) if len(points) else ():
-            if self.watch.stopped:
-                return
-            try:
-                found, notes = solved_points(
-                    self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1)
-                )
-            except Cancelled:
-                return
+            look()
+            found, notes = solved_points(self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1))
+            there = found["status"] != Status.NOT_COMPUTED
+            part, found = part[there], {name: values[there] for name, values in found.items()}
             for name in self.columns:
                 self.columns[name].reshape(-1)[part] = found[name]
             self.notes.update(notes)
@@ -180,7 +188,7 @@ class _Refined:
             for corner in corners:
                 need[corner] |= changing
             need &= ~self.known[np.ix_(*lines)]
-            if not need.any() or self.watch.stopped:
+            if not need.any():
                 return changing
             self._compute(_crossed(*lines, self.shape).reshape(kind.shape)[need])
 

@@ -15,8 +15,10 @@ from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible, partial_result, taking_some_cases
 from stickslip.pool import shared
 from stickslip.solvers.methods import takes_closed_arcs
+from stickslip.status import Status
 from stickslip.sweeps.labelling import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
@@ -30,6 +32,7 @@ Done = tuple[int, dict[str, Array], dict[str, int]]
 
 
 @explains_arguments
+@interruptible
 def sweep(
     make: Maker,
     *designs: Design,
@@ -93,7 +96,7 @@ def sweep(
         How often a tile is retried after it failed or its worker was lost.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
-        returned; the remaining cases have the status "not computed".
+        returned, as after Ctrl-C; the remaining cases have the status "not computed", and a note says how many they are.
     **axes
         Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis, also of words, such as ``law=["coulomb", "lugre"]``.
 
@@ -165,11 +168,16 @@ def carried_out(
     study = Study.begin(Path(out), plan, resume=resume, shard=shard)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
-    for k, columns, notes in tiles_of(plan, todo, workers, client, retries, watch):
-        study.write(k, columns, notes)
-        watch.finished(k, columns["status"])
+    with partial_result() as ending:
+        for k, columns, notes in tiles_of(plan, todo, workers, client, retries, watch):
+            study.write(k, columns, notes)
+            watch.finished(k, columns["status"])
     study.finish()
     grid = open_study(out)
+    if ending.interrupted:
+        left = plan.cases - int(watch.now().done)
+        told = json.loads(grid.attrs.get("notes", "{}")) | {ending.note("not computed; resume=True (--resume) goes on"): left}
+        return grid.assign_attrs(notes=json.dumps(told, ensure_ascii=False))
     if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):
         kept = f"the folder {str(out)!r} is complete and says so of every case; correct this, and give another folder"
         raise InputError("sweep", [*json.loads(grid.attrs.get("notes", "{}")), kept])
@@ -181,14 +189,17 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
     if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
         plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
-    for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
-        _put(whole, plan.bounds(k), columns)
-        notes.update(told)
-        left.remove(k)
-        watch.finished(k, columns["status"])
-    for k in left:  # the sweep was stopped
+    with partial_result() as ending, taking_some_cases():
+        for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+            _put(whole, plan.bounds(k), columns)
+            notes.update(told)
+            left.remove(k)
+            watch.finished(k, columns["status"])
+    for k in left:
         first, last = plan.bounds(k)
         _put(whole, (first, last), empty(last - first, plan.columns))
+    if ending.interrupted:
+        notes[ending.note(Status.NOT_COMPUTED.sentence)] = int((whole["status"] == Status.NOT_COMPUTED).sum())
     if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
     return dataset(plan, whole, {"provenance": provenance_of(plan)}, notes)
@@ -210,7 +221,7 @@ def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Ar
 
 
 def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch) -> Iterator[Done]:
-    """Index, columns and notes of each tile, as they are finished; ends early if the watch was stopped."""
+    """Index, columns and notes of each tile, as they are finished."""
     todo = list(todo)
     if client is not None:
         from stickslip.sweeps.cluster import tiles_from
@@ -225,5 +236,5 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
     def work(k: int) -> tuple[dict[str, Array], dict[str, int]]:
         return solved(plan, k, 1 if several else workers, partial(watch.at_work, k))
 
-    for k, (columns, notes) in shared(work, todo, workers if several else 1, watch):
+    for k, (columns, notes) in shared(work, todo, workers if several else 1):
         yield k, columns, notes

@@ -18,7 +18,6 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.observables import parted
 from stickslip.part_notes import notes_of_cases
-from stickslip.pool import Cancelled
 from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts
 from stickslip.solvers.closed_arcs import handles, reduced
 from stickslip.solvers.methods import takes_closed_arcs
@@ -37,7 +36,7 @@ Tell = Callable[[int], None]  # called with the number of cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
 
 
-_OURS = (Cancelled, KeyboardInterrupt, MemoryError, OSError)  # errors that do not concern a single case
+_OURS = (MemoryError, OSError)  # errors that do not concern a single case
 
 
 def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tuple[dict[str, Array], dict[str, int]]:

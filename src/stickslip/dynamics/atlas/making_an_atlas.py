@@ -28,6 +28,7 @@ from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.interruption import Ending, interruptible, look, partial_result
 from stickslip.sweeps.progress import Watch
 
 _TILE = 32  # points of the grid that run together and are kept together
@@ -36,6 +37,7 @@ _ON_IT = 2e-3  # of the plane: a special point so near to a curve of its kind is
 
 
 @explains_arguments
+@interruptible
 def atlas(
     make: Maker,
     *,
@@ -133,14 +135,14 @@ def _planned(
 
 @dataclass
 class _Making:
-    """An atlas that is being made, and whether somebody said stop."""
+    """An atlas that is being made, and how that ended."""
 
     plane: Plane
     look: Look
     study: AtlasStudy
     workers: int
     progress: Any
-    stopped: bool = False
+    ending: Ending = field(default_factory=Ending)
     missed: int = 0  # motions that no start had led to
     reasons: Counter[str] = field(default_factory=Counter)
     without_curve: set[str] = field(default_factory=set)  # changes whose borders are located line by line
@@ -150,13 +152,12 @@ class _Making:
         levels = [Level(self.plane, {})]
         outcomes: list[Outcome] = []
         left: list[Change] = []
-        try:
+        with partial_result() as ending:
             self._filled(levels[0], 0, [self.plane.cell(k) for k in range(self.plane.cells)])
-            left = changes(levels[0].points) if not self.stopped else []
+            left = changes(levels[0].points)
             self._follow(levels[0].points, left, outcomes, most)
             self._look_closer(levels, outcomes, depth)
-        except KeyboardInterrupt:
-            self.stopped = True
+        self.ending = ending
         branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
         doubts = self._doubts(levels, outcomes)
         notes = self._notes(levels, left, len(outcomes), most, doubts)
@@ -180,14 +181,13 @@ class _Making:
         level.points.update({cell: point for cell, point in self.study.points(depth).items() if cell in wanted})
         begun = partial(self._looked_at, level.plane)
         begun([cell for cell in asked if cell not in level.points], None, level.points, partial(self.study.keep_points, level=depth))
-        missed = 0 if self.stopped else taken_over(level.plane, level.points, lambda more: begun(list(more), more, {}))
-        while not self.stopped and (more := _to_start_again(level)):
+        missed = taken_over(level.plane, level.points, lambda more: begun(list(more), more, {}))
+        while more := _to_start_again(level):
             for cell, point in begun(list(more), more, {}).items():
                 level.points[cell] = with_more(level.plane, level.points[cell], point, len(more[cell]))
             missed += taken_over(level.plane, level.points, lambda more: begun(list(more), more, {}))
         self.missed += missed
-        if not self.stopped:
-            self.study.keep_grid(level.points, missed, depth, asked)
+        self.study.keep_grid(level.points, missed, depth, asked)
 
     def _looked_at(
         self, plane: Plane, cells: list[Cell], more: dict[Cell, Array] | None, found: dict[Cell, PointOfGrid],
@@ -198,19 +198,16 @@ class _Making:
         def work(part: slice, tell: Callable[[float], None]) -> dict[Cell, PointOfGrid]:
             return look_at(plane, cells[part], self.look, more)
 
-        done = 0
-        for _, points in shared(0 if self.stopped else len(cells), work, self.workers, self.progress, _TILE):
+        for _, points in shared(len(cells), work, self.workers, self.progress, _TILE):
             found |= points
-            done += len(points)
             if keep:
                 keep(plane.number(min(points)), points)
-        self.stopped = self.stopped or done < len(cells)
         return found
 
     def _look_closer(self, levels: list[Level], outcomes: list[Outcome], depth: int) -> None:
         """Halve the cells in which places are in doubt, as often as is allowed."""
         for k in range(1, depth + 1):
-            doubtful = [] if self.stopped else self._doubts(levels, outcomes).cells()
+            doubtful = self._doubts(levels, outcomes).cells()
             finer = levels[-1].halved()
             asked = {point for cell in doubtful for point in points_within(cell)} - set(finer.points)
             if not asked:
@@ -224,14 +221,14 @@ class _Making:
         """Follow motions until every change between neighbours is explained, or given up; `left` keeps those that are not."""
         watch = Watch(len(left), self.progress)
         whole, given_up = len(left), list[Change]()
-        while left and len(outcomes) < most and not self.stopped:
+        while left and len(outcomes) < most:
+            look()
             change = _next(left)
             left.remove(change)
             if not self._explained(grid, change, left, outcomes, most):
                 given_up.append(change)
             done = whole - len(left) - len(given_up)
             watch.begun(0, done + len(given_up))
-            self.stopped = watch.stopped
         left += given_up
 
     def _explained(self, grid: dict[Cell, PointOfGrid], change: Change, left: list[Change], outcomes: list[Outcome], most: int) -> bool:
@@ -262,10 +259,9 @@ class _Making:
     def _notes(self, levels: list[Level], left: list[Change], followed: int, most: int, doubts: Doubts) -> tuple[str, ...]:
         told, grid, missed = [], levels[0].points, self.missed
         unsure = sum(self.plane.point(cell) in doubts.of_points for cell in grid)
-        if self.stopped:
-            told.append(
-                f"it was interrupted: {len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
-            )
+        if self.ending.interrupted:
+            there = f"{len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
+            told.append(self.ending.note(there))
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
         told += _of_grid(grid, self.look.settle)
@@ -353,6 +349,7 @@ class AtlasTime:
 
 
 @explains_arguments
+@interruptible
 def atlas_time(
     make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, rtol: float = 1e-7, branches: int = 40,
     refine: int = 1, workers: int = 1, **fixed: Any,

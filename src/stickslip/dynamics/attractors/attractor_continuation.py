@@ -20,6 +20,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.sweeps.progress import Watch
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class _Track:
 
 
 @explains_arguments
+@interruptible
 def attractors(
     make: Maker,
     *,
@@ -124,12 +126,16 @@ def attractors(
     tracks: list[_Track] = []
     lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
     along = _Along(robots, values, table, at, settle, rtol, workers)
-    for k in range(len(values)):
-        lost[k] = _at_value(along, k, tracks)
-        watch.finished(k, np.zeros(1, int))
-        if watch.stopped:
-            break
-    return _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
+    with partial_result() as ending:
+        for k in range(len(values)):
+            look()
+            lost[k] = _at_value(along, k, tracks)
+            watch.finished(k, np.zeros(1, int))
+    ending.needs(tracks)
+    grid = _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
+    if not ending.interrupted:
+        return grid
+    return grid.assign_attrs(note=ending.note(f"{int((lost != UNDONE).sum())} of {len(values)} values are computed"))
 
 
 @dataclass(frozen=True, eq=False)

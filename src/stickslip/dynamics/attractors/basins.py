@@ -22,6 +22,7 @@ from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.faces import Drawn
 from stickslip.fields import floats
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible, partial_result
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
@@ -110,6 +111,7 @@ class Basins(Drawn):
 
 
 @explains_arguments
+@interruptible
 def basins(
     model: Model,
     *,
@@ -159,8 +161,13 @@ def basins(
     table = grid_of(axes)
     states = on_grid(table, model)
     batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
-    ends = settled_points(batch, states, settle, rtol, workers, progress)
-    return _gathered(model, axes, *ends, at, rtol, "phase" in table)
+    points, ways, good = _unsettled(states)
+    with partial_result() as ending:
+        _settle(points, ways, good, batch, states, settle, rtol, workers, progress)
+    found = _gathered(model, axes, points, ways, good, at, rtol, "phase" in table)
+    if ending.interrupted:
+        found.map.attrs["note"] = ending.note(f"{int((good != UNDONE).sum())} of {len(good)} starts are computed")
+    return found
 
 
 def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
@@ -216,8 +223,21 @@ def settled_points(
     batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
 ) -> tuple[Array, Array, Array]:
     """Strobe points (cases, points, d), ways (cases, points), and which cases could be solved: 1, not: 0, were not computed: -1."""
+    found = _unsettled(states)
+    _settle(*found, batch, states, settle, rtol, workers, progress)
+    return found
+
+
+def _unsettled(states: Array) -> tuple[Array, Array, Array]:
+    """The columns of `settled_points` for starts that are not computed yet."""
     cases, d = states.shape
-    points, ways, good = np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
+    return np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
+
+
+def _settle(
+    points: Array, ways: Array, good: Array, batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
+) -> None:
+    """Fill in the columns of `settled_points`, part by part."""
 
     def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
         model = some_of(batch, part)
@@ -232,9 +252,8 @@ def settled_points(
             good[late] &= solved
         return kept, made, good
 
-    for part, found in shared(cases, ended, workers, progress):
+    for part, found in shared(len(states), ended, workers, progress):
         points[part], ways[part], good[part] = found
-    return points, ways, good
 
 
 def _still(model: Any, states: Array, rtol: float) -> tuple[Array, Array]:

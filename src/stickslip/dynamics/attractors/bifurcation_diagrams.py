@@ -18,6 +18,7 @@ from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
 from stickslip.fields import floats
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.naming import in_its_unit
 from stickslip.sweeps.progress import Watch
 
@@ -31,6 +32,7 @@ _RETURN = 1e-6  # strobe points closer than this, in scales, count as one
 
 
 @explains_arguments
+@interruptible
 def bifurcation(
     make: Maker,
     *,
@@ -96,11 +98,19 @@ def bifurcation(
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
     at = coordinates(robots.robots(values))
     first = states_of(start, robots.robots(values))
-    if follow:
-        found = _hysteresis(robots, values, first, settle, points, rtol, progress)
-    else:
-        found = _anew(robots, values, first, settle, points, rtol, workers, progress)
-    return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
+    n, d = first.shape
+    directions = DIRECTIONS if follow else ("from start",)
+    found = [np.full((len(directions), n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
+    with partial_result() as ending:
+        if follow:
+            _hysteresis(found, robots, values, first, settle, points, rtol, progress)
+        else:
+            _anew(found, robots, values, first, settle, points, rtol, workers, progress)
+    grid = _dataset(robots, parameter, values, at, found, directions, settle)
+    if not ending.interrupted:
+        return grid
+    done = int(np.isfinite(found[0]).all(axis=(-1, -2)).sum())
+    return grid.assign_attrs(note=ending.note(f"{done} of {grid.period.size} motions are computed"))
 
 
 def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
@@ -113,18 +123,17 @@ def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
     return array
 
 
-def _anew(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any) -> list[Array]:
-    """Every value from its own start."""
-    n, d = first.shape
-    whole = [np.full((1, n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
+def _anew(
+    whole: list[Array], robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any
+) -> None:
+    """Every value from its own start, into the columns."""
 
     def part_of(part: slice, tell: Callable[[float], None]) -> list[Array]:
         return _batch(robots, values[part], first[part], settle, points, rtol, tell)
 
-    for part, found in shared(n, part_of, workers, progress):
+    for part, found in shared(len(first), part_of, workers, progress):
         for column, rows in zip(whole, found, strict=True):
             column[0, part] = rows
-    return whole
 
 
 def _batch(robots: Family, values: Array, states: Array, settle: int, points: int, rtol: float, tell: Any = None) -> list[Array]:
@@ -138,20 +147,18 @@ def _batch(robots: Family, values: Array, states: Array, settle: int, points: in
     return [np.moveaxis(kept, 0, 1), ways.T, last.v_max[:, None], last.v_min[:, None]]
 
 
-def _hysteresis(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any) -> list[Array]:
-    """Upwards and downwards side by side, each value from the end of the one before."""
+def _hysteresis(
+    whole: list[Array], robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any
+) -> None:
+    """Upwards and downwards side by side, each value from the end of the one before, into the columns."""
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
-    rows: list[list[Array]] = []
     for k in range(n):
+        look()
         found = _batch(robots, values[[k, n - 1 - k]], states, settle, points, rtol)
         states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first[[k, n - 1 - k]])
-        rows.append(found)
+        for column, rows in zip(whole, found, strict=True):
+            column[0, k], column[1, n - 1 - k] = rows
         watch.finished(k, np.zeros(1, int))
-        if watch.stopped:
-            break
-    rows += [[np.full_like(part, np.nan) for part in rows[-1]]] * (n - len(rows))
-    whole = [np.stack([row[i] for row in rows], axis=1) for i in range(4)]
-    return [np.stack([part[0], part[1, ::-1]]) for part in whole]
 
 
 def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:

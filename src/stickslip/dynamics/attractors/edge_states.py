@@ -20,6 +20,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.fields import checked_number
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.quantities import between
 from stickslip.sealing import sealed
 
@@ -126,6 +127,7 @@ class EdgeState(Drawn):
 
 
 @explains_arguments
+@interruptible
 def edge_state(
     model: Model,
     first: Any,
@@ -203,9 +205,20 @@ def edge_state(
 def _tracked(judge: Judge, pair: Array, periods: int, report: Reported) -> EdgeState:
     """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
     track, tried = [pair.mean(axis=0)], dict.fromkeys(range(1, LONGEST + 1), np.inf)
+    with partial_result() as ending:
+        found = _on_the_border(judge, pair, track, tried, periods, report)
+    if not ending.interrupted:
+        return found
+    ending.needs(len(track) > 1)
+    note = ending.note(f"the border was followed for {len(track) - 1} of {periods} periods")
+    return _of_track(judge, "not periodic", track, float("nan"), note)
+
+
+def _on_the_border(judge: Judge, pair: Array, track: list[Array], tried: dict[int, float], periods: int, report: Reported) -> EdgeState:
+    """The edge state to which a track leads, which grows period by period."""
     for done in range(periods):
-        if report("periods along the border", done, periods) is False:
-            break
+        report("periods along the border", done, periods)
+        look()
         pair, ahead = _ahead(judge, pair)
         after = float(judge.at.distance(*ahead))
         if not after <= _JUMP:

@@ -20,6 +20,7 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.errors import Problems
 from stickslip.fields import floats
+from stickslip.interruption import interruptible, partial_result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +37,7 @@ _TOLD = {
 
 
 @explains_arguments
+@interruptible
 def chaos_map(
     make: Maker,
     *,
@@ -93,12 +95,15 @@ def chaos_map(
     def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
         return _looked_at(robots, [column[part] for column in grid], start, settle, periods, rtol, tell)
 
-    for part, found in shared(grid[0].size, looked_at, workers, progress):
-        for column, values in zip(whole, found, strict=True):
-            column[part] = values
+    with partial_result() as ending:
+        for part, found in shared(grid[0].size, looked_at, workers, progress):
+            for column, values in zip(whole, found, strict=True):
+                column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
     columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
-    attrs = {"settle": settle, "periods": periods, "rtol": rtol}
+    attrs: dict[str, Any] = {"settle": settle, "periods": periods, "rtol": rtol}
+    if ending.interrupted:
+        attrs["note"] = ending.note(f"{int((whole[0] != UNDONE).sum())} of {whole[0].size} points are computed")
     return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()}, attrs)
 
 

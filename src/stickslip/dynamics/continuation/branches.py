@@ -26,6 +26,7 @@ from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, per
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import machine_of
 from stickslip.naming import in_its_unit
 from stickslip.sealing import sealed
@@ -111,6 +112,7 @@ class Branch(Drawn):
         return periodic_orbit(self.family.robot(value), self.period, guess=self.orbits[nearest], rtol=self.orbits[nearest].rtol)
 
     @explains_arguments
+    @interruptible
     def doubled(self, flip: Special | None = None, stop: float | None = None, step: float = 0.02, points: int = 200) -> Branch:
         """The branch of twice the period that leaves this one at a flip.
 
@@ -130,6 +132,7 @@ class Branch(Drawn):
         return _branch(self.family, 2 * self.period, doubled(self, flip, *range_of(self, flip, stop), step, points), self.events)
 
     @explains_arguments
+    @interruptible
     def switched(self, special: Special | None = None, stop: float | None = None, step: float = 0.02, points: int = 200) -> Branch:
         """The other branch through a branch point, on both sides of it: one branch, whose points are in order.
 
@@ -195,6 +198,7 @@ _TOLD = {
 
 
 @explains_arguments
+@interruptible
 def continuation(
     make: Maker,
     *,

@@ -16,6 +16,7 @@ from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
 from stickslip.dynamics.periodic.newton import Found, newton, root_between
 from stickslip.errors import InputError, SolveError
+from stickslip.interruption import look, partial_result
 
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken
@@ -51,30 +52,33 @@ def followed_curve(
     here = _point(problem, first, sign * np.eye(n)[-1], None)
     found, special = [first], list[Meeting]()
     seen = problem.watched(here.u)
-    while len(found) < most:
-        ahead = _next(problem, here, step)
-        if isinstance(ahead, str):
-            return FollowedCurve(found, special, ahead)
-        there, step = ahead
-        if why := problem.apart(there.u):
-            return FollowedCurve(found, special, why)
-        now = problem.watched(there.u)
-        lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
-        if lost and problem.meeting is not None:
-            found.append(problem.meeting(0.5 * (here.u + there.u), lost[0]))
-            return FollowedCurve(found, [*special, _meeting(problem, found[-1], _TRIPLE, problem.accuracy(found[-1]))], _BEYOND)
-        for met, point in _between(problem, here, there):
-            if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
-                special.append(met)
-            if met.kind in _ENDS.get(kind, ()):
-                return FollowedCurve([*found, point.found], special, _TURNED_REAL.format(met.kind))
-        here, seen = there, now
-        found.append(there.found)
-        if report(kind, len(found), most) is False:
-            return FollowedCurve(found, special, "it was stopped by progress")
-        if ended := _left(problem, here, sign):
-            return FollowedCurve(found, special, ended)
-        step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
+    with partial_result() as ending:
+        while len(found) < most:
+            look()
+            ahead = _next(problem, here, step)
+            if isinstance(ahead, str):
+                return FollowedCurve(found, special, ahead)
+            there, step = ahead
+            if why := problem.apart(there.u):
+                return FollowedCurve(found, special, why)
+            now = problem.watched(there.u)
+            lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
+            if lost and problem.meeting is not None:
+                found.append(problem.meeting(0.5 * (here.u + there.u), lost[0]))
+                return FollowedCurve(found, [*special, _meeting(problem, found[-1], _TRIPLE, problem.accuracy(found[-1]))], _BEYOND)
+            for met, point in _between(problem, here, there):
+                if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
+                    special.append(met)
+                if met.kind in _ENDS.get(kind, ()):
+                    return FollowedCurve([*found, point.found], special, _TURNED_REAL.format(met.kind))
+            here, seen = there, now
+            found.append(there.found)
+            report(kind, len(found), most)
+            if ended := _left(problem, here, sign):
+                return FollowedCurve(found, special, ended)
+            step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
+    if ending.interrupted:
+        return FollowedCurve(found, special, f"it was {ending.words}")
     return FollowedCurve(found, special, f"it was followed for {most} points")
 
 

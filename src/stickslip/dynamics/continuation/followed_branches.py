@@ -18,6 +18,7 @@ from stickslip.dynamics.continuation.point_accuracy import Special, certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import look, partial_result
 
 _AGAIN = 3.0  # accuracies within which two borders are one
 _ROUND = 0.9  # minus the cosine from which on a vector has turned round
@@ -46,30 +47,31 @@ def followed(
     slack = 1e-12 * (high - low)
     found, ended = [first], ""
     special: list[Special] = []
-    for item in follow(path, first, step, most, lambda value: low - slack <= value <= high + slack):
-        if isinstance(item, str):
-            ended = item
-            break
-        last = found[-1]
-        if path.period % 2 == 0 and not isinstance(path, CyclePath) and _turned_round(last.half, item.half):
-            end = _returned(path, last, item)
-            found += [end] if end is not None else []
-            ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
-            break
-        born = birth(path, found, item) if isinstance(path, CyclePath) else None
-        if born is not None:
-            ended = f"the cycle shrinks to a steady motion at {path.family.parameters[0]} = {certain(*born)}"
-            special.append(Special("hopf", born[0], replace(last.orbit, notes=(ended,)), born[1]))
-            break
-        if not low <= item.value <= high:
-            item = _clipped(path, last, item, low if item.value < low else high)
-        for s in located(path, last, item, events):
-            there = _special(path, found, item, s)
-            special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
-        found.append(item)
-        if report(f"{path.family.parameters[0]} = {item.value:.6g}", len(found), most) is False:
-            ended = "it was stopped by progress"
-            break
+    with partial_result() as ending:
+        for item in follow(path, first, step, most, lambda value: low - slack <= value <= high + slack):
+            look()
+            if isinstance(item, str):
+                ended = item
+                break
+            last = found[-1]
+            if path.period % 2 == 0 and not isinstance(path, CyclePath) and _turned_round(last.half, item.half):
+                end = _returned(path, last, item)
+                found += [end] if end is not None else []
+                ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
+                break
+            born = birth(path, found, item) if isinstance(path, CyclePath) else None
+            if born is not None:
+                ended = f"the cycle shrinks to a steady motion at {path.family.parameters[0]} = {certain(*born)}"
+                special.append(Special("hopf", born[0], replace(last.orbit, notes=(ended,)), born[1]))
+                break
+            if not low <= item.value <= high:
+                item = _clipped(path, last, item, low if item.value < low else high)
+            for s in located(path, last, item, events):
+                there = _special(path, found, item, s)
+                special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
+            found.append(item)
+            report(f"{path.family.parameters[0]} = {item.value:.6g}", len(found), most)
+    ended = f"it was {ending.words}" if ending.interrupted else ended
     if ended.startswith(STOPPED):
         ended, border = _ended(path, found, ended)
         special += [] if border is None or _known(special, border) else [border]

@@ -24,6 +24,7 @@ from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import machine_of
 from stickslip.naming import in_its_unit
 from stickslip.position import knows_position
@@ -98,6 +99,7 @@ class Curve(Drawn):
 
 
 @explains_arguments
+@interruptible
 def special_curve(
     branch: Branch,
     special: Special,

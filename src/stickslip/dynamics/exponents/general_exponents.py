@@ -7,6 +7,7 @@ The derivative may be given; else the function's own lines are called with numbe
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,10 @@ from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, rounded
 from stickslip.fields import floats
 from stickslip.flow import is_flow
+from stickslip.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.sealing import sealed
 
+_LEAST = 10  # parts of a motion over which an interrupted average is taken at least
 _SHOWN = 200  # points of the record of how they converge, at most
 STRETCHES = 20  # of which the scatter of the means gives the error
 
@@ -157,6 +160,7 @@ def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: f
 
 
 @explains_arguments
+@interruptible
 def lyapunov_of_map(
     f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
 ) -> Lyapunov:
@@ -189,20 +193,31 @@ def lyapunov_of_map(
         raise InputError("lyapunov_of_map", [f"f = {f!r}; allowed is a function that takes a list of numbers and returns as many"])
     slope = jacobian or (lambda x: of_state(f, x)[1])
     for _ in range(settle):
+        look()
         x = numbers(f, x)
-    Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
-    for k in range(int(iterations)):
-        Q, logs[k] = grown(np.asarray(slope(x), float), Q)
-        x = numbers(f, x)
+    Q, logs, done = np.eye(len(x)), np.empty((int(iterations), len(x))), 0
+    with partial_result() as ending:
+        while done < len(logs):
+            look()
+            Q, logs[done] = grown(np.asarray(slope(x), float), Q)
+            x, done = numbers(f, x), done + 1
     if not np.isfinite(x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
-    return gathered(logs, 1.0, "iteration")
+    return _noted(logs, done, 1.0, "iteration", ending)
+
+
+def _noted(logs: Array, done: int, every: float, unit: str, ending: Ending) -> Lyapunov:
+    """The exponents of as many parts of a motion as were done, which a note says after an interruption."""
+    ending.needs(done >= min(_LEAST, len(logs)))
+    found = gathered(logs[:done], every, unit)
+    return replace(found, note=ending.note(f"averages over {done} of {len(logs)} parts of the motion")) if ending.interrupted else found
 
 
 _MOST = 1e8  # parts of a run in which growth is measured
 
 
 @explains_arguments
+@interruptible
 def lyapunov_of_flow(
     f: Callable[..., Any],
     x0: Any,
@@ -266,13 +281,16 @@ def lyapunov_of_flow(
         x = _followed(lambda t, y: numbers(f, y), x, settle, rtol, 0.0, x0)
     if not duration / every <= _MOST:
         raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
-    Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
-    for k in range(len(logs)):
-        end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + k * every, x0)
-        x = end[:n]
-        Q, R = np.linalg.qr(end[n:].reshape(n, n))
-        logs[k] = np.log(abs(np.diag(R)))
-    return gathered(logs, every, "unit of time")
+    Q, logs, done = np.eye(n), np.empty((max(int(duration / every), 1), n)), 0
+    with partial_result() as ending:
+        while done < len(logs):
+            look()
+            end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + done * every, x0)
+            x = end[:n]
+            Q, R = np.linalg.qr(end[n:].reshape(n, n))
+            logs[done] = np.log(abs(np.diag(R)))
+            done += 1
+    return _noted(logs, done, every, "unit of time", ending)
 
 
 def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: Any) -> Array:
@@ -280,7 +298,7 @@ def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rto
     from scipy.integrate import solve_ivp
 
     with np.errstate(over="ignore", invalid="ignore"):
-        done = solve_ivp(rates, (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
+        done = solve_ivp(looking(rates), (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
     end: Array = done.y[:, -1]
     if done.status != 0 or not np.isfinite(end).all():
         told = f"the flow diverges at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"

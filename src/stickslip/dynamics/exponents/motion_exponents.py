@@ -22,6 +22,7 @@ from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.fields import checked_number
 from stickslip.flow import is_flow
+from stickslip.interruption import interruptible, look, partial_result
 from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
 from stickslip.sweeps.progress import Watch
@@ -34,6 +35,7 @@ _ROUNDING = 1e-12  # a direction that shrinks by more than this beside another i
 
 
 @explains_arguments
+@interruptible
 def lyapunov(
     model: Model,
     periods: int = 2000,
@@ -64,7 +66,7 @@ def lyapunov(
         Tolerance of the run.
     progress : callable or bool, optional
         True for a progress line, or a function that is called with a `Progress` of drive periods; return False to stop: the averages
-        until then are returned.
+        until then are returned, as after Ctrl-C, and `note` says so.
 
     Returns
     -------
@@ -79,21 +81,31 @@ def lyapunov(
     -2.418858
     """
     checked(model, periods, settle)
+    return exponents_along(model, periods, settle, start, rtol, progress)[0]
+
+
+def exponents_along(model: Any, periods: int, settle: int, start: Any, rtol: float, progress: Any) -> tuple[Lyapunov, bool]:
+    """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if is_flow(model):
-        return _of_flow(model, periods, settle, start)
+        return _of_flow(model, periods, settle, start), False
     state = settled(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
     watch = Watch(periods, progress)
-    while parts < periods and not (watch.stopped and parts >= _LEAST):
-        count = min(_CHUNK, periods - parts)
-        run = flight(model, state[0], count, rtol)
-        state = strobe_states(run)[-1:]
-        grown, Q = _growth(run, Q)
-        logs.append(grown)
-        parts += count
-        watch.finished(0, np.zeros(count, int))
-    return _told(np.concatenate(logs))
+    with partial_result() as ending:
+        while parts < periods:
+            look()
+            count = min(_CHUNK, periods - parts)
+            run = flight(model, state[0], count, rtol)
+            state = strobe_states(run)[-1:]
+            grown, Q = _growth(run, Q)
+            logs.append(grown)
+            parts += count
+            watch.finished(0, np.zeros(count, int))
+    ending.needs(parts >= _LEAST)
+    found = _told(np.concatenate(logs))
+    notes = ending.note(f"averages over {parts} of {periods} drive periods"), found.note
+    return replace(found, note="; ".join(filter(None, notes))), ending.interrupted
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
@@ -187,6 +199,7 @@ def _grown(logs: Array, volume: float, rests: int) -> Array:
 
 
 @explains_arguments
+@interruptible
 def largest_exponents(
     model: Model,
     periods: int = 400,
@@ -247,8 +260,9 @@ def largest_exponents(
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
-    for part, found in shared(cases, apart_by, workers, progress):
-        means[part], errors[part] = found
+    with partial_result():
+        for part, found in shared(cases, apart_by, workers, progress):
+            means[part], errors[part] = found
     return means, errors
 
 

@@ -7,13 +7,14 @@ from typing import Any
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov
-from stickslip.dynamics.exponents.motion_exponents import checked, lyapunov, settled
+from stickslip.dynamics.exponents.motion_exponents import checked, exponents_along, settled
 from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.errors import InputError, SolveError
 from stickslip.faces import Face
+from stickslip.interruption import interruptible
 from stickslip.sealing import sealed
 
 
@@ -68,6 +69,7 @@ class Verdict(Face):
 
 
 @explains_arguments
+@interruptible
 def verdict(
     model: Model,
     periods: int = 1000,
@@ -105,7 +107,9 @@ def verdict(
     state = settled(model, start, settle, rtol)
     back = repetition(model, state[0], rtol)
     whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
-    exponents = lyapunov(model, -(-periods // whole) * whole, settle=0, start=state[0], rtol=rtol, progress=progress)
+    exponents, interrupted = exponents_along(model, -(-periods // whole) * whole, 0, state[0], rtol, progress)
+    if interrupted:
+        return Verdict("undecided", back.period, exponents, None, f"{exponents.note}; {back.why}")
     if back.period is not None:
         orbit = None
         with suppress(SolveError, InputError):

@@ -17,6 +17,7 @@ from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.law_adapter import law_of
+from stickslip.interruption import interruptible
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
@@ -121,6 +122,7 @@ class FlowOrbit(Repeating):
 
 
 @explains_arguments
+@interruptible
 def flow_orbit(
     flow: SwitchingFlow,
     state: Any,

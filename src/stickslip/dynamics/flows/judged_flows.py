@@ -24,6 +24,7 @@ from stickslip.dynamics.flows.flow_arcs import arc, guards_of
 from stickslip.dynamics.flows.user_functions import answer, derivative
 from stickslip.errors import InputError, SolveError
 from stickslip.flow import knows_mode, unknown_mode
+from stickslip.interruption import look
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
 
 _MANY, _AT_ONCE = 100, 1e-7  # so many switches within this part of a passage accumulate: at that rate it would have 1e9
@@ -62,6 +63,7 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
     events: list[tuple[float, Any, Any]] = []
     low, high, crossing, seen = y.copy(), y.copy(), None, {(mode, y.tobytes())}
     while switches is None or len(events) < switches:
+        look()
         hit = next((k for k, guard in enumerate(guards_of(flow, mode)) if guard.beyond(t, y)), None)
         if hit is None and t >= end:
             break

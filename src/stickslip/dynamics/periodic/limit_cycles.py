@@ -15,6 +15,7 @@ from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, s
 from stickslip.dynamics.periodic.newton import newton_within
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
 from stickslip.errors import InputError, SolveError
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.steadiness import way_of_machine
@@ -131,6 +132,7 @@ class LimitCycle(ClosedMotion):
         return f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {stability}, residual {self.residual:.1e}>"
 
 
+@interruptible
 def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
     """A limit cycle of a mechanism without a drive, stable or unstable, by Newton's method for its state and its duration.
 

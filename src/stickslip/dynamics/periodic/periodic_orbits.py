@@ -32,6 +32,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
 )  # fmt: skip
 from stickslip.errors import Problems, SolveError
 from stickslip.flow import SwitchingFlow, is_flow
+from stickslip.interruption import interruptible
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.variables import unit_of
@@ -193,6 +194,7 @@ def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **m
 @overload
 def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | LimitCycle: ...
 @explains_arguments
+@interruptible
 def periodic_orbit(
     model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
 ) -> PeriodicOrbit | LimitCycle | FlowOrbit:

@@ -42,8 +42,8 @@ def shared(
     workers : int
         Threads.
     progress : callable or bool, optional
-        True for a progress line, or a function that is called with a `Progress`; parts that had not ended when it returned False are
-        missing from the results.
+        True for a progress line, or a function that is called with a `Progress`; where it returns False, the parts that are done
+        are yielded, and `Interrupted` is raised.
     size : int
         Cases in a part.
 
@@ -62,7 +62,7 @@ def shared(
         return work(part, tell)
 
     todo = parts_of(cases, size)
-    first = pool.shared(done, todo[:1], 1, watch)  # compiles what all of them need
-    for part, result in chain(first, pool.shared(done, todo[1:], workers, watch)):
+    first = pool.shared(done, todo[:1], 1)  # compiles what all of them need
+    for part, result in chain(first, pool.shared(done, todo[1:], workers)):
         watch.finished(part.start, np.zeros(part.stop - part.start, int))
         yield part, result

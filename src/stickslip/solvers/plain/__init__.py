@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from stickslip.batch import cases_of
@@ -52,13 +53,18 @@ def _nothing(model: Any) -> dict[str, Any]:
 
 
 def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:
-    """Raw results case by case; a case that fails has a status."""
+    """Raw results case by case."""
     for i in range(todo.cases):
         model = _case(todo, i)
-        try:
-            pieces, _, status = march(todo, model, i)
-            found = {**_nothing(model), "status": status} if status else reduced(todo, model, pieces, i)
-        except SolveError:
-            found = {**_nothing(model), "status": 3}
+        found = strobes.case_or_nothing(partial(_solved, todo, model, i), _nothing(model), todo.partial)
         yield (i, i + 1), strobes.raw([found])
         todo.progress(i + 1, todo.cases)
+
+
+def _solved(todo: Request, model: Any, i: int) -> dict[str, Any]:
+    """The results of one case; one that fails has a status."""
+    try:
+        pieces, _, status = march(todo, model, i)
+        return {**_nothing(model), "status": status} if status else reduced(todo, model, pieces, i)
+    except SolveError:
+        return {**_nothing(model), "status": 3}

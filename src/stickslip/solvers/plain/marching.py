@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.dense_output import PolynomialPieces
 from stickslip.errors import SolveError
+from stickslip.interruption import Interrupted, look
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
@@ -39,9 +40,10 @@ class Hit:
 
 
 def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
-    """The dense output of one case, what it cost, and how it ended (0, or 6 where a contact was lost)."""
+    """The dense output of one case, what it cost, and how it ended: finished, a contact lost, or (of one run) interrupted."""
     run = marched(todo, model, case)
-    return joined(run.parts, run.t, run.equations), run.counts, Status.LOST if run.lost else Status.FINISHED
+    status = Status.NOT_COMPUTED if run.interrupted else Status.LOST if run.lost else Status.FINISHED
+    return joined(run.parts, run.t, run.equations), run.counts, status
 
 
 def marched(todo: Request, model: Any, case: int) -> Run:
@@ -56,8 +58,13 @@ def marched(todo: Request, model: Any, case: int) -> Run:
             equations.between(first[0], last[0])
         if i:
             run.throw(first[1], first[2])
-        run.go(last[0])
-        if run.lost:
+        try:
+            run.go(last[0])
+        except Interrupted:
+            if not (todo.partial and todo.keep == "trajectory" and run.parts):
+                raise
+            run.interrupted = True
+        if run.lost or run.interrupted:
             break
     return run
 
@@ -98,7 +105,7 @@ class Run:
         self.y = np.array(start[: equations.size], float)
         self.parts: list[Part] = []
         self.hits: list[Hit] = []
-        self.counts, self.lost = {"steps": 0, "evaluations": 0, "restarts": 0}, False
+        self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
         self.since, self.events = 0.0, 0
         equations.first_loads = equations.loads(0.0, self.y)
         if any(load <= 0.0 for load, law in zip(equations.first_loads, equations.laws, strict=True) if not law.flies):
@@ -157,7 +164,10 @@ class Run:
 
     def _move(self, end: float) -> None:
         e = self.equations
+        look()
         stretch = integrate(self.todo, e, self.t, self.y, end, self.mode)
+        if self.todo.keep == "trajectory":
+            self.todo.progress(int(stretch.t / float(self.todo.span[0])), self.todo.periods)
         self.parts += stretch.parts
         self.counts["steps"] += stretch.steps
         self.counts["evaluations"] += stretch.evaluations

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
+from stickslip.interruption import is_stopped
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.dense import Part, part_of
 from stickslip.solvers.plain.guards import Guard, guards
@@ -144,6 +145,9 @@ def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float,
     solver = _solver(todo, equations, right, t, y, end)
     done = Stretch(t, y, [])
     while solver.status == "running":
+        if is_stopped():  # whoever goes on looks too
+            done.t, done.y, done.evaluations = float(solver.t), solver.y.copy(), done.evaluations + solver.nfev
+            return done
         step = _advance(todo, equations, solver, end, mode)
         if step is None:
             done.t, done.y, done.fired = float(solver.t), solver.y.copy(), [guard for guard in before if guard.sort == "load"][:1]
