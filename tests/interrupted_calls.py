@@ -106,22 +106,22 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda r: _of_notes(r),
             lambda r: r.mean_velocity,
         ),
-        "solve, the judge": lambda: Call(lambda: ss.solve(lugre, periods=25, method="radau"), _of_notes, lambda r: r.strobe_v),
+        "solve, the judge": lambda: Call(lambda: ss.solve(lugre, periods=3, method="radau"), _of_notes, lambda r: r.strobe_v),
         "solve, batch of the judge": lambda: Call(
-            lambda: ss.solve(RIG(tilt_deg=1.7, amplitude=AMPLITUDES[:8]), periods=4, method="radau"), _of_notes, lambda r: r.mean_velocity
+            lambda: ss.solve(RIG(tilt_deg=1.7, amplitude=AMPLITUDES[:6]), periods=1, method="radau"), _of_notes, lambda r: r.mean_velocity
         ),
         "solve, Runge-Kutta": lambda: Call(
-            lambda: ss.solve(lugre, periods=1500, method="rk4", steps=10_000, samples=4), _of_notes, lambda r: r.strobe_v
+            lambda: ss.solve(lugre, periods=300, method="rk4", steps=10_000, samples=4), _of_notes, lambda r: r.strobe_v
         ),
-        "solve, a flow": lambda: Call(lambda: ss.solve(flow, periods=12_000, samples=4), _of_notes, lambda r: r.state),
+        "solve, a flow": lambda: Call(lambda: ss.solve(flow, periods=3000, samples=4), _of_notes, lambda r: r.state),
         "sweep, in memory": lambda: Call(
-            lambda: ss.sweep(RIG, amplitude=np.linspace(3e-4, 8e-4, 40), mu0=np.linspace(0.1, 0.3, 40), tilt_deg=1.7, settle=100),
+            lambda: ss.sweep(RIG, amplitude=np.linspace(3e-4, 8e-4, 40), mu0=np.linspace(0.1, 0.2, 40), tilt_deg=1.7, settle=100),
             _of_grid,
             lambda g: g.mean_velocity.values,
         ),
         "sweep, in two threads": lambda: Call(
             lambda: ss.sweep(
-                RIG, amplitude=np.linspace(3e-4, 8e-4, 60), mu0=np.linspace(0.1, 0.3, 40), tilt_deg=1.7, settle=100, workers=2
+                RIG, amplitude=np.linspace(3e-4, 8e-4, 60), mu0=np.linspace(0.1, 0.2, 40), tilt_deg=1.7, settle=100, workers=2
             ),
             _of_grid,
             lambda g: g.mean_velocity.values,
@@ -129,14 +129,14 @@ def _calls() -> dict[str, Callable[[], Call]]:
         "sweep, in a folder": lambda: Call(
             _in_folder(
                 lambda out: ss.sweep(
-                    RIG, amplitude=np.linspace(3e-4, 8e-4, 40), mu0=np.linspace(0.1, 0.3, 30), tilt_deg=1.7, settle=100, out=out, tile=50
+                    RIG, amplitude=np.linspace(3e-4, 8e-4, 40), mu0=np.linspace(0.1, 0.2, 30), tilt_deg=1.7, settle=100, out=out, tile=50
                 )
             ),
             _of_grid,
             lambda g: g.mean_velocity.values,
         ),
         "sweep, continue_along": lambda: Call(
-            lambda: ss.sweep(RIG, amplitude=AMPLITUDES, mu0=np.linspace(0.1, 0.3, 8), tilt_deg=1.7, continue_along="amplitude"),
+            lambda: ss.sweep(RIG, amplitude=AMPLITUDES, mu0=np.linspace(0.1, 0.2, 8), tilt_deg=1.7, continue_along="amplitude"),
             _of_grid,
             lambda g: g.mean_velocity.values,
         ),
@@ -160,7 +160,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda: ss.attractors(
                 RIG,
                 parameter="mu0",
-                values=np.linspace(0.1, 0.3, 30),
+                values=np.linspace(0.1, 0.2, 30),
                 starts={"v": np.linspace(-0.05, 0.05, 20)},
                 settle=100,
                 amplitude=6e-4,
@@ -173,12 +173,12 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda: ss.basins(lugre, v=np.linspace(-0.05, 0.05, 1500), settle=200), _of_attrs, lambda b: b.map.attractor.values
         ),
         "bifurcation": lambda: Call(
-            lambda: ss.bifurcation(RIG, parameter="mu0", values=np.linspace(0.03, 0.3, 60), amplitude=6e-4, tilt_deg=1.7),
+            lambda: ss.bifurcation(RIG, parameter="mu0", values=np.linspace(0.03, 0.2, 60), amplitude=6e-4, tilt_deg=1.7),
             _of_attrs,
             lambda d: d.period.values,
         ),
         "bifurcation, from one start": lambda: Call(
-            lambda: ss.bifurcation(RIG, parameter="mu0", values=np.linspace(0.03, 0.3, 1500), follow=False, amplitude=6e-4, tilt_deg=1.7),
+            lambda: ss.bifurcation(RIG, parameter="mu0", values=np.linspace(0.03, 0.2, 1500), follow=False, amplitude=6e-4, tilt_deg=1.7),
             _of_attrs,
             lambda d: d.period.values,
         ),
@@ -257,7 +257,7 @@ def names() -> list[str]:
 def _curve() -> Call:
     branch = ss.continuation(RIG, parameter="amplitude", start=5e-4, stop=6e-4, mu0=0.18, **COULOMB)
     return Call(
-        lambda: ss.special_curve(branch, branch.special[0], "mu0", stop=0.4, step=0.003, points=400),
+        lambda: ss.special_curve(branch, branch.special[0], "mu0", stop=0.2, step=0.001, points=400),
         lambda c: c.ended if "interrupted" in c.ended else "",
         lambda c: c.values,
     )

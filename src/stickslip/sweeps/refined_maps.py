@@ -177,6 +177,8 @@ class _Refined:
             self.kind.reshape(-1)[part] = kinds
             self.known.reshape(-1)[part] = True
             self.watch.finished(-1, found["status"])
+            if not there.all():
+                look()
 
     def _settled(self, lines: tuple[Array, Array]) -> Array:
         """The cells whose corners differ; interpolated corners of such cells are computed first, until none is left."""

@@ -15,7 +15,7 @@ from stickslip.contracts import Array
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
-from stickslip.interruption import interruptible, partial_result, taking_some_cases
+from stickslip.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.pool import shared
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.status import Status
@@ -195,6 +195,8 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
             notes.update(told)
             left.remove(k)
             watch.finished(k, columns["status"])
+            if (columns["status"] == Status.NOT_COMPUTED).any():
+                look()
     for k in left:
         first, last = plan.bounds(k)
         _put(whole, (first, last), empty(last - first, plan.columns))
