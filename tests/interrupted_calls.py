@@ -51,7 +51,7 @@ def _of_grid(grid: Any) -> str:
 
 
 def _of_attrs(found: Any) -> str:
-    return str(getattr(found, "map", found).attrs.get("note", ""))
+    return str((found if hasattr(found, "attrs") else found.map).attrs.get("note", ""))
 
 
 def _of_notes(found: Any) -> str:
@@ -151,7 +151,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda g: g.status.values,
         ),
         "continuation": lambda: Call(
-            lambda: ss.continuation(RIG, parameter="amplitude", start=8e-4, stop=3e-4, tilt_deg=1.7, step=0.005, points=150),
+            lambda: ss.continuation(RIG, parameter="amplitude", start=8e-4, stop=3e-4, tilt_deg=1.7, step=0.02, points=25),
             lambda b: b.ended if "interrupted" in b.ended else "",
             lambda b: b.values,
         ),
@@ -211,7 +211,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
             lambda c: [c.digits],
         ),
         "check": lambda: Call(
-            lambda: ss.check(lugre, periods=400, rk4_steps=(2000, 10_000, 50_000)), _of_notes, lambda c: [c.mean_velocity]
+            lambda: ss.check(lugre, periods=40, rk4_steps=(2000, 10_000, 50_000)), _of_notes, lambda c: [c.mean_velocity]
         ),
         "bench": lambda: Call(
             lambda: ss.bench(["coulomb", "lugre", "gms"]),
@@ -239,7 +239,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
                 {"friction.mu_k_plus": ("normal", 0.15, 0.005)}
                 if hasattr(lugre.friction, "mu_k_plus")
                 else {"drive.amplitude": (5e-4, "1%")},
-                samples=2048,
+                samples=2**14,
             ),
             _of_notes,
             lambda p: p.values,

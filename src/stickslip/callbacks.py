@@ -15,6 +15,7 @@ from stickslip.interruption import PROGRESS, stop_call
 Reported = Callable[..., Any]
 
 PAUSE = 5.0  # before the first line in a log [s]; the intervals between later lines grow
+EACH = 0.05  # between two lines in place [s]
 WIDTH = 24  # of the bar, in characters
 
 
@@ -89,6 +90,7 @@ class Line:
 
     def __init__(self, of: str = "", out: Any = None):
         self.of, self.out, self._last, self._began, self._next = of, out or sys.stderr, 0, time.monotonic(), PAUSE
+        self._shown: tuple[str | None, float] = (None, 0.0)  # the item, and when
 
     def __call__(self, *state: Any) -> None:
         """Show the progress given as one object with a ``line()``, as (done, total), or as (what, done, total)."""
@@ -97,6 +99,9 @@ class Line:
         text = state[0].line() if len(state) == 1 else f"{of + ', ' if of else ''}{done} of {whole}"
         seconds = time.monotonic() - self._began
         if _is_watched(self.out):
+            if done < whole and of == self._shown[0] and seconds < self._shown[1] + EACH:
+                return
+            self._shown = of, seconds
             full = int(WIDTH * done / max(whole, 1))
             text = f"[{'#' * full}{'.' * (WIDTH - full)}] {text}"
             print(f"\r{text:<{self._last}}", end="\n" if done >= whole else "", file=self.out, flush=True)

@@ -55,6 +55,7 @@ class Stop:
 
     def __init__(self, whole: Stop | None = None):
         self._whole, self._why = whole, ""
+        self.blocks, self.is_finishing = 0, False  # under `partial_result`: how many are open, and whether the last one was left
 
     @property
     def why(self) -> str:
@@ -62,7 +63,12 @@ class Stop:
         return self._why or ("" if self._whole is None else self._whole.why)
 
     def __bool__(self) -> bool:
-        return self.why != ""
+        return self.why != "" and not self._finishes
+
+    @property
+    def _finishes(self) -> bool:
+        """Whether all that could be interrupted is done, so that the rest is done in full."""
+        return self.is_finishing if self._whole is None else self._whole._finishes
 
     def set(self, why: str) -> None:
         """Ask for the end of this work."""
@@ -240,9 +246,30 @@ class Ending:
 def partial_result() -> Iterator[Ending]:
     """A block of the outermost call that an interruption ends, so that the call goes on with what is finished.
 
-    In a call within another one, and after a second Ctrl-C during what follows, the interruption goes on.
+    In a call within another one the interruption goes on. What follows the last such block is done in full: nothing that is finished gets
+    lost, except by a second Ctrl-C.
     """
     ending, call = Ending(), _call.get()
+    with _block(call):
+        yield from _until_interrupted(ending, call)
+
+
+@contextlib.contextmanager
+def _block(call: _Call | None) -> Iterator[None]:
+    """A block of the outermost call that may be interrupted; what comes after the last one is done in full."""
+    if call is None or call.depth > 1:
+        yield
+        return
+    call.stop.blocks, call.stop.is_finishing = call.stop.blocks + 1, False
+    try:
+        yield
+    finally:
+        call.stop.blocks -= 1
+        call.stop.is_finishing = call.stop.blocks == 0
+
+
+def _until_interrupted(ending: Ending, call: _Call | None) -> Iterator[Ending]:
+    """The block itself, whose interruption is noted."""
     try:
         yield ending
     except KeyboardInterrupt as pressed:
@@ -256,7 +283,7 @@ def partial_result() -> Iterator[Ending]:
 def accept_part() -> None:
     """The outermost call returns a part, which says so: what follows in it is done in full."""
     call = _call.get()
-    if call is not None and call.depth == 1 and call.stop:
+    if call is not None and call.depth == 1 and call.stop.why:
         call.ended.append(call.stop.why)
         call.stop.clear()
 

@@ -101,6 +101,19 @@ def test_an_inner_call_has_no_partial_result_that_could_be_taken_for_a_complete_
     assert interrupt_when(outer) == "interrupted" and not inner
 
 
+def test_what_is_done_with_a_complete_result_is_not_interrupted():
+    @interruptible
+    def complete():
+        with partial_result() as ending:
+            pass
+        for _ in range(20):
+            look()
+            time.sleep(0.01)
+        return ending.interrupted
+
+    assert interrupt_when(complete) is False
+
+
 def test_where_nothing_is_finished_keyboard_interrupt_goes_on():
     @interruptible
     def found():
