@@ -70,7 +70,14 @@ class OneContactNeeded(InputError, AttributeError):
 
 
 class SolveError(StickslipError, RuntimeError):
-    """A single run that could not be finished; in a batch it becomes a status."""
+    """A single run that could not be finished; in a batch it becomes a status.
+
+    `status` is its number among those of `stickslip.status.Status`, where the solver knows one.
+    """
+
+    def __init__(self, told: str = "", status: int | None = None):
+        super().__init__(told)
+        self.status = status
 
 
 class Problems:

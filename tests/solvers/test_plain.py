@@ -237,7 +237,7 @@ def test_a_law_that_switches_without_end_is_stopped(monkeypatch):
         def switches(self, v, z, load, mode):
             return [(1e-9 + 0.0 * z - z, (1 - mode[0], 0, 0), 0.0)]
 
-    with pytest.raises(ss.SolveError, match="events in the period"):
+    with pytest.raises(ss.SolveError, match=r"at t = .* contact .* slip velocity is .* accumulate"):
         plain(Pushed(Nervous(0.0, 1.0)), duration=1.0, start={"v": 1.0}, rtol=1e-3)
 
 

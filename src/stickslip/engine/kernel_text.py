@@ -16,6 +16,7 @@ FUNCTIONS = {
     "step": "void(f1, float64, float64)",  # S, rtol, budget
     "switched": "int64(int64, int64, f1)",  # which, lane, S
     "slopes": "void(int64, f1, f1)",  # lane, S, instants and states; none where a Taylor step hides nothing
+    "sizes": "void(int64, f1, f1)",  # lane, S, sizes of the terms of rates (roundings.py)
     "signals": "void(f1, float64, f1, f1, f1)",  # row, t, y, what the step held, out
     "land": "void(f1, float64, i1)",  # S, budget, table; the same for all laws that go by Taylor steps
     # reducing.py, for machines of several parts: lane, S, row, W, table

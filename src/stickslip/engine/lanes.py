@@ -21,6 +21,7 @@ from stickslip.engine.lawtext import looks, prelude, work
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.remembered import OfFrozen, Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
+from stickslip.engine.roundings import sizes_text
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
@@ -309,6 +310,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     functions = {"prelude": prelude(eq, _constants(eq, step)), "look": looks(eq), "work": work(eq, step.degree)}
     if not eq.dynamic:
         functions["switched"] = taylor.switches(eq, step, lanes)
+        functions["sizes"] = sizes_text(eq, step, lanes, [taylor.slips_of(eq, eq.guards[k]) for k in taylor.watched(eq)])
         functions |= {"slopes": slopes(eq, step, lanes)} if hides(eq) else {}
     if eq.signals:
         functions["signals"] = signals_text(eq, watched(eq, step))
@@ -325,6 +327,11 @@ def _aligned(count: int) -> Any:
     room = np.ones(count + 7)
     first = -(room.ctypes.data // 8) % 8
     return room[first : first + count]
+
+
+def bytes_of_piece(k: Kernel) -> int:
+    """The size of a step's dense output: period, times, way, sides, memories, coefficients."""
+    return 8 * (4 + k.contacts + k.modes + k.states * (k.degree + 1))
 
 
 def _of_lanes(k: Kernel, at_work: int, parts: int, signals: int, places: int) -> dict[str, Any]:
@@ -378,7 +385,7 @@ def run(
     count[:, 0] = Status.NOT_COMPUTED
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
-    pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
+    pieces, kept = np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8)), []
     shared = {
         "JOB": todo,
         "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),

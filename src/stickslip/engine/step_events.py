@@ -15,6 +15,7 @@ from stickslip.engine.system import System
 from stickslip.engine.write import Writer, horner
 
 _ORDER = 1e-8  # of the size of a guard: how far beyond its zero it may be where another one's event is, if both come in one step
+_LOCATED = 1e-7  # of the size of a guard: how far beyond its zero the location of an event may leave it
 _FLIPS = 2.5  # times that a flag flips at one instant, and half a time
 _FALLS = 1.2  # steps in which a guard that falls as it begins would be at zero, if it may be there and back within one
 
@@ -232,6 +233,9 @@ class EventWriter:
         if state is None and k < self.eq.signs:  # held where its event was located, its guard is off zero by what that left over
             held = f"_g{k}s < 0.0 and _g{k}s > -1e-7 * _size{k} and abs({self.guard_rate[k]} * _hh) < 1e-11 * _size{k}"
             w.line("_noise", f"_noise + _g{k}s if ({held}) else _noise")
+        elif state is None and not self.eq.switches[k].status:  # as near to zero as events are located, and rising: it has not fallen
+            rising = f"({self.guard_rate[k]} > 0.0 or ({self.guard_rate[k]} == 0.0 and _g{k}e > _g{k}s))"
+            w.line("_noise", f"_noise + _g{k}s if (_g{k}s < 0.0 and _g{k}s > -{_LOCATED} * _size{k} and {rising}) else _noise")
         w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
         w.line(f"_out{k}", f"{least} < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")

@@ -11,10 +11,11 @@ from __future__ import annotations
 from stickslip.engine.coupled import SLIP
 from stickslip.engine.kernel_text import function
 from stickslip.engine.rosenbrock_step import Step, ended_by, sides
+from stickslip.engine.roundings import hold_sizes
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
-from stickslip.engine.trace import Switch, System
+from stickslip.engine.system import Contact, Switch, System
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
@@ -77,6 +78,12 @@ def _outcomes(node: Sym) -> list[Sym]:
     return [node]
 
 
+def slips_of(eq: System, guard: Sym) -> list[Contact]:
+    """The contacts whose slip a guard is on some side; none if it is no slip."""
+    reached = {node.number for node in _outcomes(guard)}
+    return [contact for contact in eq.contacts if contact.slip.number in reached]
+
+
 class _SeriesWriter:
     def __init__(self, eq: System):
         self.eq, self.w = eq, Writer()
@@ -100,6 +107,7 @@ class _SeriesWriter:
                 self._hold(new)
         for node in (*self.eq.offsets[:1], self.eq.period):
             self._hold(node)
+        hold_sizes(self.eq, self.w.case_nodes)
         return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), ORDER, series=True)
 
     def _fields(self) -> list[str]:
@@ -212,10 +220,9 @@ class _SeriesWriter:
 
     def _size_of_slip(self, guard: Sym) -> str:
         """Of a guard that is a slip made of velocities, or of one and of what is prescribed: how large they are; else nothing."""
-        reached = {node.number for node in _outcomes(guard)}
-        for contact in self.eq.contacts:
+        for contact in slips_of(self.eq, guard):
             moves = [y for y, g in zip(self.eq.y, contact.direction, strict=False) if g]
-            if contact.slip.number in reached and all(contact.slip is not y for y in moves):
+            if all(contact.slip is not y for y in moves):
                 return f"({' + '.join(f'abs({self._value(node)})' for node in (self.eq.velocity_scale, *moves))})"
         return ""
 

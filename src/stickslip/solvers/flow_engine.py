@@ -28,14 +28,6 @@ _systems: Remembered[FlowSystem | str] = Remembered(_KEPT)
 _kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
 
-class Unfollowed(SolveError):
-    """A run that ended before its time, with its status."""
-
-    def __init__(self, told: str, status: int):
-        super().__init__(told)
-        self.status = status
-
-
 @sealed
 @dataclass(frozen=True, eq=False)
 class Followed:
@@ -244,10 +236,10 @@ def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> No
     names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
     if status in (Status.SWITCHES, Status.CHATTERS):
         seen = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
-        raise Unfollowed(accumulates(t, seen, None if status == Status.CHATTERS else MOST_SWITCHES), status)
+        raise SolveError(accumulates(t, seen, None if status == Status.CHATTERS else MOST_SWITCHES), status)
     end = result.end[0, 1 : 1 + n].tolist()
     told = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
-    raise Unfollowed(told, status)
+    raise SolveError(told, status)
 
 
 def accumulates(t: float, modes: list[str], most: int | None) -> str:

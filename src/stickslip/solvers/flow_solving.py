@@ -11,12 +11,12 @@ import numpy as np
 from stickslip.batch import Labels, cases_of, labels_of, spread
 from stickslip.callbacks import reporting
 from stickslip.engine.texts import recurrence
-from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
+from stickslip.errors import InputError, Problems, SolveError, did_you_mean, is_one_of, is_whole
 from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.interruption import accept_part, is_outermost, is_stopped, look, partial_result
-from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
+from stickslip.solvers.flow_engine import followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.status import Status, interrupted_at
 from stickslip.summary import Summary
@@ -217,9 +217,10 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> d
             before = followed(flow, y, mode, settled, growth=False)
             y, mode, begin = before.state, before.mode, settled
         done = followed(flow, y, mode, span - settled, begin, growth=False)
-    except Unfollowed as error:
+    except SolveError as error:
         unsolved = {f"{what}_{name}": np.nan for what in ("mean", "min", "max", "end") for name in names}
-        return unsolved | {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {}) | {"status": error.status}
+        counts = {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {})
+        return unsolved | counts | {"status": Status.FAILED if error.status is None else error.status}
     nodes, c, end = done.nodes, done.coefficients, done.state
     low, high = extremes(c, np.vstack([done.passed, end]))
     powers = np.arange(1, c.shape[-1] + 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,13 @@ from stickslip.friction.law_adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.pool import shared
+from stickslip.solvers import stopped
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
-from stickslip.status import STATUS, Status
+from stickslip.status import Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
@@ -28,6 +30,8 @@ from stickslip.trajectory import Trajectory
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
 #: The same of machines with stops that throw bodies back: rebounds that do not end would use up any budget.
 BUDGET_WITH_STOPS, LEAST_WITH_STOPS = 2_000, 100_000
+#: Bytes that the dense output of one run may take.
+KEPT = 4_000_000_000
 CHUNK = 4096
 
 
@@ -38,6 +42,7 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, job))
+    job = replace(job, budget=min(job.budget, KEPT // lanes.bytes_of_piece(kernel)))
     table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
     results = lanes.run(
         kernel, table.rows, table.start, job, lambda done: todo.progress(done, todo.periods), keep_pieces=True, partial=todo.partial
@@ -48,20 +53,20 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
         return trajectory(todo, method, pieces, {"steps": len(pieces.mode)}, status)
     if status > Status.REPEATS and status != Status.LOST:
         checks.check_numbers(todo.model)
-        done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
-        raise SolveError(
-            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table, kernel.layout)}. {_remedy(todo)}"
-        )
+        raise SolveError(_stopped(todo, results, kernel, table), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == Status.LOST else 0)
 
 
-def _remedy(todo: Request) -> str:
-    """A suggestion after a failed run."""
-    slower = "(SciPy on the law in plain Python: slower)"
-    if todo.machine.mechanics.stops:
-        return f'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" {slower}'
-    return f'Try another rtol (now {todo.rtol:g}) or start, check the law\'s numbers, or type method="radau" {slower}'
+def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> str:
+    """The message of a run that could not be finished."""
+    mechanics, status = todo.machine.mechanics, int(results.status[0])
+    t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
+    _, u, _ = table.ends(results)
+    done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods,"
+    where = stopped.place(mechanics, t, u[0], results.pieces[:, 4 : 4 + kernel.contacts])
+    remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
+    return stopped.sentence(status, f"{done.lstrip()} {where}".strip(), _state(todo, results.end[0], table, kernel.layout), remedy)
 
 
 def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:

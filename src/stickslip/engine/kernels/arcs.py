@@ -10,6 +10,7 @@ NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not bel
 BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
 MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
+ROUGH = 2e-15  # of the terms of a rate: what rounding may make of it
 MISFIT_OF_CHANGES = 1e-11  # of a change: what a misfit may add to it in a step
 SHORTEST = 1e-22  # of a period
 SOON = 1.5e-14  # of a period: 64 roundings of the time
@@ -133,13 +134,13 @@ def extremum(S, at, end):
     return at_theta(S, at, turn(S, at, lo, hi, d0, d1))
 
 
-@njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
-def fitting(S, at, row, slopes, part, h, allowed, ROWS):
+@njit(int64(f1, int64, int64, int64, float64, float64, float64, float64, f1), **OPTIONS)
+def fitting(S, at, row, slopes, part, h, allowed, least, ROWS):
     """At how many points, one after another, a polynomial's slope is what its equation says: two rows of ROWS."""
     size = 0.0
     for m in range(1, ORDER + 1):
         size += m * abs(S[at + m * L])
-    allowed += ROUNDING * part * size
+    allowed = max(allowed + ROUNDING * part * size, least)
     for j in range(POINTS):
         if not abs(ROWS[slopes + j] - h * ROWS[row + j]) * part <= allowed:
             return j
@@ -159,9 +160,12 @@ def fitting_change(S, at, row, slopes, part, h, allowed, ROWS):
     return POINTS
 
 
-@njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
-def agrees(lane, part, S, ROWS, D):
-    """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say."""
+@njit(int64(int64, float64, float64, f1, f1, f1, i1), **OPTIONS)
+def agrees(lane, part, rough, S, ROWS, SIZES, D):
+    """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say.
+
+    They may differ by `rough` of the terms of a rate.
+    """
     states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
     x = (1 + states) * POINTS  # the points; behind them the slopes of the polynomials
     for j in range(POINTS):
@@ -170,14 +174,15 @@ def agrees(lane, part, S, ROWS, D):
     for i in range(states):
         at_points(S, first + i * (ORDER + 1) * L, ROWS, x, (1 + i) * POINTS, x + (1 + i) * POINTS, ORDER, L, POINTS)
     call_slopes(D[AT_SLOPES], lane, S, ROWS)
-    good, least = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
+    good, of_changes = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
     for i in range(states):
         scale = D[FREE] if i == 0 else D[SCALE_AT + i]
         if scale >= 0:
             allowed = MISFIT * S[D[F_C] + scale * L + lane]
-            good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, ROWS))
+            least = rough * part * h * SIZES[i]
+            good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, least, ROWS))
         elif i >= states - D[PASSIVE]:
-            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, least, ROWS))
+            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, of_changes, ROWS))
     return good
 
 
@@ -190,8 +195,19 @@ def moving(lane, S, D):
     return modes > 0.0
 
 
-@njit(UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
-def end_of_step(lane, S, ROWS, D):
+@njit(float64(int64, int64, float64, f1, f1, i1), **OPTIONS)
+def zero_behind_rounding(lane, k, zero, S, SIZES, D):
+    """The first zero of a slip that begins at zero and falls no faster than rounding may make it: the next coefficient decides."""
+    at, h = D[F_G] + k * (ORDER + 1) * L + lane, S[D[F_HH] + lane]
+    call_sizes(D[AT_SIZES], lane, S, SIZES)
+    if -S[at + L] > ROUGH * h * SIZES[D[STATES] + k]:
+        return zero
+    S[at + L] = 0.0
+    return first_zero(S, at, h, S[D[F_C] + D[PERIOD] * L + lane])
+
+
+@njit(UniTuple(float64, 2)(int64, f1, f1, f1, i1), **OPTIONS)
+def end_of_step(lane, S, ROWS, SIZES, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which, touched = 2.0, -1.0, False
     count, h, period = D[WATCHED] + D[EXPONENTS], S[D[F_HH] + lane], S[D[F_C] + D[PERIOD] * L + lane]
@@ -201,6 +217,8 @@ def end_of_step(lane, S, ROWS, D):
         if S[D[F_CLEAR] + k * L + lane] > 0.0 or (k >= D[WATCHED] and S[at] <= BELOW):
             continue
         zero = first_zero(S, at, h, period)
+        if zero <= 1.0 and k < D[WATCHED] and S[at] == 0.0 and S[at + L] < 0.0:
+            zero = zero_behind_rounding(lane, k, zero, S, SIZES, D)
         touched = touched or (zero > 2.0 and k < D[WATCHED])
         if zero < (theta - TOGETHER if D[ORDERED] != 0 and which >= 0.0 and k < D[WATCHED] else theta):
             theta, which = zero, np.float64(k) if k < D[WATCHED] else -1.0
@@ -208,9 +226,14 @@ def end_of_step(lane, S, ROWS, D):
         S[D[F_K] + lane + i * (ORDER + 1) * L] = math.nan  # a switch that is touched and not crossed leaves changes without a number
     if D[AT_SLOPES] == 0 or not moving(lane, S, D):
         return theta, which
+    rough = 0.0
     for _ in range(200):
         part = min(theta, 1.0)
-        good = agrees(lane, part, S, ROWS, D)
+        good = agrees(lane, part, rough, S, ROWS, SIZES, D)
+        if good < POINTS and rough == 0.0:
+            call_sizes(D[AT_SIZES], lane, S, SIZES)
+            rough = ROUGH
+            good = agrees(lane, part, rough, S, ROWS, SIZES, D)
         if good >= POINTS:
             break
         theta, which = part * (good + 0.5) / POINTS, -1.0
@@ -218,12 +241,12 @@ def end_of_step(lane, S, ROWS, D):
     return theta, which
 
 
-@njit(void(int64, f1, f1, float64, i1), **OPTIONS)
-def land_lane(lane, S, ROWS, budget, D):
+@njit(void(int64, f1, f1, f1, float64, i1), **OPTIONS)
+def land_lane(lane, S, ROWS, SIZES, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
     states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
     at_t, at_x, at_stat, at_nacc = D[F_T] + lane, D[F_X] + lane, D[F_STAT] + lane, D[F_NACC] + lane
-    theta, guard = end_of_step(lane, S, ROWS, D)
+    theta, guard = end_of_step(lane, S, ROWS, SIZES, D)
     which = np.int64(guard)
     h, last = S[D[F_HH] + lane], S[D[F_LAST] + lane] > 0.5
     part = min(theta, 1.0)
@@ -266,6 +289,6 @@ def land_lane(lane, S, ROWS, budget, D):
 @njit(void(f1, float64, i1), **OPTIONS)
 def land(S, budget, D):
     """End the step of every lane."""
-    ROWS = np.empty(2 * (1 + D[STATES]) * POINTS)
+    ROWS, SIZES = np.empty(2 * (1 + D[STATES]) * POINTS), np.zeros(D[STATES] + D[WATCHED])
     for lane in range(L):
-        land_lane(lane, S, ROWS, budget, D)
+        land_lane(lane, S, ROWS, SIZES, budget, D)

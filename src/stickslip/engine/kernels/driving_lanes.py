@@ -10,6 +10,9 @@
 # A lane steps to the next known instant (an impulse or a break of the drive, at the latest the end of the period), where
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
+STEPS_TO_LOOK = 10_000.0  # after which a step ends with the status BUDGET, and the progress of the case is looked at
+LEAST_PROGRESS = 1e-5  # of a period, in so many steps: at this pace a period would take 1e9 steps
+
 
 @njit(void(int64, int64, f1, int64, i1), **OPTIONS)
 def take(lane, case, S, W, D):
@@ -104,8 +107,8 @@ def finish(lane, S, W, D):
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
-    COUNT[case, 3] = np.int64(S[D[F_NACC] + lane])
-    COUNT[case, 4] = np.int64(S[D[F_NREJ] + lane])
+    COUNT[case, 3] = N[lane, ACCEPTED] + np.int64(S[D[F_NACC] + lane])
+    COUNT[case, 4] = N[lane, REJECTED] + np.int64(S[D[F_NREJ] + lane])
     for i in range(SEGMENTS, N.shape[1]):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
     if D[SIGNALS] > 0:
@@ -401,6 +404,21 @@ def widen(lane, S, W, D):
         K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
 
 
+@njit(float64(int64, f1, int64, i1), **OPTIONS)
+def progress(lane, S, W, D):
+    """After `STEPS_TO_LOOK` steps: 0 if a case gets on and has steps left, else the status with which it ends."""
+    N, K = N_of(W), K_of(W)
+    N[lane, ACCEPTED] += np.int64(S[D[F_NACC] + lane])
+    N[lane, REJECTED] += np.int64(S[D[F_NREJ] + lane])
+    S[D[F_NACC] + lane] = S[D[F_NREJ] + lane] = 0.0
+    now = N[lane, DONE] + S[D[F_T] + lane] / S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+    moved = now - K[lane, SINCE]
+    K[lane, SINCE] = now
+    if N[lane, ACCEPTED] + N[lane, REJECTED] > LIMITS_of(W)[BUDGET_OF_STEPS]:
+        return BUDGET
+    return CHATTERS if moved < LEAST_PROGRESS else 0.0
+
+
 @njit(boolean(int64, f1, int64, i1), **OPTIONS)
 def go_on(lane, S, W, D):
     """After a step at whose end something is known of a lane: on to the next period or case. Returns whether there is one."""
@@ -410,6 +428,10 @@ def go_on(lane, S, W, D):
     if stat == 1.0:
         arrive(lane, S, W, D)
         return True
+    if stat == BUDGET:
+        stat = progress(lane, S, W, D)
+        if stat == 0.0:
+            return True
     if stat != 7.0:
         N[lane, STATUS] = np.int64(stat)
         for i in range(SEGMENTS, N.shape[1]):
@@ -425,7 +447,7 @@ def go_on(lane, S, W, D):
 def advance(S, calls, W, D):
     """Up to `calls` vector steps. Returns the number of lanes at work; JOB[WRITTEN] counts the pieces written."""
     N, JOB, PIECES = N_of(W), JOB_of(W), PIECES_of(W)
-    rtol, budget = LIMITS_of(W)[RTOL], LIMITS_of(W)[BUDGET_OF_STEPS]
+    rtol, steps = LIMITS_of(W)[RTOL], min(STEPS_TO_LOOK, LIMITS_of(W)[BUDGET_OF_STEPS])
     L = D[LANES]
     active = 0
     recording = 0
@@ -439,9 +461,9 @@ def advance(S, calls, W, D):
             return 0
         if pieces_wanted and JOB[WRITTEN] >= PIECES.shape[0]:
             return active
-        call_step(D[AT_STEP], S, rtol, budget)
+        call_step(D[AT_STEP], S, rtol, steps)
         if D[SET_VALUED] == 1:
-            call_land(D[AT_LAND], S, budget, D)
+            call_land(D[AT_LAND], S, steps, D)
         if pieces_wanted and is_piece(S, D):
             keep_piece(S, W, D)
         if recording > 0:

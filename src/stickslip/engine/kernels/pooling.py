@@ -157,14 +157,14 @@ def idle_lanes(S, W, D):
 def advance_pooled(S, calls, W, D):
     """As `advance`, with a row of N, K, RING and XS for each place, and as many numbers before the lanes in S as there are places."""
     N, POOL = N_of(W), POOL_of(W)
-    rtol, budget = LIMITS_of(W)[RTOL], LIMITS_of(W)[BUDGET_OF_STEPS]
+    rtol, least = LIMITS_of(W)[RTOL], min(STEPS_TO_LOOK, LIMITS_of(W)[BUDGET_OF_STEPS])
     L, begin, active = D[LANES], POOL.shape[1], cases_at_work(S, W, D)
     steps, soon = S[begin:], begin + D[F_SOON]
     misfits, empty = idle_lanes(S, W, D)
     for _ in range(calls):
         if active == 0:
             return 0
-        call_step(D[AT_STEP], steps, rtol, budget)
+        call_step(D[AT_STEP], steps, rtol, least)
         sort = POOL[SORT, 0]
         asking, misfits = marks_of(S, begin, D) | misfits | (empty if POOL[WAITING + sort, 0] > 0 else 0), 0
         while asking != 0:

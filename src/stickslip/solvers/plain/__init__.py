@@ -23,6 +23,7 @@ from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
 from stickslip.solvers.request import Request
+from stickslip.status import Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
@@ -66,5 +67,5 @@ def _solved(todo: Request, model: Any, i: int) -> dict[str, Any]:
     try:
         pieces, _, status = march(todo, model, i)
         return {**_nothing(model), "status": status} if status else reduced(todo, model, pieces, i)
-    except SolveError:
-        return {**_nothing(model), "status": 3}
+    except SolveError as error:
+        return {**_nothing(model), "status": Status.TOO_SMALL if error.status is None else error.status}

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -21,9 +22,12 @@ from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
+from stickslip.solvers.stopped import place, remedy, sentence
 from stickslip.status import Status
 
-_EVENTS = 20_000  # events in one period that are taken for chatter
+_EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
+_MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
+_STEPS, _LEAST = 10_000, 300_000  # steps that a case may take: for each period, and at least
 _MET = 1e-6  # of the time between samples: instants that fall together
 _BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump
 
@@ -106,7 +110,7 @@ class Run:
         self.parts: list[Part] = []
         self.hits: list[Hit] = []
         self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
-        self.since, self.events = 0.0, 0
+        self.left, self.recent = max(_LEAST, _STEPS * todo.periods), deque[tuple[float, tuple[int, ...]]]()
         equations.first_loads = equations.loads(0.0, self.y)
         if any(load <= 0.0 for load, law in zip(equations.first_loads, equations.laws, strict=True) if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
@@ -153,25 +157,36 @@ class Run:
             self.t = end
 
     def _count(self) -> None:
-        """Stop a run that chatters."""
-        if self.t > self.since + self.equations.scale_of_time:
-            self.since, self.events = self.t, 0
-        self.events += 1
-        if self.events > _EVENTS:
-            raise SolveError(
-                f"there were {self.events} events in the period at t = {self.t:.6g} s; try another rtol (now {self.todo.rtol:g}) or method"
-            )
+        """Stop a run that chatters, or that has used up its steps."""
+        e, recent = self.equations, self.recent
+        recent.append((self.t, self.mode.sides[: e.k]))
+        while recent[0][0] < self.t - e.scale_of_time:
+            recent.popleft()
+        at_once = len(recent) > _MANY and recent[-_MANY - 1][0] > self.t - _AT_ONCE * e.scale_of_time
+        if at_once or len(recent) > _EVENTS * (1 + e.k + len(e.stops)):
+            self._stop(Status.CHATTERS)
+
+    def _stop(self, status: Status) -> NoReturn:
+        """End a run before its time."""
+        e, sides = self.equations, np.array([sides for _, sides in self.recent], int).reshape(len(self.recent), -1)
+        u = e.state(self.y)[1]
+        where = place(e.mechanics, self.t, u, sides)
+        state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
+        raise SolveError(sentence(status, where, state, remedy(status, self.todo.rtol, False)), status)
 
     def _move(self, end: float) -> None:
         e = self.equations
         look()
-        stretch = integrate(self.todo, e, self.t, self.y, end, self.mode)
+        stretch = integrate(self.todo, e, self.t, self.y, end, self.mode, self.left)
         if self.todo.keep == "trajectory":
             self.todo.progress(int(stretch.t / float(self.todo.span[0])), self.todo.periods)
         self.parts += stretch.parts
         self.counts["steps"] += stretch.steps
+        self.left -= stretch.steps
         self.counts["evaluations"] += stretch.evaluations
         self.t, self.y = stretch.t, e.at_rest(stretch.t, stretch.y, self.mode)
+        if self.left <= 0:
+            self._stop(Status.BUDGET)
         if stretch.fired:
             self._take(stretch.fired, bool(stretch.parts))
 

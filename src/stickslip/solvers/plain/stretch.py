@@ -135,8 +135,8 @@ class _Step:
         return None
 
 
-def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float, mode: Mode) -> Stretch:
-    """Integrate up to the first event, or to `end`."""
+def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float, mode: Mode, most: int) -> Stretch:
+    """Integrate up to the first event, or to `end`, in so many steps at most."""
     right = equations.right(mode)
     before = guards(equations, t, y, mode)
     fresh, at_once = _begin(equations, right, t, y, mode, before)
@@ -159,6 +159,9 @@ def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float,
             return _landed(todo, equations, step, event, done)
         before, fresh = guards(equations, step.end, step.after, mode), set()
         done.parts.append(step.part())
+        if done.steps >= most:
+            end = step.end
+            break
     done.t, done.y, done.evaluations = end, solver.y.copy(), done.evaluations + solver.nfev
     return done
 

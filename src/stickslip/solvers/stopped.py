@@ -1,0 +1,66 @@
+"""Why and where a run ended before its time, in words: the instant, the contact and its slip velocity."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.status import STATUS, Status
+
+Array = Any
+#: Steps, or events, before the end of a run whose changes of mode are counted.
+LAST = 1000
+_SMOOTHER = (
+    "If a force jumps with the sign of a state, as a relay or a saturated controller of high gain does, write tanh(s / width) of "
+    "stickslip.maths for that sign; if a law's memory switches without end, its guards must not fall right after a switch; or shorten "
+    "duration= or periods= to before this instant"
+)
+_STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
+
+
+def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
+    """The instant, and the contact that changed its mode most often: how often, and its slip velocity.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    t : float
+        Time at the end [s].
+    u : array (coordinates,)
+        Velocities there [m/s].
+    sides : array (steps, contacts)
+        Modes of the contacts in the last steps.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.machine_adapter import machine_of
+    >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)).mechanics
+    >>> place(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
+    'at t = 0.25 s, where contact has changed its mode 2 times in 3 steps and its slip velocity is 0.5 m/s'
+    """
+    if not mechanics.contacts:
+        return f"at t = {t:.9g} s"
+    slips = np.array([float(w) for w in mechanics.slips(t, list(u))])
+    changes = np.count_nonzero(np.diff(sides[-LAST:], axis=0), axis=0) if len(sides) > 1 else np.zeros(len(slips), int)
+    i = int(np.argmax(changes)) if changes.any() else int(np.argmin(abs(slips)))
+    name, steps = mechanics.contacts[i], min(len(sides), LAST)
+    contact = name if name == "contact" else f"contact {name!r}"
+    told = f"has changed its mode {changes[i]} times in {steps} steps and its" if changes.any() else "keeps its mode and its"
+    return f"at t = {t:.9g} s, where {contact} {told} slip velocity is {slips[i]:.9g} m/s"
+
+
+def sentence(status: int, where: str, state: str, remedy: str) -> str:
+    """The message of a run that could not be finished."""
+    return f"the run stopped {where}: {STATUS[status]}; the state was {state}. {remedy}"
+
+
+def remedy(status: int, rtol: float, stops: bool) -> str:
+    """A suggestion after a failed run."""
+    if stops:
+        return _STOPS
+    if status == Status.CHATTERS:
+        return _SMOOTHER
+    judge = 'method="radau" (SciPy on the law in plain Python: slower)'
+    return f"Try another rtol (now {rtol:g}) or start, check the law's numbers, or type {judge}"
