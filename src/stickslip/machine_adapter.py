@@ -12,6 +12,7 @@ from typing import Any
 from stickslip.contracts import Drive, Machine, Track
 from stickslip.drives.drive_adapter import drive_of, unlikely
 from stickslip.drives.within import drives_within
+from stickslip.errors import InputError
 from stickslip.friction.law_adapter import LawAdapter
 from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
@@ -228,20 +229,43 @@ _kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
 
 def _mechanics_of_parts(model: Any) -> Mechanics:
     """The equations of a machine of several bodies; cached for frozen dataclasses, which do not change."""
-    from stickslip.several_bodies import SeveralBodies
-
     declared = getattr(type(model), "__dataclass_params__", None)
     if declared is None or not declared.frozen:
-        return SeveralBodies(parts_of(model))
+        return fresh_mechanics(model)
     kept = _kept.get(id(model))
     if kept is not None and kept[0] is model:
         return kept[1]
-    made = SeveralBodies(parts_of(model))
+    made = fresh_mechanics(model)
     _kept[id(model)] = model, made
     while len(_kept) > _KEPT:
         with suppress(KeyError):
             _kept.popitem(last=False)
     return made
+
+
+def fresh_mechanics(model: Any) -> Mechanics:
+    """The equations of a machine, made now: its bodies and contacts are asked again."""
+    if not declares_parts(model):
+        return OneBody(model)
+    from stickslip.several_bodies import SeveralBodies, mechanics_of
+
+    parts = parts_of(model)
+    if getattr(type(parts), "mechanics", mechanics_of) is not mechanics_of:
+        raise InputError(type(parts).__name__, [_OWN_MECHANICS])
+    return SeveralBodies(parts)
+
+
+def forget_mechanics() -> None:
+    """Forget the equations that are cached, because a function that made them gives others now."""
+    _kept.clear()
+
+
+_OWN_MECHANICS = (
+    "it overrides mechanics, which solvers and analyses do not read; allowed are the methods bodies, contacts, links, stops, forces and "
+    'controllers; type for example def forces(self, t, x, v): return {"cart": -self.k * x["cart"]} for forces, and '
+    'ss.Contact("cart", law, load=lambda t, x: ...) for loads; a system with other equations (masses that depend on the position, a load '
+    "that depends on another body) is an ss.SwitchingFlow with a field for each direction of slip and one for rest"
+)
 
 
 def is_machine(value: Any) -> bool:

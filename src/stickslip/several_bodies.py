@@ -269,6 +269,10 @@ class SeveralBodies(Mechanics):
         return tuple(found[name] for name in self.bodies)
 
 
+#: The property of a machine that makes its equations; solvers make them themselves, of a machine whose own is this one.
+mechanics_of = property(SeveralBodies, doc="Its equations of motion, as functions of plain numbers.")
+
+
 def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[tuple[str, ...]], dict[str, list[tuple[float, Any]]]]:
     """Bodies that prescribed distances join, and for each body the links, with their signs, from the first of its group to it."""
     groups: list[tuple[str, ...]] = []

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.engine.kinds import kind_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.sums import Terms, difference, rate_of, terms_of
 from stickslip.engine.symbols import Sym
-from stickslip.engine.trace import System, kind_of, trace
+from stickslip.engine.trace import System, trace
 from stickslip.engine.values import values_of
 from stickslip.maths import pi
 

@@ -101,7 +101,7 @@ class _Choice:
     no: Any
 
 
-class _Tracer:
+class TracedFlow:
     """One flow of n states, called with symbols."""
 
     def __init__(self, flow: Any, n: int):
@@ -118,6 +118,19 @@ class _Tracer:
         self.guards = [(k, self._numbers(self._called(switch.guard), 1)[0]) for k, switch in exits]
         graph.at_once = True  # from here on nothing is held
         self.switches = [self._switch(switch) for _, switch in exits]
+        self.exits = exits
+
+    @property
+    def expressions(self) -> dict[str, tuple[Sym, ...]]:
+        """The value of every function of the flow, by the function's name."""
+        found = {f"fields[{mode!r}]": tuple(rates) for mode, rates in zip(self.modes, self.fields, strict=True)}
+        for mode in self.modes:
+            own = [k for k, (at, _) in enumerate(self.exits) if self.modes[at] == mode]
+            for number, k in enumerate(own):
+                name, switch = f"switches[{mode!r}][{number}]", self.switches[k]
+                after = tuple(y if new is None else new for y, new in zip(self.y, switch.states, strict=True))
+                found |= {f"{name}.guard": (self.guards[k][1],), f"{name}.reset": after, f"{name}.to": switch.modes[:1]}
+        return found
 
     # ---- what a user's functions give ----
     def _called(self, f: Callable[..., Any]) -> Any:
@@ -192,6 +205,7 @@ class _Tracer:
 
     # ---- together ----
     def flow_system(self) -> FlowSystem:
+        """The flow as a System."""
         graph, N, n = self.graph, len(self.modes), self.n
         f = tuple(self.within(0, N, lambda k, i=i: self.fields[k][i]) for i in range(n))  # type: ignore[misc]
         one, zero = graph.constant(1.0), graph.constant(0.0)
@@ -236,7 +250,7 @@ def flow_system(flow: Any, n: int) -> FlowSystem:
     >>> found.system.f, found.constants
     ((y1, #-9.81), {'#-9.81': -9.81})
     """
-    return _Tracer(flow, n).flow_system()
+    return TracedFlow(flow, n).flow_system()
 
 
 def _sizes(graph: _Asking, y: Sequence[Sym], scales: Sequence[Sym]) -> tuple[Sym, ...]:

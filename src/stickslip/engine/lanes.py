@@ -16,17 +16,18 @@ from typing import Any
 from stickslip.engine import cache, driver, slaved, taylor
 from stickslip.engine.kernel_text import FUNCTIONS, HEADER, written
 from stickslip.engine.kernels import columns
+from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import looks, prelude, work
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
-from stickslip.engine.remembered import OfFrozen, Remembered
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.roundings import sizes_text
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
-from stickslip.engine.trace import System, kind_of, label, trace
+from stickslip.engine.trace import System, label, trace
 from stickslip.engine.unforeseen import hides, slopes
 from stickslip.interruption import is_stopped, look
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
@@ -115,8 +116,6 @@ class Results:
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
-#: What a model's equations depend on, as `kind_of` says it.
-known_kind: OfFrozen[tuple[Any, ...]] = OfFrozen(kind_of)
 _kernels: Remembered[Kernel] = Remembered()
 _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 

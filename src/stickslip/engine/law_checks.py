@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine.symbols import TraceError
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, StickslipError
 from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.machine_adapter import machine_of
 
@@ -38,6 +38,16 @@ def explained(work: Any, model: Any) -> Any:
     except TypeError as error:
         hint = "call functions from stickslip.maths in a law, not from math or numpy, and return a number"
         raise InputError(law_name, [f"{error}; {hint}"]) from error
+    except StickslipError:
+        raise
+    except (LookupError, ValueError, ArithmeticError, RecursionError) as error:
+        raise InputError(law_name, [f"it raised {type(error).__name__}: {error} when it was called with symbols; {_PLAIN}"]) from error
+
+
+_PLAIN = (
+    "allowed are + - * / ** and the functions of stickslip.maths: no dictionary or list that is looked up by an argument, no text made of "
+    "one, no array that is filled in; write where(condition, yes, no), or ss.Tabulated for a table of friction against velocity"
+)
 
 
 ARGUMENTS = {

@@ -8,10 +8,10 @@ import numpy as np
 
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import HEADER, function, kernel_text, written
+from stickslip.engine.kinds import kind_of
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbols import Sym, TraceError
-from stickslip.engine.trace import kind_of
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError

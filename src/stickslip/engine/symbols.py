@@ -40,7 +40,11 @@ class Sym:
         graph.nodes.append(self)
 
     def _with(self, other: Any) -> Sym:
-        return other if isinstance(other, Sym) else self.graph.constant(other)
+        if not isinstance(other, Sym):
+            return self.graph.constant(other)
+        if other.graph is not self.graph:
+            raise TraceError(_STORED)
+        return other
 
     def __add__(self, other: Any) -> Sym:
         return self.graph.add(self, self._with(other))
@@ -136,6 +140,10 @@ for _name in set(FUNCTIONS) - {"sqrt"}:
     setattr(Sym, f"__ss_{_name}__", _hook(_name))
 
 
+_STORED = (
+    "a value that an earlier call stored is used again; allowed are functions of their arguments alone: what has to be remembered is a "
+    "state, of a law (rate) or of a controller (controllers())"
+)
 _IF = "a law uses `if`, `and`, `or`, `min` or `max` on a symbol; write where(condition, yes, no), maximum or minimum from stickslip.maths"
 
 

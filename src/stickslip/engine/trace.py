@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.engine.as_written import check_as_written
 from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop
 from stickslip.engine.law_checks import explained
 from stickslip.engine.observed import Observed, with_signals
@@ -17,15 +18,12 @@ from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.values import values_of
 from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import replace_leaf
 from stickslip.machine_adapter import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.mechanics import lists_parts
 from stickslip.position import knows_position
 from stickslip.status import Status
-
-_NUMBER = object()  # in a kind, where there is a number; None is a field that has none
-#: Status of a case whose load fell to zero.
 
 
 def label(model: Any) -> str:
@@ -40,12 +38,6 @@ def label(model: Any) -> str:
     return " × ".join(parts)
 
 
-def kind_of(model: Any) -> tuple[Any, ...]:
-    """The parts of a model that determine its equations: classes, names of the numbers, and the fields that are not numbers."""
-    numbers = set(numbers_of(model))
-    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
-
-
 def trace(model: Any, observe: Observed = (), noted: bool = False) -> System:
     """The equations of a model; `InputError` says what to change in a law, or an observable, that cannot be traced.
 
@@ -55,16 +47,18 @@ def trace(model: Any, observe: Observed = (), noted: bool = False) -> System:
 
 
 def _trace(model: Any, observe: Observed, noted: bool) -> System:
-    single = machine_of(model).is_single
-    if single:
+    if machine_of(model).is_single:
         _check_contact(model)
-        return _traced(model, not knows_position(model), observe, noted)
+        eq = _traced(model, not knows_position(model), observe, noted)
+        check_as_written(model)
+        return eq
     if reason := refused(model):
         raise InputError(type(model).__name__, [reason])
-    found = _traced(model, False, ())
-    if _only_differences(found):
+    eq = _traced(model, False, ())
+    check_as_written(model)
+    if _only_differences(eq):
         return _traced(model, True, observe)
-    return _traced(model, False, observe) if observe else found
+    return _traced(model, False, observe) if observe else eq
 
 
 def _only_differences(eq: System) -> bool:

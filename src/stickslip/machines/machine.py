@@ -9,7 +9,7 @@ from stickslip.batch import check_shape
 from stickslip.errors import InputError, OneContactNeeded, Problems
 from stickslip.machines.checks import check_parts
 from stickslip.machines.filed import Filed
-from stickslip.several_bodies import SeveralBodies
+from stickslip.several_bodies import mechanics_of
 
 #: What a machine of one body on one contact says of itself.
 _OF_ONE = ("friction", "load", "acceleration", "contact_velocity", "total_mass", "velocity_scale", "drive", "track")
@@ -105,7 +105,4 @@ class Machine(Filed):
 
         return Turned(self)
 
-    @property
-    def mechanics(self) -> SeveralBodies:
-        """Its equations of motion, as functions of plain numbers."""
-        return SeveralBodies(self)
+    mechanics = mechanics_of

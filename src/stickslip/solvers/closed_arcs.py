@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.batch import labels_of, numbers_by_name
 from stickslip.engine.closed_arc_conditions import Rows, closed_of
-from stickslip.engine.lanes import known_kind
+from stickslip.engine.kinds import known_kind
 from stickslip.engine.remembered import Remembered
 from stickslip.fields import is_array
 from stickslip.friction.law_adapter import law_of

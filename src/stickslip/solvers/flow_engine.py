@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine import lanes
+from stickslip.engine.flow_as_written import check_flow_as_written, first_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
+from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
@@ -25,6 +27,7 @@ _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and 
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
 _systems: Remembered[FlowSystem | str] = Remembered(_KEPT)
+_editions = Editions(_KEPT)
 _kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
 
@@ -48,31 +51,47 @@ class Followed:
 
 def unknown(flow: Any, n: int) -> str:
     """Why the engine cannot follow a flow of n states: what one of its functions does that only plain numbers can do; "" if it can."""
-    found = _system(flow, n)
+    found, _ = _system(flow, n)
     return found if isinstance(found, str) else ""
 
 
-def _key(flow: Any, n: int) -> Any:
+def _parts(flow: Any, n: int) -> Any:
     """The parts of a flow that determine its equations: its functions, and the names of its numbers."""
     switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
     return tuple(flow.fields.items()), switches, tuple(flow.numbers), n
 
 
-def _system(flow: Any, n: int) -> FlowSystem | str:
-    """The equations of a flow, or why there are none."""
+def check_flow(flow: Any, n: int) -> Any:
+    """The key of what is cached about a flow of n states, after its functions were asked whether they have changed.
+
+    Raises
+    ------
+    InputError
+        For functions that give another value each time.
+    """
+    key = _parts(flow, n)
+    _editions.check(key, lambda: first_of(flow, n))
+    return (*key, _editions.of(key))
+
+
+def _system(flow: Any, n: int) -> tuple[FlowSystem | str, Any]:
+    """The equations of a flow, or why there are none, and the key of what is cached about it."""
 
     def traced() -> FlowSystem | str:
         try:
-            return flow_system(flow, n)
+            found = flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
             return str(error) or type(error).__name__
+        check_flow_as_written(flow, n)
+        return found
 
-    return _systems(_key(flow, n), traced)
+    key = check_flow(flow, n)
+    return _systems(key, traced), key
 
 
 def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
-    found = _system(flow, n)
+    found, key = _system(flow, n)
     if isinstance(found, str):
         raise SolveError(found)
 
@@ -80,7 +99,7 @@ def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, 
         system = tangent(found.system, ()) if record else found.system
         return lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
 
-    return found, *_kernels((_key(flow, n), record), compiled)
+    return found, *_kernels((key, record), compiled)
 
 
 def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:

@@ -104,8 +104,53 @@ def asked_of(
     problems.check()
     if why := unknown(flow, states.shape[1]):
         raise InputError("solve", [untraced(why)])
+    check_start(flow, states, mode)
     keep = keep or ("summary" if labels.shape else "trajectory")
     return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
+
+
+def check_start(flow: Any, states: Array, mode: Any) -> None:
+    """`InputError` for a start beyond a guard of its mode whose switch would change the state at t = 0.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> hit = ss.Switch(lambda t, y: y[0], to="air", reset=lambda t, y: (0.0, -0.8 * y[1]))
+    >>> ball = ss.SwitchingFlow({"air": lambda t, y: (y[1], -9.81)}, {"air": (hit,)})
+    >>> check_start(ball, np.array([[1.0, 0.0]]), "air")
+    """
+    for case, y in zip(cases_of(flow), states, strict=True):
+        plain = case.plain
+        beyond = _beyond(plain, mode, y)
+        if beyond is None:
+            continue
+        k, value = beyond
+        switch = plain.switches[mode][k]
+        after = y if switch.reset is None else _called(switch.reset, y)
+        if after is None or not np.any(after != y):
+            continue
+        within = [each for each in plain.fields if _beyond(plain, each, y) is None]
+        typed = f"type mode={within[0]!r}, in which it is within the guards" if within else "give another start"
+        raise InputError(
+            "solve",
+            [f"the run begins in mode {mode!r} at {y.tolist()}, beyond the guard of switches[{mode!r}][{k}], which is {value:.6g} there: at "
+             f"t = 0 its reset would make {after.tolist()} of the start; allowed is a start at which the guards of its mode are positive; "
+             f"{typed}, or start={after.tolist()} for the state after the reset"],
+        )  # fmt: skip
+
+
+def _beyond(flow: Any, mode: Any, y: Array) -> tuple[int, float] | None:
+    """The first switch of a mode whose guard is below zero at a start, and its guard."""
+    values = [(k, _called(switch.guard, y)) for k, switch in enumerate(flow.switches.get(mode, ()))]
+    return next(((k, float(g[0])) for k, g in values if g is not None and g[0] < 0.0), None)
+
+
+def _called(f: Any, y: Array) -> Array | None:
+    """What a function gives at a start, as an array; None where that is not known."""
+    try:
+        return np.atleast_1d(np.array(f(0.0, y.copy()), float))
+    except Exception:  # said where the run comes to it
+        return None
 
 
 def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> tuple[Array, Array, int | None, int]:

@@ -228,7 +228,7 @@ def _refusal(method: Method, model: Any) -> str | None:
     """The answer of `accepts`; for compiled methods other than closed arcs it depends on the kind only, and is cached."""
     if isinstance(method, (ClosedArcs, Judge)):
         return method.accepts(model)
-    from stickslip.engine.lanes import known_kind
+    from stickslip.engine.kinds import known_kind
 
     return _refusals((method, known_kind(model)), lambda: method.accepts(model))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from stickslip.batch import Labels, labels_together, spread
 from stickslip.callbacks import reporting
+from stickslip.engine.kinds import check_functions
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
@@ -79,6 +80,7 @@ def request(
             ],
         )
     numbers = _numbers_of(model, problems)
+    check_functions(model)
     labels, duration = labels_together(numbers, type(model).__name__), in_seconds(duration, problems)
     periods = _periods(model, labels, periods, settle, duration, problems)
     problems.whole("periods", periods, 1, example=200)

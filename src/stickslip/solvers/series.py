@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.lanes import known_kind
+from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.slaved import SERIES, Series

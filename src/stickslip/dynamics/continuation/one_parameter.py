@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import made_model
-from stickslip.engine.trace import kind_of, numbers_of
+from stickslip.engine.kinds import kind_of
+from stickslip.engine.symbolic import numbers_of
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.naming import axis_of

@@ -12,10 +12,11 @@ from stickslip.batch import numbers_by_name
 from stickslip.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
+from stickslip.engine.kinds import kind_of
 from stickslip.engine.remembered import Remembered
+from stickslip.engine.symbolic import numbers_of
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import part_in
-from stickslip.engine.trace import kind_of, numbers_of
 from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine_adapter import machine_of

@@ -15,9 +15,10 @@ from stickslip.contracts import Array
 from stickslip.dynamics.derivatives.slopes import Slopes, period_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
+from stickslip.engine.kinds import check_functions, kind_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tangent import has_corners, means_of, tangent
-from stickslip.engine.trace import kind_of, trace
+from stickslip.engine.trace import trace
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
@@ -84,6 +85,7 @@ def changes_along(
     """
     from stickslip.solvers.time_dependence import check_period
 
+    check_functions(model)
     check_period(model)
     return Follower(model, len(states), numbers, rtol, span, order, made).after(states, starts, periods)
 

@@ -19,7 +19,7 @@ from stickslip.fields import floats
 from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.flow_run import extremes
 from stickslip.sealing import sealed
-from stickslip.solvers.flow_engine import followed, unknown
+from stickslip.solvers.flow_engine import check_flow, followed, unknown
 
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
@@ -149,4 +149,5 @@ def started(
     if any(np.ndim(value) for value in flow.numbers.values()):
         problems.add("numbers of the flow are arrays; allowed is one number each; type flow.replace(name=0.5)")
     problems.check()
+    check_flow(flow, len(y))
     return y

@@ -331,6 +331,7 @@ def run_lanes(
     Where it is not `known`, they are asked whether their equations come back after the period. `table`: of earlier runs of the same cases.
     """
     from stickslip.engine import lanes
+    from stickslip.engine.kinds import check_functions
     from stickslip.solvers.lane_tables import CaseTable
     from stickslip.solvers.stepping import BUDGET, budget_of
     from stickslip.solvers.time_dependence import check_period
@@ -338,6 +339,7 @@ def run_lanes(
     at, cases = coordinates(model) if at is None else at, len(states)
     order, (tableau, tolerance) = at.order, _steps(model, rtol)
     if not known:
+        check_functions(model)
         check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))

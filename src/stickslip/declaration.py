@@ -1,0 +1,208 @@
+"""All functions of a machine that solvers call, called with one set of arguments: numbers, or symbols.
+
+Solvers call them in any order, at any instant, and some of them once only, with symbols. So they have to be functions of their
+arguments: what draws a random number, counts its calls, reads a clock or stores a value is none, and is refused here.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.machine_adapter import fresh_mechanics, machine_of
+from stickslip.mechanics import Mechanics
+
+#: A function of a machine with its arguments filled in, by its name in words.
+Calls = Mapping[str, Callable[[], Any]]
+
+#: What functions have to be, in words.
+NOT_REPEATABLE = (
+    "allowed are functions that give the same for the same arguments: no random draw, counter, clock or value stored by an earlier call; "
+    "for noise draw phases once, outside of the function, and type a sum such as force=lambda t, x, v: a[0] * sin(w[0] * t + phase[0]) + "
+    "a[1] * sin(w[1] * t + phase[1]), or a record: force=lambda t, x, v: record.at(t) with record = "
+    "ss.PeriodicRecord.from_samples(times, values); what has to be remembered is a state, of a law (rate) or of a controller "
+    "(controllers())"
+)
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """One set of arguments of all functions: time, coordinates, their velocities, and of each contact force, slip, load and states."""
+
+    t: Any
+    q: tuple[Any, ...]
+    u: tuple[Any, ...]
+    forces: tuple[Any, ...]
+    slips: tuple[Any, ...]
+    loads: tuple[Any, ...]
+    inner: tuple[tuple[Any, ...], ...]
+    memories: tuple[tuple[Any, ...], ...]
+    controlled: tuple[Any, ...]
+
+
+def calls(m: Mechanics, at: Arguments) -> Calls:
+    """Every function of a machine that the equations of motion are made of.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> m = fresh_mechanics(robot)
+    >>> list(calls(m, instants(robot, m, 1)[0]))
+    ['period', 'masses', 'load', 'acceleration', 'contact velocity', 'sliding', 'breakaway']
+    """
+    single = m.bodies == ("body",) and m.contacts == ("contact",)
+    found: dict[str, Callable[[], Any]] = {
+        "period": lambda: (m.period,),
+        "masses": lambda: m.masses,
+        "load" if single else "loads": lambda: m.loads(at.t, at.q),
+        "acceleration" if single else "accelerations": lambda: m.accelerations(at.t, at.q, at.u, at.forces, at.controlled),
+        "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u),
+    }
+    for i, law in enumerate(m.laws):
+        w, load, z, memory = at.slips[i], at.loads[i], at.inner[i], at.memories[i]
+        of = "" if single else f" of {m.contacts[i]!r}"
+        if law.dynamic:
+            found[f"rate{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: law.rate(w, z, load, memory)
+            found[f"force{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: (law.force(w, z, z, load, memory, load),)
+            if law.switching:
+                found[f"switches{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: _flat(law.switches(w, z, load, memory))
+        else:
+            found[f"sliding{of}"] = lambda law=law, w=w, load=load: (law.sliding(w, load),)
+            found[f"breakaway{of}"] = lambda law=law, load=load: law.breakaway(load)
+    for stop in m.stops:
+        found[f"stop {stop.name!r}"] = lambda stop=stop: (stop.gap(at.t, at.q), stop.rate(at.t, at.u))
+    if m.controllers.count:
+        found["rates of the controllers"] = lambda: m.control_rates(at.t, at.q, at.u, at.controlled)
+        found["samples of the controllers"] = lambda: m.control_sampled(at.t, at.q, at.u, at.controlled)
+        found["starts of the controllers"] = lambda: m.control_start(at.t, at.q, at.u)
+    return found
+
+
+def _flat(switches: Any) -> tuple[Any, ...]:
+    return tuple(value for guard, modes, z in switches for value in (guard, *modes, *(z or ())))
+
+
+def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
+    """So many sets of arguments in plain floats, of the sizes of a machine's motion and smaller, on both sides of zero; always the same."""
+    draw, machine = random.Random(20261128), machine_of(model)
+    speed, time, start = _size(machine.velocity_scale), _size(machine.time_scale), tuple(map(float, m.start))
+    loads = tuple(abs(float(load)) or 1.0 for load in m.loads(0.0, m.start))
+    found = []
+    for k in range(count):
+        v = speed * (1.0, 0.03, 1.0, 10.0, 1e-4)[k % 5]
+
+        def around(size: float, n: int) -> tuple[float, ...]:
+            return tuple(size * draw.uniform(0.2, 1.0) * draw.choice((-1.0, 1.0)) for _ in range(n))
+
+        t, u = time * draw.uniform(0.0, 1.0), around(v, m.coordinates)
+        q = tuple(x + d for x, d in zip(start, around(v * time, m.coordinates), strict=True))
+        forces = tuple(load * d for load, d in zip(loads, around(0.3, len(loads)), strict=True))
+        inner = tuple(_inner(law, load, around(1.0, law.states), v * time) for law, load in zip(m.laws, loads, strict=True))
+        memories = tuple(tuple(float(draw.choice((-1, 0, 1))) for _ in range(law.modes)) for law in m.laws)
+        held = tuple(float(scale) * d for scale, d in zip(m.controllers.scales, around(1.0, m.controllers.count), strict=True))
+        found.append(Arguments(t, q, u, forces, around(v, len(loads)), loads, inner, memories, held))
+    return found
+
+
+def _inner(law: Any, load: float, parts: tuple[float, ...], size: float) -> tuple[float, ...]:
+    typical = law.scale(load)
+    scales = [size] * law.states if typical is None else [float(s) or size for s in typical]
+    return tuple(scale * part for scale, part in zip(scales, parts, strict=True))
+
+
+def _size(said: Any) -> float:
+    size = 1.0 if said is None else float(said)
+    return size if 0.0 < size < math.inf else 1.0
+
+
+def answers(found: Calls) -> dict[str, tuple[Any, ...] | str]:
+    """What the functions give; the type of an error where one raises it, which is said in words where it is met again."""
+    given: dict[str, tuple[Any, ...] | str] = {}
+    for name, call in found.items():
+        try:
+            given[name] = tuple(call())
+        except Exception as error:  # a user's function may raise what it likes
+            given[name] = type(error).__name__
+    return given
+
+
+def check_repeatable(what: str, now: Calls, between: Calls, again: Calls) -> dict[str, tuple[Any, ...] | str]:
+    """The answers of functions; `InputError` if they answer otherwise after other calls.
+
+    Parameters
+    ----------
+    what : str
+        Name of the model.
+    now, again : mapping
+        The functions with one set of arguments, twice.
+    between : mapping
+        The same with other arguments, called in between.
+    """
+    first = answers(now)
+    answers(between)
+    for name, second in answers(again).items():
+        if not same_answers(first[name], second):
+            raise InputError(
+                what, [f"{name} gives {_shown(first[name])}, and {_shown(second)} for the same arguments later; {NOT_REPEATABLE}"]
+            )
+    return first
+
+
+def same_answers(a: tuple[Any, ...] | str, b: tuple[Any, ...] | str) -> bool:
+    """Whether two answers are the same to the last bit; not a number is the same as itself."""
+    if isinstance(a, str) or isinstance(b, str):
+        return a == b if isinstance(a, str) and isinstance(b, str) else False
+    return len(a) == len(b) and all(type(x) is type(y) and _bits(x) == _bits(y) for x, y in zip(a, b, strict=True))
+
+
+def _bits(value: Any) -> Any:
+    return float(value).hex() if isinstance(value, (int, float)) else repr(value)
+
+
+def _shown(answer: tuple[Any, ...] | str) -> str:
+    if isinstance(answer, str):
+        return answer
+    return ", ".join(f"{x:.9g}" if isinstance(x, float) else repr(x) for x in answer)
+
+
+def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
+    """What a machine of single numbers answers at one instant, its equations made anew; `InputError` if not the same when asked again.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> answers_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))["contact velocity"]
+    (-0.0...,)
+    """
+    one, other = fresh_mechanics(model), fresh_mechanics(model)
+    here, there = instants(model, one, 2)
+    found = check_repeatable(type(model).__name__, calls(one, here), calls(one, there), calls(other, here))
+    check_braking(model, one, here)
+    return found
+
+
+def check_braking(model: Any, m: Mechanics, at: Arguments) -> None:
+    """`InputError` where friction accelerates other coordinates than its contact is on, or otherwise than their masses say."""
+    still = (0.0,) * len(at.forces)
+    for i, (name, row) in enumerate(zip(m.contacts, m.directions, strict=True)):
+        one = tuple(force if k == i else 0.0 for k, force in enumerate(at.forces))
+        with_friction, without = (m.accelerations(at.t, at.q, at.u, R, at.controlled) for R in (one, still))
+        for c, (a, b, g, mass) in enumerate(zip(with_friction, without, row, m.masses, strict=True)):
+            wanted = -g * one[i] / mass
+            if abs(a - b - wanted) > _ROUNDED * (abs(a) + abs(b) + abs(wanted)):
+                of = "friction" if len(m.contacts) == 1 else f"friction at {name!r}"
+                told = f"{of} of {one[i]:.6g} N changes the acceleration of coordinate {c} by {a - b:.6g} m/s^2"
+                allowed = f"allowed is -R/mass, {wanted:.6g}, on what the contact is on, and nothing elsewhere"
+                raise InputError(type(model).__name__, [f"{told}; {allowed}; {_BRAKING}"])
+
+
+_BRAKING = (
+    "give the mass that it moves (total_mass), or write the system as an ss.SwitchingFlow with a field for each direction of slip and one "
+    "for rest"
+)
+_ROUNDED = 1e-9  # of the accelerations

@@ -1,0 +1,126 @@
+"""Whether traced equations are those of plain Python: a machine's functions are called with symbols twice, and with floats.
+
+What asks for the type of its arguments, catches the error of a symbol, or keeps a value for the next call gives symbols something else
+than numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import cases_of
+from stickslip.declaration import NOT_REPEATABLE, Arguments, answers, calls, instants
+from stickslip.engine.kinds import known_kind
+from stickslip.engine.remembered import Remembered
+from stickslip.engine.symbolic import numbers_of
+from stickslip.engine.symbols import Graph, Sym
+from stickslip.engine.values import needed_by, values_of
+from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine_adapter import fresh_mechanics
+from stickslip.mechanics import Mechanics
+
+_POINTS = 6
+_SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to see what rounding does; where functions end
+_checked: Remembered[bool] = Remembered()
+
+
+def check_as_written(model: Any) -> None:
+    """`InputError` where the traced functions of a machine differ from trace to trace, or from what plain Python gives."""
+    _checked(known_kind(model), lambda: _check(model))
+
+
+class _Traced:
+    """All functions of a machine, called with symbols once."""
+
+    def __init__(self, model: Any, m: Mechanics):
+        self.graph = graph = Graph()
+        graph.at_once, graph.begins_anew = True, model.period is not None
+        own = fresh_mechanics(replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}))
+        variable, mode = graph.variable, graph.mode
+        n, laws = range(m.coordinates), list(enumerate(m.laws))
+        at = Arguments(
+            variable("t"), tuple(variable(f"x{j}") for j in n), tuple(variable(f"v{j}") for j in n),
+            tuple(variable(f"R{i}") for i, _ in laws), tuple(variable(f"w{i}") for i, _ in laws),
+            tuple(variable(f"N{i}") for i, _ in laws),
+            tuple(tuple(variable(f"z{i}_{k}") for k in range(law.states)) for i, law in laws),
+            tuple(tuple(mode(f"mode{i}_{k}") for k in range(law.modes)) for i, law in laws),
+            tuple(variable(f"c{k}") for k in range(m.controllers.count)),
+        )  # fmt: skip
+        self.names = at
+        self.found = {name: given if isinstance(given, str) else self._lifted(given) for name, given in answers(calls(own, at)).items()}
+
+    def _lifted(self, values: Sequence[Any]) -> tuple[Sym, ...] | str:
+        try:
+            return tuple(v if isinstance(v, Sym) else self.graph.constant(0.0 if v is None else v) for v in values)
+        except Exception as error:  # what is no number is said where the equations are traced
+            return type(error).__name__
+
+
+def _check(model: Any) -> bool:
+    what = type(model).__name__
+    case = cases_of(model, slice(1))[0]
+    m = fresh_mechanics(case)
+    one, other = _Traced(model, m), _Traced(model, m)
+    for name, found in one.found.items():
+        if shape_of(found) != shape_of(other.found[name]):
+            raise InputError(what, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
+    points = instants(case, m, _POINTS)
+    plain = [answers(calls(m, at)) for at in points]
+    traced, aside = _values(one, case, points, 0.0), _values(one, case, points, _ASIDE)
+    for name, values in traced.items():
+        for k, at in enumerate(points):
+            told = f"t = {at.t:.6g}, velocities {', '.join(f'{v:.6g}' for v in at.u)}"
+            given = plain[k].get(name, "")
+            if not isinstance(given, str) and len(given) == len(values):
+                compare(what, name, told, given, [(value[k], beside[k]) for value, beside in zip(values, aside[name], strict=True)])
+    return True
+
+
+def shape_of(found: tuple[Sym, ...] | str) -> Any:
+    """Expressions as a list of operations, the same for the same expressions of another graph."""
+    if isinstance(found, str):
+        return found
+    nodes = needed_by(found)
+    place = {node.number: k for k, node in enumerate(nodes)}
+    listed = [(node.op, tuple(place[a.number] for a in node.args), node.name, node.value.hex()) for node in nodes]
+    return listed, [place[node.number] for node in found]
+
+
+def _values(traced: _Traced, case: Any, points: Sequence[Arguments], aside: float) -> dict[str, list[Any]]:
+    """Values of the expressions at some arguments, which may be moved a little."""
+    roots = {name: found for name, found in traced.found.items() if not isinstance(found, str)}
+    moved = np.random.default_rng(0)
+    known: dict[str, Any] = {name: value * (1 + aside * moved.uniform(-1, 1)) for name, value in leaves(case)}
+    for symbol, *numbers in zip(_flat(traced.names), *map(_flat, points), strict=True):
+        values = np.array(numbers, float)
+        known[symbol.name] = values if symbol.op == "flag" else values * (1 + aside * moved.uniform(-1, 1, len(points)))
+    found = values_of(traced.graph, known, [node for nodes in roots.values() for node in nodes])
+    return {name: [np.broadcast_to(found[node.number], (len(points),)) for node in nodes] for name, nodes in roots.items()}
+
+
+def _flat(at: Arguments) -> list[Any]:
+    """All arguments, one after the other."""
+    return [at.t, *at.q, *at.u, *at.forces, *at.slips, *at.loads, *(z for own in (*at.inner, *at.memories) for z in own), *at.controlled]
+
+
+def compare(what: str, name: str, at: str, given: Sequence[Any], values: Sequence[tuple[float, float]]) -> None:
+    """`InputError` where plain Python and the traced expressions differ at some arguments by more than rounding does."""
+    for number, (value, beside) in zip(given, values, strict=True):
+        if number is None or not isinstance(number, (int, float)):
+            continue
+        size = max(abs(number), abs(value))
+        if not abs(number) < _HUGE or abs(number - value) <= _SAME * size + 3 * abs(value - beside):
+            continue
+        told = f"{name} gives {number:.9g} where it is called with numbers ({at})"
+        traced = f"its equations, written down by calling it with symbols once, give {value:.9g}"
+        raise InputError(what, [f"{told}; {traced}; {_ALIKE}"])
+
+
+_ALIKE = (
+    "allowed are functions that do the same with both: no isinstance(), no float() or str() of an argument, no try and except around "
+    "them, nothing stored for the next call; write where(condition, yes, no), maximum, minimum and the functions of stickslip.maths"
+)

@@ -1,0 +1,131 @@
+"""Kinds of models: all that their equations depend on but numbers, as the key of what is cached about them.
+
+Functions of a model may read what is no part of it: a global name, an attribute of a class, a variable of the function around them. So
+a kind has an edition: the first model of a kind is asked again, with the same arguments, whenever a solver begins; where it answers
+otherwise than before, what is cached about its kind is outdated, and the edition is the next.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.batch import cases_of
+from stickslip.declaration import answers, answers_of, calls, instants, same_answers
+from stickslip.engine.remembered import OfFrozen
+from stickslip.engine.symbolic import numbers_of
+from stickslip.fields import leaves
+from stickslip.machine_adapter import forget_mechanics, fresh_mechanics
+
+_NUMBER = object()  # in a kind, where there is a number; None is a field that has none
+
+
+class Editions:
+    """How often functions have changed, by the key of what is cached about them.
+
+    Parameters
+    ----------
+    most : int, optional
+        How many keys are kept; all if not given.
+
+    Examples
+    --------
+    >>> factor, editions = [2.0], Editions()
+    >>> make = lambda: First(lambda: {"f": (factor[0],)}, lambda: {"f": (factor[0],)})
+    >>> editions.check("f", make), editions.check("f", make), editions.of("f")
+    (False, False, 1)
+    >>> factor[0] = 3.0
+    >>> editions.check("f", make), editions.of("f")
+    (True, 2)
+    """
+
+    def __init__(self, most: int | None = None):
+        self._known: dict[Any, tuple[First, Any, int]] = {}
+        self._most, self._count = most, itertools.count(1)
+
+    def of(self, key: Any) -> int:
+        """The edition of a key; 0 if it is not known."""
+        known = self._known.get(key)
+        return 0 if known is None else known[2]
+
+    def check(self, key: Any, make: Callable[[], First]) -> bool:
+        """Whether functions answer otherwise than before; what raises an error is not kept."""
+        known = self._known.get(key)
+        if known is None:
+            first = make()
+            self._keep(key, first, first.check())
+            return False
+        first, before, _ = known
+        now = first.ask()
+        if now.keys() == before.keys() and all(same_answers(before[name], answer) for name, answer in now.items()):
+            return False
+        first.check()
+        self._keep(key, first, now)
+        return True
+
+    def _keep(self, key: Any, first: First, answers: Any) -> None:
+        if self._most is not None:
+            for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
+                self._known.pop(oldest, None)
+        self._known[key] = first, answers, next(self._count)
+
+
+@dataclass(frozen=True)
+class First:
+    """The functions that are asked for a key: what they answer, and the same with a check that they answer it twice."""
+
+    ask: Callable[[], Any]
+    check: Callable[[], Any]
+
+
+_editions = Editions()
+
+
+def _parts_of(model: Any) -> tuple[Any, ...]:
+    numbers = set(numbers_of(model))
+    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
+
+
+_known_parts: OfFrozen[tuple[Any, ...]] = OfFrozen(_parts_of)
+
+
+def kind_of(model: Any) -> tuple[Any, ...]:
+    """The parts of a model that determine its equations: classes, names of the numbers, fields that are not numbers, and the edition."""
+    return _with_edition(_parts_of(model))
+
+
+def known_kind(model: Any) -> tuple[Any, ...]:
+    """The same; of a frozen record it is known as long as it lives."""
+    return _with_edition(_known_parts(model))
+
+
+def _with_edition(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+    try:
+        return (*parts, _editions.of(parts))
+    except TypeError:  # a field that cannot be compared: nothing is cached about this kind
+        return parts
+
+
+def check_functions(model: Any) -> None:
+    """Notice functions that have changed since the kind was met; `InputError` for functions that give another value each time.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> check_functions(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    """
+    parts = _known_parts(model)
+    try:
+        changed = _editions.check(parts, lambda: _first_of(cases_of(model, slice(1))[0]))
+    except TypeError:
+        answers_of(cases_of(model, slice(1))[0])
+        return
+    if changed:
+        forget_mechanics()
+
+
+def _first_of(case: Any) -> First:
+    at = instants(case, fresh_mechanics(case), 1)[0]
+    return First(lambda: answers(calls(fresh_mechanics(case), at)), lambda: answers_of(case))
