@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip.errors import InputError
@@ -42,6 +42,10 @@ class Arguments:
     inner: tuple[tuple[Any, ...], ...]
     memories: tuple[tuple[Any, ...], ...]
     controlled: tuple[Any, ...]
+
+    def aside(self, part: float) -> Arguments:
+        """The same with time and velocities larger by a part of themselves."""
+        return replace(self, t=self.t * (1 + part), u=tuple(v * (1 + part) for v in self.u))
 
 
 def calls(m: Mechanics, at: Arguments) -> Calls:
@@ -182,8 +186,30 @@ def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
     one, other = fresh_mechanics(model), fresh_mechanics(model)
     here, there = instants(model, one, 2)
     found = check_repeatable(type(model).__name__, calls(one, here), calls(one, there), calls(other, here))
+    _check_continuous(type(model).__name__, one, (here, there), found)
     check_braking(model, one, here)
     return found
+
+
+def _check_continuous(what: str, m: Mechanics, points: Sequence[Arguments], found: Mapping[str, Any]) -> None:
+    """`InputError` for functions that jump wherever they are asked: noise that is stored by its arguments, so that it is the same again."""
+    names = set(found)
+    for at in points:
+        now, near = answers(calls(m, at)), answers(calls(m, at.aside(_NEAR)))
+        names = {name for name in names if _jumps(now[name], near[name])}
+    for name in sorted(names):
+        raise InputError(what, [f"{name} jumps from each instant to the next one, as noise does; {NOT_REPEATABLE}"])
+
+
+def _jumps(a: tuple[Any, ...] | str, b: tuple[Any, ...] | str) -> bool:
+    """Whether two answers of next to the same arguments differ by more than a part of themselves."""
+    if isinstance(a, str) or isinstance(b, str) or len(a) != len(b):
+        return False
+    numbers = [(x, y) for x, y in zip(a, b, strict=True) if isinstance(x, float) and isinstance(y, float)]
+    return any(abs(x - y) > _JUMP * max(abs(x), abs(y)) for x, y in numbers)
+
+
+_NEAR, _JUMP = 1e-10, 1e-3  # of time and velocities; of the answers
 
 
 def check_braking(model: Any, m: Mechanics, at: Arguments) -> None:

@@ -131,12 +131,10 @@ def check_start(flow: Any, states: Array, mode: Any) -> None:
             continue
         within = [each for each in plain.fields if _beyond(plain, each, y) is None]
         typed = f"type mode={within[0]!r}, in which it is within the guards" if within else "give another start"
-        raise InputError(
-            "solve",
-            [f"the run begins in mode {mode!r} at {y.tolist()}, beyond the guard of switches[{mode!r}][{k}], which is {value:.6g} there: at "
-             f"t = 0 its reset would make {after.tolist()} of the start; allowed is a start at which the guards of its mode are positive; "
-             f"{typed}, or start={after.tolist()} for the state after the reset"],
-        )  # fmt: skip
+        start = f"the run begins in mode {mode!r} at {y.tolist()}, beyond the guard of switches[{mode!r}][{k}], which is {value:.6g} there"
+        told = f"{start}: at t = 0 its reset would make {after.tolist()} of the start"
+        allowed = "allowed is a start at which the guards of its mode are positive"
+        raise InputError("solve", [f"{told}; {allowed}; {typed}, or start={after.tolist()} for the state after the reset"])
 
 
 def _beyond(flow: Any, mode: Any, y: Array) -> tuple[int, float] | None:
