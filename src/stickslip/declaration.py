@@ -10,9 +10,11 @@ import math
 import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.friction.law_adapter import LawAdapter
 from stickslip.machine_adapter import fresh_mechanics, machine_of
 from stickslip.mechanics import Mechanics
 
@@ -24,8 +26,8 @@ NOT_REPEATABLE = (
     "allowed are functions that give the same for the same arguments: no random draw, counter, clock or value stored by an earlier call; "
     "for noise draw phases once, outside of the function, and type a sum such as force=lambda t, x, v: a[0] * sin(w[0] * t + phase[0]) + "
     "a[1] * sin(w[1] * t + phase[1]), or a record: force=lambda t, x, v: record.at(t) with record = "
-    "ss.PeriodicRecord.from_samples(times, values); what has to be remembered is a state, of a law (rate) or of a controller "
-    "(controllers())"
+    "ss.RecordedForce.from_samples(times, force=values, period=T); what has to be remembered is a state, of a law (rate) or of a "
+    "controller (controllers())"
 )
 
 
@@ -68,23 +70,29 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
         "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u),
     }
     for i, law in enumerate(m.laws):
-        w, load, z, memory = at.slips[i], at.loads[i], at.inner[i], at.memories[i]
-        of = "" if single else f" of {m.contacts[i]!r}"
-        if law.dynamic:
-            found[f"rate{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: law.rate(w, z, load, memory)
-            found[f"force{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: (law.force(w, z, z, load, memory, load),)
-            if law.switching:
-                found[f"switches{of}"] = lambda law=law, w=w, z=z, load=load, memory=memory: _flat(law.switches(w, z, load, memory))
-        else:
-            found[f"sliding{of}"] = lambda law=law, w=w, load=load: (law.sliding(w, load),)
-            found[f"breakaway{of}"] = lambda law=law, load=load: law.breakaway(load)
+        found |= _of_law(law, "" if single else f" of {m.contacts[i]!r}", at.slips[i], at.loads[i], at.inner[i], at.memories[i])
     for stop in m.stops:
-        found[f"stop {stop.name!r}"] = lambda stop=stop: (stop.gap(at.t, at.q), stop.rate(at.t, at.u))
+        found[f"stop {stop.name!r}"] = partial(_of_stop, stop, at)
     if m.controllers.count:
         found["rates of the controllers"] = lambda: m.control_rates(at.t, at.q, at.u, at.controlled)
         found["samples of the controllers"] = lambda: m.control_sampled(at.t, at.q, at.u, at.controlled)
         found["starts of the controllers"] = lambda: m.control_start(at.t, at.q, at.u)
     return found
+
+
+def _of_law(law: LawAdapter, of: str, w: Any, load: Any, z: tuple[Any, ...], memory: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
+    """The functions of the law of a contact."""
+    if not law.dynamic:
+        return {f"sliding{of}": lambda: (law.sliding(w, load),), f"breakaway{of}": lambda: law.breakaway(load)}
+    found: dict[str, Callable[[], Any]] = {
+        f"rate{of}": lambda: law.rate(w, z, load, memory),
+        f"force{of}": lambda: (law.force(w, z, z, load, memory, load),),
+    }
+    return found | {f"switches{of}": lambda: _flat(law.switches(w, z, load, memory))} if law.switching else found
+
+
+def _of_stop(stop: Any, at: Arguments) -> tuple[Any, ...]:
+    return stop.gap(at.t, at.q), stop.rate(at.t, at.u)
 
 
 def _flat(switches: Any) -> tuple[Any, ...]:
@@ -107,7 +115,7 @@ def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
         q = tuple(x + d for x, d in zip(start, around(v * time, m.coordinates), strict=True))
         forces = tuple(load * d for load, d in zip(loads, around(0.3, len(loads)), strict=True))
         inner = tuple(_inner(law, load, around(1.0, law.states), v * time) for law, load in zip(m.laws, loads, strict=True))
-        memories = tuple(tuple(float(draw.choice((-1, 0, 1))) for _ in range(law.modes)) for law in m.laws)
+        memories = tuple(tuple(draw.choice((-1, 0, 1)) for _ in range(law.modes)) for law in m.laws)
         held = tuple(float(scale) * d for scale, d in zip(m.controllers.scales, around(1.0, m.controllers.count), strict=True))
         found.append(Arguments(t, q, u, forces, around(v, len(loads)), loads, inner, memories, held))
     return found
@@ -183,17 +191,45 @@ def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
     >>> answers_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))["contact velocity"]
     (-0.0...,)
     """
-    one, other = fresh_mechanics(model), fresh_mechanics(model)
+    what, one, other = type(model).__name__, fresh_mechanics(model), fresh_mechanics(model)
     here, there = instants(model, one, 2)
-    found = check_repeatable(type(model).__name__, calls(one, here), calls(one, there), calls(other, here))
-    _check_continuous(type(model).__name__, one, (here, there), found)
-    check_braking(model, one, here)
+    found = check_repeatable(what, calls(one, here), calls(one, there), calls(other, here))
+    for check in (_check_continuous, _check_braking, _check_motions):
+        try:
+            check(what, one, (here, there))
+        except InputError:
+            raise
+        except Exception:  # what a user's function raises is said where it is traced, or met by the judge
+            continue
     return found
 
 
-def _check_continuous(what: str, m: Mechanics, points: Sequence[Arguments], found: Mapping[str, Any]) -> None:
+def _check_motions(what: str, m: Mechanics, points: Sequence[Arguments]) -> None:
+    """`InputError` for prescribed motions whose velocity or acceleration is not the rate of what they give before."""
+    still = (0.0,) * m.coordinates
+    pairs = {
+        "the acceleration of what a contact rubs on, or of a prescribed distance, is not the rate of its velocity": (
+            m.offsets, m.offset_rates
+        ),
+        "the velocity of a prescribed distance is not the rate of its position": (
+            lambda t: m.positions(t, points[0].q), lambda t: m.velocities(t, still)
+        ),
+    }  # fmt: skip
+    for told, (values, rates) in pairs.items():
+        if all(_differ(values, rates, at.t * (1 + _APART), at.t * (1 - _APART)) for at in points):
+            raise InputError(what, [f"{told}; allowed are position(t), velocity(t) and acceleration(t) of one motion; override all three"])
+
+
+def _differ(values: Callable[[float], Any], rates: Callable[[float], Any], later: float, earlier: float) -> bool:
+    """Whether rates are other ones than the differences of values next to an instant say, for one of them."""
+    steps = [(b - a) / (later - earlier) for a, b in zip(values(earlier), values(later), strict=True)]
+    given = [0.5 * (a + b) for a, b in zip(rates(earlier), rates(later), strict=True)]
+    return any(abs(a - b) > 0.01 * max(abs(a), abs(b)) for a, b in zip(steps, given, strict=True))
+
+
+def _check_continuous(what: str, m: Mechanics, points: Sequence[Arguments]) -> None:
     """`InputError` for functions that jump wherever they are asked: noise that is stored by its arguments, so that it is the same again."""
-    names = set(found)
+    names = set(calls(m, points[0]))
     for at in points:
         now, near = answers(calls(m, at)), answers(calls(m, at.aside(_NEAR)))
         names = {name for name in names if _jumps(now[name], near[name])}
@@ -209,11 +245,13 @@ def _jumps(a: tuple[Any, ...] | str, b: tuple[Any, ...] | str) -> bool:
     return any(abs(x - y) > _JUMP * max(abs(x), abs(y)) for x, y in numbers)
 
 
+_APART = 1e-5  # of an instant: over which differences are taken
 _NEAR, _JUMP = 1e-10, 1e-3  # of time and velocities; of the answers
 
 
-def check_braking(model: Any, m: Mechanics, at: Arguments) -> None:
+def _check_braking(what: str, m: Mechanics, points: Sequence[Arguments]) -> None:
     """`InputError` where friction accelerates other coordinates than its contact is on, or otherwise than their masses say."""
+    at = points[0]
     still = (0.0,) * len(at.forces)
     for i, (name, row) in enumerate(zip(m.contacts, m.directions, strict=True)):
         one = tuple(force if k == i else 0.0 for k, force in enumerate(at.forces))
@@ -224,7 +262,7 @@ def check_braking(model: Any, m: Mechanics, at: Arguments) -> None:
                 of = "friction" if len(m.contacts) == 1 else f"friction at {name!r}"
                 told = f"{of} of {one[i]:.6g} N changes the acceleration of coordinate {c} by {a - b:.6g} m/s^2"
                 allowed = f"allowed is -R/mass, {wanted:.6g}, on what the contact is on, and nothing elsewhere"
-                raise InputError(type(model).__name__, [f"{told}; {allowed}; {_BRAKING}"])
+                raise InputError(what, [f"{told}; {allowed}; {_BRAKING}"])
 
 
 _BRAKING = (

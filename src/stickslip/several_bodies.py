@@ -192,7 +192,7 @@ class SeveralBodies(Mechanics):
         for name, body in self.parts.items():
             total[self.coordinate[name]] = total[self.coordinate[name]] + body.applied(t, x[name], v[name])
         controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
-        for name, force in (*self.model.forces(t, x, v).items(), *controlled):
+        for name, force in (*self.model.forces(t, dict(x), dict(v)).items(), *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
         for ends, link in self.elastic:
             tension = link.force(self.distance(ends, tuple(x.values())), self.distance(ends, tuple(v.values())))
@@ -212,7 +212,8 @@ class SeveralBodies(Mechanics):
         """Normal force on each contact [N]."""
         x = dict(zip(self.bodies, self.positions(t, q), strict=True))
         gravity = getattr(self.model, "gravity", GRAVITY)
-        return tuple(self.parts[c.body].mass * gravity if c.load is None else c.normal(t, x[c.body]) for c in self.joints.values())
+        given = [(c, c.normal(t, x[c.body])) for c in self.joints.values()]
+        return tuple(self.parts[c.body].mass * gravity if load is None else load for c, load in given)
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""

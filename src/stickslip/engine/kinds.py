@@ -16,6 +16,7 @@ from stickslip.batch import cases_of
 from stickslip.declaration import answers, answers_of, calls, instants, same_answers
 from stickslip.engine.remembered import OfFrozen
 from stickslip.engine.symbolic import numbers_of
+from stickslip.errors import InputError
 from stickslip.fields import leaves
 from stickslip.machine_adapter import forget_mechanics, fresh_mechanics
 
@@ -127,5 +128,18 @@ def check_functions(model: Any) -> None:
 
 
 def _first_of(case: Any) -> First:
+    try:
+        return _asked(case)
+    except InputError:
+        raise
+    except (TypeError, AttributeError, LookupError, NameError) as error:
+        told = f"one of its functions raised {type(error).__name__}: {error} when it was called with numbers"
+        allowed = "allowed are functions of time, positions and velocities that return a number for all of them"
+        raise InputError(type(case).__name__, [f"{told}; {allowed}; type for example lambda t, x, v: -2.0 * x"]) from error
+    except Exception:  # outside of its domain: said where the run comes to it
+        return First(dict, dict)
+
+
+def _asked(case: Any) -> First:
     at = instants(case, fresh_mechanics(case), 1)[0]
     return First(lambda: answers(calls(fresh_mechanics(case), at)), lambda: answers_of(case))

@@ -6,10 +6,11 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
+from stickslip.declaration import NOT_REPEATABLE
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
 from stickslip.engine.flight import touching
-from stickslip.engine.symbols import Sym, TraceError
+from stickslip.engine.symbols import Graph, Sym, TraceError
 from stickslip.engine.system import System
 from stickslip.errors import InputError
 
@@ -132,13 +133,18 @@ def observed_node(name: str, function: Any, parts: Assembly, eq: System) -> Sym:
     graph = parts.m.graph
     hint = "it is called once, with symbols: write it with + - * / ** and stickslip.maths, without if, and return one number"
     try:
-        found = function(_State(parts, eq))
-        node = found if isinstance(found, Sym) else graph.constant(float(found))
+        node, again = (_number(graph, function(_State(parts, eq))) for _ in range(2))
     except (TraceError, AttributeError, TypeError, ValueError, KeyError, IndexError) as error:
         told = f"no part is called {error}, or has this number" if isinstance(error, KeyError | IndexError) else str(error)
         raise InputError("observe", [f"{name}: {told}; {hint}"]) from error
+    if again is not node:
+        raise InputError("observe", [f"{name} is another expression each time it is called with the same state; {NOT_REPEATABLE}"])
     if graph.derivative(node, graph.variable(WAY)) is not graph.constant(0.0):
         raise InputError(
             "observe", [f"{name} depends on how far the machine went, which its steps count apart; observe v, or differences of positions"]
         )
     return node
+
+
+def _number(graph: Graph, found: Any) -> Sym:
+    return found if isinstance(found, Sym) else graph.constant(float(found))

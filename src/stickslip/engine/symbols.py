@@ -224,7 +224,7 @@ class Graph:
                 f"{value!r} of type {type(value).__name__} stands in an equation; allowed are numbers, fields of the law, v, z and load"
             )
         if not math.isfinite(value):
-            raise TraceError(f"{value!r} stands in an equation")
+            raise TraceError(f"{value!r} stands in an equation; allowed are finite numbers; type a large one, such as 1e6")
         return self._node("constant", (), CONSTANT, value=float(value))
 
     def case(self, name: str) -> Sym:

@@ -101,8 +101,10 @@ class Machine(Filed):
 
     def mirrored(self) -> Any:
         """The machine with forwards and backwards exchanged; bodies and contacts keep their names."""
+        from stickslip.machine_adapter import fresh_mechanics
         from stickslip.machines.mirrored import Turned
 
+        fresh_mechanics(self)  # which refuses equations that its parts do not say
         return Turned(self)
 
     mechanics = mechanics_of
