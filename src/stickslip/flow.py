@@ -2,7 +2,8 @@ r"""Switching flows (hybrid automata): smooth fields, guards and resets, for sys
 
 A mode has a field :math:`\dot y = f(t, y)` and switches. A switch happens when its guard falls through zero; the mode after it and the
 state after it may depend on the time and state of the switch. A guard that is below zero where a mode begins switches at once; further
-switches at the same instant are merged into one with the composed resets. A run does not begin so if a reset would change its start. If several guards fall through zero together, the first in
+switches at the same instant are merged into one with the composed resets. A run does not begin so if a reset would change its start.
+If several guards fall through zero together, the first in
 the tuple takes effect. Fields, guards and resets are plain Python on sequences, written with `stickslip.maths`; their derivatives are
 derived from this code.
 """
