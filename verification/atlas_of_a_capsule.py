@@ -11,7 +11,7 @@ from time import process_time
 import numpy as np
 
 import stickslip as ss
-from stickslip.dynamics.attractors.basins import settled_points
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map, strobe_orbit
 
 OVER = {"omega": list(np.linspace(1.05, 1.13, 13)), "force_ratio": list(np.linspace(0.6, 1.2, 9))}
 POINTS, STARTS = 300, 16
@@ -24,10 +24,11 @@ def by_brute_force(omega, ratio, random):
     and then names a multiple of the period there, by which points agree earlier.)
     """
     model = ss.presets.capsule(omega=np.repeat(omega, STARTS), force_ratio=np.repeat(ratio, STARTS))
-    strobe, ways, good = settled_points(model, random.uniform(-4, 4, (POINTS * STARTS, 3)), 1000, 1e-7, 1, None)
-    assert good.all()
+    settled = strobe_map(model, random.uniform(-4, 4, (POINTS * STARTS, 3)), 1000, 1e-7).state
+    strobe, ways = strobe_orbit(model, settled, 64, 1e-7)
+    assert np.isfinite(strobe).all()
     motions = []
-    for row, way, T in zip(strobe, ways, model.period, strict=True):
+    for row, way, T in zip(np.moveaxis(strobe, 0, 1), ways.T, model.period, strict=True):
         p = next((p for p in range(1, 33) if np.all(abs(row[p:] - row[:-p]) < 1e-5)), 0)
         motions.append((p, round(float(way[-(p or 64) :].mean() / T), 5) if p else 0.0))
     return [sorted({motions[k * STARTS + i] for i in range(STARTS)}) for k in range(POINTS)]
@@ -35,7 +36,8 @@ def by_brute_force(omega, ratio, random):
 
 def periods_of(words):
     """The periods of motions, by their names."""
-    return sorted(int(word.rpartition("period ")[2]) if "period " in word else 0 if "no period" in word else 1 for word in words)
+    none = ("chaotic", "quasi-periodic")
+    return sorted(int(word.rpartition("period ")[2]) if "period " in word else int(word not in none) for word in words)
 
 
 def random_places():

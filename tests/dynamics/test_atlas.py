@@ -345,4 +345,4 @@ def test_motions_of_a_flow_without_a_period_are_not_taken_for_periodic_ones():
     """At one point of Henon's map there is irregular motion alone: a flow makes no way by which it would look like another."""
     henon = ss.SwitchingFlow.of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.5, "b": 0.2}, ("x", "y"))
     found = ss.atlas(henon, over={"a": [1.0, 1.4], "b": [0.2, 0.3]}, starts={"x": [0.0, 0.3], "y": [0.0]}, branches=0, refine=0)
-    assert found.at(a=1.4, b=0.3) == ("no period",)
+    assert found.at(a=1.4, b=0.3) == ("chaotic",)

@@ -18,7 +18,7 @@ import xarray as xr
 import stickslip as ss
 from stickslip.analysis.closed_form import border_iii_iv
 from stickslip.cli import main
-from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
+from stickslip.dynamics.attractors.settled_motions import periods_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.identifying.parameters import parameters
 

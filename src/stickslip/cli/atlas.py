@@ -20,7 +20,7 @@ def act(asked: Any) -> Outcome:
     file = out_file(asked.out)
     if asked.resume and (file is not None or not asked.out):
         raise InputError("--resume", ["this is for a folder; type for example --out atlas"])
-    study = subject(asked.robot, asked.settings, many=True, solver=("settle", "rtol", "workers"), strict=False)
+    study = subject(asked.robot, asked.settings, many=True, solver=("settle", "limit", "rtol", "workers"), strict=False)
     many, fixed = several(asked.command, study.arguments, 2, "amplitude=3e-4..9e-4:24 mu0=0.1..0.3:16")
     over = {name: sorted(study.arguments[name]) for name in many}
     job = {"over": over, **fixed, **study.options, "starts": asked.starts, "branches": asked.branches, "refine": asked.refine}

@@ -12,7 +12,7 @@ from stickslip.cli.study_files import found as in_file
 from stickslip.errors import InputError, Problems
 
 _NAME = re.compile(r"x|v|z\d*|memory\d*|phase")
-_SOLVER = ("settle", "rtol", "workers")
+_SOLVER = ("settle", "limit", "rtol", "workers")
 _START = re.compile(rf"({_NAME.pattern})=(.+)")
 
 
@@ -34,11 +34,16 @@ def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
 
     found = basins(study.robot(), progress=True, **study.options, **starts)
     attractors = [
-        {"period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval} for a in found.attractors
-    ]
+        {
+            "motion": a.kind, "period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval,
+            "exponent": a.exponent, "error": a.error,
+        }
+        for a in found.attractors
+    ]  # fmt: skip
+    others = [{"motion": word, "share": share, "interval": interval} for word, (share, interval) in found.others.items()]
     axes = {str(name): found.map[name].values for name in found.map.attractor.dims}
     columns = {str(name): found.map[name].values for name in found.map.data_vars}
-    record = {"robot": study.title(), "attractors": attractors, "axes": axes, "columns": columns}
+    record = {"robot": study.title(), "attractors": attractors, "others": others, "axes": axes, "columns": columns, "notes": found.notes}
     return Outcome(record, _told(study, found), ((asked.figure, found.plot),), asked.out, found.map)
 
 
@@ -69,13 +74,21 @@ def _lives(name: str, parameter: str, found: Any) -> str:
         one = found.isel(attractor=int(k))
         here = np.flatnonzero(one.period.values >= 0)
         first, last = (f"{float(one[parameter][i]):.6g}" for i in (here[0], here[-1]))
-        periods = ", ".join(str(p) if p else "none" for p in dict.fromkeys(one.period.values[here].tolist()))
+        kinds = zip(one.period.values[here].tolist(), one.motion.values[here].tolist(), strict=True)
+        motions = ", ".join(dict.fromkeys(f"period {p}" if p else kind for p, kind in kinds))
         V, share = (" to ".join(f"{float(one[q][i]):.{d}g}" for i in (here[0], here[-1])) for q, d in (("mean_velocity", 5), ("share", 3)))
-        rows.append([str(k), f"{first} to {last}", periods, V, share])
-    head = ["attractor", f"{parameter}{'' if unit == '1' else f' [{unit}]'}", "period [drive periods]", "mean velocity [m/s]", "share"]
+        rows.append([str(k), f"{first} to {last}", motions, V, share])
+    head = ["attractor", f"{parameter}{'' if unit == '1' else f' [{unit}]'}", "motion", "mean velocity [m/s]", "share"]
     undone = int((found.unsolved < 0).sum())
     lines = [f"{name}: {parameter} {found.sizes[parameter]} values, {show.counted(found.attrs['starts'], 'start')} at each"]
-    return "\n".join([*lines, show.table(head, rows), *([f"{undone} values not computed"] if undone else [])])
+    return "\n".join([*lines, show.table(head, rows), *_left(found), *([f"{undone} values not computed"] if undone else [])])
+
+
+def _left(found: Any) -> list[str]:
+    """How many starts have not settled, and run away or were not solved, at how many values."""
+    kinds = {"unsettled": "have not settled", "runs_away": "run away", "unsolved": "were not solved"}
+    counts = {told: found[name].values[found[name].values > 0] for name, told in kinds.items()}
+    return [f"at {len(n)} values up to {show.counted(int(n.max()), 'start')} {told}" for told, n in counts.items() if len(n)]
 
 
 def _text(value: Any) -> str:
@@ -96,10 +109,11 @@ def _starts(words: list[str]) -> dict[str, Any]:
 
 
 def _told(study: Any, found: Any) -> str:
-    head = ["attractor", "period [drive periods]", "mean velocity [m/s]", "share", "95 %"]
+    head = ["attractor", "motion", "mean velocity [m/s]", "share", "95 %"]
     rows = [
-        [str(k), str(a.period or "none"), f"{a.mean_velocity:.7g}", f"{a.share:.4f}", f"{a.interval[0]:.4f} to {a.interval[1]:.4f}"]
+        [str(k), a.word, f"{a.mean_velocity:.7g}", f"{a.share:.4f}", f"{a.interval[0]:.4f} to {a.interval[1]:.4f}"]
         for k, a in enumerate(found.attractors)
     ]
-    lost = int((found.map.attractor == -1).sum())
-    return "\n".join([study.title(), show.table(head, rows), f"{show.counted(int(found.map.attractor.size), 'start')}, {lost} not solved"])
+    rows += [["none", word, "", f"{share:.4f}", f"{low:.4f} to {high:.4f}"] for word, (share, (low, high)) in found.others.items()]
+    lines = [study.title(), show.table(head, rows), show.counted(int(found.map.attractor.size), "start")]
+    return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])

@@ -11,7 +11,7 @@ from stickslip.cli.outputs import Outcome
 
 def act(asked: Any) -> Outcome:
     """Do the command."""
-    known = ("settle", "rtol", "workers", "start.x", "start.v", "start.z")
+    known = ("settle", "limit", "rtol", "workers", "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
     (parameter,), fixed = several(asked.command, study.arguments, 1, "mu0=0.034..0.05:200")
     values = study.arguments[parameter]
@@ -65,8 +65,8 @@ def _text(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
     fixed = {name: value for name, value in study.arguments.items() if name != parameter}
     lines = [Subject(study.name, study.make, fixed).title()]
     for direction in diagram.direction.values:
-        period = diagram.period.sel(direction=direction).values
-        lines.append(f"{direction}: {_stretches(diagram[parameter].values, period)}")
+        period, motion = (diagram[name].sel(direction=direction).values for name in ("period", "motion"))
+        lines.append(f"{direction}: {_stretches(diagram[parameter].values, period, motion)}")
     for b in branches:
         lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
         lines += [f"  {s.kind:<12} {parameter} = {s.rounded}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
@@ -87,12 +87,9 @@ def _left_out(parameter: str, branches: list[Any]) -> list[str]:
     ]
 
 
-def _stretches(values: Any, period: Any) -> str:
-    """Intervals of equal period."""
-    ends = [0, *(i for i in range(1, len(period)) if period[i] != period[i - 1]), len(period)]
-    parts = [
-        f"{'no period found' if period[a] == 0 else f'period {period[a]}'} from {values[a]:.6g}"
-        + (f" to {values[b - 1]:.6g}" if b - 1 > a else "")
-        for a, b in pairwise(ends)
-    ]
+def _stretches(values: Any, period: Any, motion: Any) -> str:
+    """Intervals of equal motion."""
+    words = [f"period {p}" if p > 0 else str(kind) for p, kind in zip(period, motion, strict=True)]
+    ends = [0, *(i for i in range(1, len(words)) if words[i] != words[i - 1]), len(words)]
+    parts = [f"{words[a]} from {values[a]:.6g}" + (f" to {values[b - 1]:.6g}" if b - 1 > a else "") for a, b in pairwise(ends)]
     return "; ".join(parts)

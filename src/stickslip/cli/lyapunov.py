@@ -40,10 +40,12 @@ def _one(asked: Any) -> Outcome:
     return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(found, study.title()))
 
 
-def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
-    """Separate ``settle=`` from the other words: here these periods precede those of ``periods=``."""
-    mine = [word for word in words if word.startswith("settle=")]
-    return dict([("settle", value(word.partition("=")[2])) for word in mine]), [word for word in words if word not in mine]
+def _settle(words: list[str], limit: bool = False) -> tuple[dict[str, Any], list[str]]:
+    """Separate ``settle=`` from the other words, as these periods precede those of ``periods=``, and of a map ``limit=``."""
+    names = ("settle", "limit") if limit else ("settle",)
+    mine = [word for word in words if word.partition("=")[0] in names]
+    pairs = [(name, value(text)) for name, _, text in (word.partition("=") for word in mine)]
+    return dict(pairs), [word for word in words if word not in mine]
 
 
 def _rows(found: Any) -> list[tuple[str, str]]:
@@ -77,7 +79,7 @@ def _map(asked: Any) -> Outcome:
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.plot import chaos_map as draw
 
-    settle, rest = _settle(asked.settings)
+    settle, rest = _settle(asked.settings, limit=True)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
     found = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
     axes = [str(d) for d in found.period.dims]
@@ -92,10 +94,12 @@ def _text(name: str, axes: list[str], found: Any) -> str:
     """The share of each kind of motion in the map."""
     import numpy as np
 
-    period = found.period.values
-    chaotic = (period == 0) & (found.exponent.values > 3 * found.error.values)
+    from stickslip.dynamics.attractors.settled_motions import KINDS
+
+    period, motion = found.period.values, found.motion.values
+    chaotic = motion == "chaotic"
     shares = [(f"period {p}", np.mean(period == p)) for p in np.unique(period[period > 0])]
-    shares += [("chaotic", np.mean(chaotic)), ("not decided", np.mean((period == 0) & ~chaotic)), ("not computed", np.mean(period < 0))]
+    shares += [(kind, np.mean(motion == kind)) for kind in KINDS[1:]]
     sizes = " x ".join(f"{axis} {found.sizes[axis]}" for axis in axes)
     rows = show.facts((text, f"{100 * share:.1f} %") for text, share in shares if share > 0)
     lines = [f"{name}: {sizes}", rows]

@@ -11,7 +11,7 @@ from stickslip.errors import InputError
 from stickslip.plot.maps import TYPE_COLOURS, name_region, outlined, scaled
 from stickslip.plot.spacing import cells, logarithmic, places
 from stickslip.plot.special_kinds import marker_of, name_of
-from stickslip.plot.style import COLOURS, INK, axes, drawing, legend_above
+from stickslip.plot.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above
 
 #: Fill colours of regions without a single plain type, distinct from the type colours and from one another.
 _FILLS = (
@@ -30,7 +30,7 @@ _FILLS = (
 )
 _FINE, _LETTERS = 240, 3  # grid points along each side; length of a name that is written into its region
 _COLUMNS = {3: 16, 2: 30}  # number of columns of the legend: the longest entry that each allows
-_MISSING = "not computed"
+_MISSING, _UNSETTLED = "not computed", "not settled"
 _ON_A_LINE = 0.05  # fraction of the axis ranges: marks closer to a line of their kind are left out
 
 
@@ -71,6 +71,7 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
         x, y = np.array(border.values).T
         outlined(ax, x * across.factor, y * up.factor)
     marks = _special(ax, found, across, up) if points else []
+    marks += _unsettled(ax, found, across, up)
     _framed(ax, across, up)
     _legend(ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(found.borders), marks, bool((labels == "").any()))
     return ax
@@ -78,8 +79,9 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
 
 def _fills(found: Any) -> dict[str, str]:
     """A colour for each region: that of the motion type, if the region has a single plain motion."""
+    known = {**TYPE_COLOURS, _UNSETTLED: UNSETTLED}
     own = iter(_FILLS * (1 + len(found.regions) // len(_FILLS)))
-    return {label: TYPE_COLOURS[label] if label in TYPE_COLOURS and label != "other" else next(own) for label in found.regions}
+    return {label: known[label] if label in known and label != "other" else next(own) for label in found.regions}
 
 
 def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
@@ -101,6 +103,16 @@ def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
             style = {"color": COLOURS[i % 7], "markersize": 3.4, "linestyle": "", "zorder": 7}
             handles += ax.plot(x * across.factor, y * up.factor, marker=marker_of(kind), label=name_of(kind), **style)
     return handles
+
+
+def _unsettled(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
+    """Mark points of the grid at which some starts have not settled beside those that have; returns handles for the legend."""
+    late = (found.map["unsettled"].values > 0) & (found.map["count"].values > 0)
+    if not late.any():
+        return []
+    i, j = np.nonzero(late)
+    style = {"color": INK, "markersize": 2.6, "markeredgewidth": 0.5, "linestyle": "", "zorder": 6}
+    return list(ax.plot(across.values[i], up.values[j], marker=UNSETTLED_MARK, label="some starts not settled", **style))
 
 
 def _on_a_line(found: Any, point: Any) -> bool:

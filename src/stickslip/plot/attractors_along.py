@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, axes, drawing, legend_above, side_of
+from stickslip.plot.style import COLOURS, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above, side_of
 
-_BESIDE = ("period", "share", "share_low", "share_high", "mode")
+_BESIDE = ("period", "motion", "exponent", "error", "share", "share_low", "share_high", "mode")
 
 
 @drawing
 def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
-    """Attractors along a parameter, with a line for each; rings mark motions without a period.
+    """Attractors along a parameter, with a line for each; rings mark chaotic and quasi-periodic motions, crosses unsettled starts.
+
+    A cross on the upper edge stands at each value where some starts have not settled: attractors may be missing there. In a figure of
+    shares it stands at their share.
 
     Parameters
     ----------
@@ -37,7 +42,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     >>> ss.plot.attractors(found).get_ylabel()
     'mean velocity (mm/s)'
     """
-    if not {"share", "unsolved"} <= set(getattr(found, "data_vars", {})):
+    if not {"share", "unsettled", "motion"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])
     known = [*(name for name in map(str, found.data_vars) if found[name].ndim == 2 and name not in _BESIDE), "share"]
     quantity = known[0] if quantity is None and known else quantity
@@ -54,13 +59,20 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
         ax.plot(x, values, ".-", color=colour, markersize=4, label=_text(one))
         wild = one.period.values == 0
         ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
+    late = found.unsettled.values > 0
+    if late.any():
+        shares = found.unsettled.values[late] / found.attrs["starts"]
+        place = {} if quantity == "share" else {"transform": ax.get_xaxis_transform(), "clip_on": False}
+        where = shares if quantity == "share" else np.ones(len(shares))
+        label = f"starts not settled (up to {100 * shares.max():.2g} %)"
+        ax.plot(across.values[late] * right, where, UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=label, **place)
     ax.set(xlabel=side, ylabel=mark)
     legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 
 
 def _text(one: Any) -> str:
-    """The legend entry of an attractor: its number and its periods."""
-    periods = sorted({int(p) for p in one.period.values if p >= 0}, key=lambda p: (p == 0, p))
-    words = ", ".join(str(p) if p else "none" for p in periods)
-    return f"{int(one.attractor)}: period {words}"
+    """The legend entry of an attractor: its number, its periods and what it is without one."""
+    periods = ", ".join(str(p) for p in sorted({int(p) for p in one.period.values if p > 0}))
+    kinds = sorted(set(one.motion.values[one.period.values == 0].tolist()))
+    return f"{int(one.attractor)}: {', '.join([*([f'period {periods}'] if periods else []), *kinds])}"

@@ -11,12 +11,12 @@ from stickslip.arguments import Ax, Grid
 from stickslip.errors import InputError
 from stickslip.plot.spacing import cells, edges, logarithmic
 from stickslip.plot.special_kinds import name_of
-from stickslip.plot.style import COLOURS, INK, axes, drawing, side_of
+from stickslip.plot.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above, side_of
 
-#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided; distinguishable with any colour vision.
+#: Colours of a map of motions by period number, chaotic, quasi-periodic, not settled; distinguishable with any colour vision.
 MOTIONS = {
-    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 to 32": "#12456B", "chaotic": "#D55E00",
-    "not decided": "#9A9A9A",
+    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#663333", "8 and more": "#12456B",
+    "chaotic": "#D55E00", "quasi-periodic": "#6BA368", "not settled": "#9A9A9A", "runs away or not solved": "#FFFFFF",
 }  # fmt: skip
 _LOWEST = -2.0  # lower exponents all have one colour
 
@@ -32,8 +32,8 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     quantity : str
-        "motion": period numbers, and chaos where the largest exponent exceeds three standard errors. "exponent": the largest exponent,
-        orange where neighbouring motions diverge, violet where they converge.
+        "motion": period numbers, and what has no period: chaotic, quasi-periodic, or not settled within the limit.
+        "exponent": the largest exponent, orange where neighbouring motions diverge, violet where they converge.
     curves : Curve or list of Curve
         From `stickslip.special_curve`, in the same two parameters; drawn over the map.
 
@@ -48,7 +48,7 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     >>> ss.plot.chaos_map(found).get_xlabel()
     'tilt of the track $θ$ (degrees)'
     """
-    if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
+    if not {"period", "motion", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
     if quantity not in ("motion", "exponent"):
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is motion or exponent"])
@@ -81,9 +81,11 @@ def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
 
 def _kinds(found: Any) -> Any:
     """The index of the kind of motion in `MOTIONS` at each point; masked where nothing was computed."""
-    period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
-    bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
-    return np.ma.masked_where(period < 0, np.where(period > 0, bins, np.where(chaotic, 6, 7)))
+    period, motion, names = found.period.values, found.motion.values, list(MOTIONS)
+    kinds = np.where(period > 0, np.searchsorted([1, 2, 3, 4, 7], period, side="left"), len(names) - 1)
+    for word in ("chaotic", "quasi-periodic", "not settled"):
+        kinds = np.where(motion == word, names.index(word), kinds)
+    return np.ma.masked_where(motion == "not computed", kinds)
 
 
 def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
@@ -118,6 +120,10 @@ def _line(found: Any, ax: Any) -> Any:
     ax.axhline(0.0, color=INK, linewidth=0.5)
     ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
     ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
+    late = found.motion.values == "not settled"
+    if late.any():
+        ax.plot(x[late], y[late], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label="not settled")
+        legend_above(ax)
     logarithmic(ax, "x", x)
     ax.set(xlabel=side, ylabel="largest exponent per drive period")
     return ax

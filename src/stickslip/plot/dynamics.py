@@ -10,12 +10,18 @@ from stickslip.arguments import Ax, Basin, Exponents, Grid
 from stickslip.errors import InputError, is_whole
 from stickslip.plot.continued_motions import OBSERVABLES
 from stickslip.plot.spacing import logarithmic
-from stickslip.plot.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
+from stickslip.plot.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, dot_size, drawing, labelled, legend_above, named, scaled
+
+#: Colours of starts on no attractor.
+_NO_ATTRACTOR = {"not settled": UNSETTLED, "runs away": "#F2F2F2", "not solved": "#D9D9D9"}
 
 
 @drawing
 def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> Any:
-    """A brute-force bifurcation diagram; upward and downward sweeps in two colours, so that hysteresis shows.
+    """A brute-force bifurcation diagram; upward and downward sweeps side by side in two colours, so that hysteresis shows.
+
+    Both sweeps are drawn over each other: the upward one with open rings, the downward one with dots inside them, so that where both have
+    the same motion a ring has its dot, and where they differ either stands alone. Grey crosses are points of motions that have not settled.
 
     Parameters
     ----------
@@ -48,17 +54,30 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     unit = y.attrs.get("units", "1")
     (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)
     ax = axes(ax, height=2.6)
+    size, several, unsettled = dot_size(diagram.sizes[across.name]), diagram.sizes["direction"] > 1, False
     for i, direction in enumerate(diagram.direction.values):
-        part = y.sel(direction=direction)
-        x = across.broadcast_like(part).values.ravel() * right
-        size = dot_size(diagram.sizes[across.name]) / (1 + i)  # the points of the downward sweep cover those of the upward one
-        ax.plot(x, part.values.ravel() * up, "o", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
-        ax.plot([], [], "o", markersize=4 / (1 + i), markeredgewidth=0, color=COLOURS[i], label=str(direction))
+        part, late = y.sel(direction=direction), diagram.motion.sel(direction=direction) == "not settled"
+        x, values = across.broadcast_like(part).values * right, part.values * up
+        still = late.broadcast_like(part).values
+        style = _sweep_style(i, size, several)
+        ax.plot(x[~still], values[~still], **style, rasterized=True, zorder=2 + i)
+        ax.plot([], [], **_sweep_style(i, 4.0, several), label=str(direction))
+        ax.plot(x[still], values[still], UNSETTLED_MARK, color=UNSETTLED, markersize=max(size, 2.0), markeredgewidth=0.5, zorder=5)
+        unsettled = unsettled or bool(still.any())
+    if unsettled:
+        ax.plot([], [], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label="not settled")
     logarithmic(ax, "x", np.sort(across.values) * right)
     ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
     ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
     legend_above(ax, ncols=2, handletextpad=0.2)
     return ax
+
+
+def _sweep_style(i: int, size: float, several: bool) -> dict[str, Any]:
+    """Rings for the first of several sweeps and dots within them for the second; dots for a single one."""
+    if several and i == 0:
+        return {"marker": "o", "linestyle": "", "markersize": 1.6 * size, "fillstyle": "none", "markeredgewidth": 0.5, "color": COLOURS[i]}
+    return {"marker": "o", "linestyle": "", "markersize": 0.7 * size if several else size, "markeredgewidth": 0, "color": COLOURS[i]}
 
 
 @drawing
@@ -99,10 +118,19 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
     (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs.get("units", "1")) for n in (across, upward))
     ax = axes(ax, height=2.8)
-    paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
-    norm = BoundaryNorm(np.arange(-1.5, len(paints) - 0.5), len(paints))
+    others = list(found.others)
+    codes = np.where(flat.values >= 0, flat.values + len(others) + 1, 0)
+    words = found.map.motion.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across).values
+    for k, word in enumerate(others):
+        codes = np.where((flat.values < 0) & (words == word), k + 1, codes)
+    paints: list[Any] = [
+        "#FFFFFF",
+        *(_NO_ATTRACTOR[word] for word in others),
+        *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))],
+    ]
+    norm = BoundaryNorm(np.arange(-0.5, len(paints) + 0.5), len(paints))
     extent = [*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up)]
-    ax.imshow(flat.values, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest")
+    ax.imshow(codes, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest")
     for k, a in enumerate(found.attractors):
         if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
             x, y = (a.orbit.state[a.orbit.names.index(name)] * factor for name, factor in ((across, right), (upward, up)))
@@ -112,7 +140,11 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
         points = edge.strobe_points[:, [edge.names.index(across), edge.names.index(upward)]]
         ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
     ax.set(xlabel=labelled(found.map[across], side), ylabel=labelled(found.map[upward], mark))
-    handles: list[Any] = [Patch(color=paints[k + 1], label=_text(a)) for k, a in enumerate(found.attractors)]
+    handles: list[Any] = [Patch(color=paints[k + 1 + len(others)], label=_text(a)) for k, a in enumerate(found.attractors)]
+    handles += [
+        Patch(facecolor=_NO_ATTRACTOR[word], edgecolor=INK, linewidth=0.3, label=f"{word}, {100 * share:.2g} %")
+        for word, (share, _) in found.others.items()
+    ]
     for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
         handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []
     legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
@@ -130,9 +162,10 @@ def _edges_on(edges: Any, names: list[str]) -> list[Any]:
 
 def _text(attractor: Any) -> str:
     """The legend entry of an attractor: its mean velocity, or its period if it has no net displacement, and its share."""
-    period = f"period {attractor.period}" if attractor.period else "no period"
-    way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else period
-    return f"{way}, {100 * attractor.share:.0f} %"
+    kind = f"period {attractor.period}" if attractor.kind == "periodic" else attractor.kind
+    way = f"$V$ = {attractor.mean_velocity * 1e3:.3g} mm/s" if np.isfinite(attractor.mean_velocity) else kind
+    named = way if attractor.kind == "periodic" or way == kind else f"{way}, {kind}"
+    return f"{named}, {100 * attractor.share:.0f} %"
 
 
 def _pale(colour: str) -> tuple[float, ...]:

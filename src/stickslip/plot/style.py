@@ -20,6 +20,8 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 #: Dash patterns that accompany the colours, so that a figure can be printed without colour.
 DASHES = ("-", (0, (5, 1.6)), (0, (1, 1.1)), (0, (5, 1.2, 1, 1.2)), "-", "-", "-")
 INK, SHADE = "#333333", "#DFE3E8"
+#: Colour and marker of what has not settled.
+UNSETTLED, UNSETTLED_MARK = "#8A8A8A", "x"
 #: Width of a journal column [inch].
 WIDTH = 3.5
 

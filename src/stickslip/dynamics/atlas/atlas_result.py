@@ -16,7 +16,8 @@ from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGri
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
+from stickslip.dynamics.attractors.settled_motions import UNDONE
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.errors import InputError
 from stickslip.faces import Drawn
@@ -75,7 +76,7 @@ class Atlas(Drawn):
     @cached_property
     def regions(self) -> dict[str, float]:
         """Each region by the motions that coexist in it, and its share of the points of the grid; the largest first."""
-        counts = Counter(point.label for point in self.points.values() if point.motions)
+        counts = Counter(point.label for point in self.points.values() if point.label)
         total = sum(counts.values())
         return {label: n / total for label, n in sorted(counts.items(), key=lambda item: (-item[1], item[0]))}
 
@@ -83,10 +84,11 @@ class Atlas(Drawn):
     def map(self) -> xr.Dataset:
         """The grid as an `xarray.Dataset`.
 
-        Over the two numbers: region, count (of motions; -1: not computed), unsolved (starts that lead nowhere), doubt (why the motions
+        Over the two numbers: region, count (of motions; -1: not computed), unsettled (starts that have not settled within the limit),
+        unsolved (starts that run away or could not be solved), doubt (why the motions
         are not sure, in words; empty where nothing speaks against them), unseen (the share of the starts that a motion may attract and
         yet be missed by all of these starts, with 95 % confidence). Over them and
-        attractor: motion, period (0: none up to 32, -1: not there), mean_velocity [m/s], share of the starts with its 95 % interval
+        attractor: motion, period (0: none, -1: not there), mean_velocity [m/s], share of the starts with its 95 % interval
         share_low to share_high, and the strobe state.
         """
         import xarray as xr
@@ -99,17 +101,19 @@ class Atlas(Drawn):
         return xr.Dataset(columns, {**axes, "attractor": np.arange(most)}, {"starts": self.plane.count, "notes": list(self.notes)})
 
     def _by_point(self) -> dict[str, tuple[Any, dict[str, str]]]:
-        count, lost = np.full(self.plane.shape, UNDONE), np.full(self.plane.shape, UNDONE)
+        count, lost, moving = (np.full(self.plane.shape, UNDONE) for _ in range(3))
         region, doubt = np.full(self.plane.shape, "", object), np.full(self.plane.shape, "", object)
         unseen = np.full(self.plane.shape, np.nan)
         for cell, point in self.points.items():
-            count[cell], lost[cell], region[cell] = len(point.motions), point.lost, point.label
+            count[cell], lost[cell], region[cell] = len(point.motions), point.lost - point.unsettled, point.label
+            moving[cell] = point.unsettled
             doubt[cell] = self._doubts.of_points.get(self.plane.point(cell), "")
             unseen[cell] = unseen_share(self.plane.count + point.more)
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
             "count": (count, {"units": "1", "long_name": "number of motions (-1: not computed)"}),
-            "unsolved": (lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
+            "unsettled": (moving, {"units": "1", "long_name": "starts that have not settled (-1: not computed)"}),
+            "unsolved": (lost, {"units": "1", "long_name": "starts that run away or could not be solved (-1: not computed)"}),
             "doubt": (doubt.astype(str), {"long_name": "reason why the motions are not sure"}),
             "unseen": (unseen, {"units": "1", "long_name": "largest share of a motion that no start reached, 95 %"}),
         }

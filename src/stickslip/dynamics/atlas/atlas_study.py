@@ -18,7 +18,7 @@ from stickslip.sweeps.manifest import differences, digest, identity
 from stickslip.sweeps.planning import SOLVER, planned
 
 T = TypeVar("T")
-_FORMAT = 2
+_FORMAT = 3
 _ANEW = "delete it, and it is computed again"
 _DRAWN = "others at each point, at four scales"  # how starts are drawn: those of earlier versions were others
 
@@ -108,7 +108,7 @@ def _identity(plane: Plane, look: Look) -> dict[str, str]:
     axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
     options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
     sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
-    return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)])}
+    return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)]), "limit": f"{look.limit} drive periods for what has not settled"}
 
 
 def _level_of(found: dict[str, Any]) -> tuple[dict[Cell, PointOfGrid], int, list[Cell]]:
@@ -125,7 +125,7 @@ def _points_of(rows: list[dict[str, Any]]) -> dict[Cell, PointOfGrid]:
 
 def _point_of(row: dict[str, Any]) -> PointOfGrid:
     motions = tuple(MotionThere(**_frozen(m)) for m in row["motions"])
-    return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]))
+    return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]), int(row["unsettled"]))
 
 
 def _outcome_of(found: dict[str, Any]) -> Outcome:

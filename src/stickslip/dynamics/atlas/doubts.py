@@ -154,9 +154,9 @@ def _meets(line: Any, a: Place, b: Place) -> bool:
 def _reasons(point: PointOfGrid) -> list[str]:
     """Why the motions that were found at a point may not be all, or no motions of their own."""
     told = {
-        "a motion without a period is irregular or has not settled": any(not motion.period for motion in point.motions),
+        "some starts have not settled": point.unsettled > 0,
         "a motion came from a neighbour and from no start, so others may be missing": any(not motion.hits for motion in point.motions),
-        "a start led nowhere": point.lost > 0,
+        "a start led nowhere": point.lost > point.unsettled,
     }
     return [why for why, holds in told.items() if holds]
 

@@ -24,6 +24,7 @@ from stickslip.dynamics.atlas.doubts import Doubts, explained_by
 from stickslip.dynamics.atlas.levels import Level, points_within, shared_upwards
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
+from stickslip.dynamics.attractors.settled_motions import STRETCH, checked_limit
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
@@ -44,6 +45,7 @@ def atlas(
     over: dict[str, Any],
     starts: int | dict[str, Any] = 5,
     settle: int = 200,
+    limit: int | None = None,
     rtol: float = 1e-7,
     branches: int = 40,
     refine: int = 1,
@@ -71,7 +73,10 @@ def atlas(
     starts : int or dict
         Number of initial states at each point: rest, and states evenly scattered over twice the scales; or a grid of them as for `basins`.
     settle : int
-        Drive periods to discard.
+        Drive periods to discard at least.
+    limit : int, optional
+        Drive periods up to which a start is run on that has not settled, eight times `settle` if not given; see `basins` for what is then
+        said of it.
     rtol : float
         Tolerance of these runs for dynamic laws.
     branches : int
@@ -109,18 +114,21 @@ def atlas(
     >>> [border.kind for border in found.borders], found.at(amplitude=3.7e-4, mu0=0.18), found.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
-    plane, look = _planned("atlas", make, over, starts, settle, rtol, branches, refine, workers, resume, out, fixed)
+    plane, look = _planned("atlas", make, over, starts, settle, limit, rtol, branches, refine, workers, resume, out, fixed)
     return _Making(plane, look, AtlasStudy(out, plane, look, bool(resume)), workers, progress).made(branches, refine)
 
 
 def _planned(
-    what: str, make: Any, over: Any, starts: Any, settle: Any, rtol: Any, branches: Any, refine: Any, workers: Any, resume: Any, out: Any,
-    fixed: dict[str, Any],
+    what: str, make: Any, over: Any, starts: Any, settle: Any, limit: Any, rtol: Any, branches: Any, refine: Any, workers: Any, resume: Any,
+    out: Any, fixed: dict[str, Any],
 ) -> tuple[Plane, Look]:  # fmt: skip
     """The plane and how it is looked at, all arguments checked."""
+    most = 0
 
     def check(problems: Problems) -> None:
+        nonlocal most
         problems.whole("settle", settle, 1, example=200)
+        most = checked_limit(problems, settle, limit)
         problems.whole("branches", branches, 0, example=40)
         problems.whole("refine", refine, 0, example=1)
         problems.whole("workers", workers, 1, example=2)
@@ -130,7 +138,7 @@ def _planned(
             problems.add("resume is for a folder; give one with out=, such as out='atlas'")
 
     plane = plane_over(what, make, over, starts, fixed, check)
-    return plane, Look(int(settle), float(rtol))
+    return plane, Look(int(settle), most, float(rtol))
 
 
 @dataclass
@@ -264,7 +272,7 @@ class _Making:
             told.append(self.ending.note(there))
         if missed:
             told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
-        told += _of_grid(grid, self.look.settle)
+        told += _of_grid(grid, self.look.limit)
         more = [len(level.points) - len(before.points) for before, level in pairwise(levels)]
         told += [f"cells in doubt were halved: {n} more points at 1/{2**k} of a cell" for k, n in enumerate(more, 1)]
         told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
@@ -289,12 +297,13 @@ def _to_start_again(level: Level) -> dict[Cell, Array]:
     return {cell: level.plane.more_states(rest, cell) for cell, rest in rests_of(level.plane, missed)[0].items()} if missed else {}
 
 
-def _of_grid(grid: dict[Cell, PointOfGrid], settle: int) -> list[str]:
+def _of_grid(grid: dict[Cell, PointOfGrid], limit: int) -> list[str]:
     """Notes on points of the grid."""
-    wild = sum(any(m.period == 0 for m in point.motions) for point in grid.values())
-    lost, none = sum(point.lost for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
-    why = f"at {wild} points a motion had no period up to 32 after {5 * settle} drive periods: it is irregular or has not settled"
-    told = [why] * (wild > 0) + [f"{lost} starts led nowhere"] * (lost > 0)
+    moving, starts = sum(point.unsettled > 0 for point in grid.values()), sum(point.unsettled for point in grid.values())
+    lost, none = sum(point.lost - point.unsettled for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
+    longer = f"type limit={10 * limit} to run them on for longer"
+    why = f"at {moving} points some starts ({starts} in all) have not settled within {limit + STRETCH} drive periods; {longer}"
+    told = [why] * (moving > 0) + [f"{lost} starts led nowhere: they run away, or could not be solved"] * (lost > 0)
     return told + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
 
 
@@ -351,8 +360,8 @@ class AtlasTime:
 @explains_arguments
 @interruptible
 def atlas_time(
-    make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, rtol: float = 1e-7, branches: int = 40,
-    refine: int = 1, workers: int = 1, **fixed: Any,
+    make: Maker, *, over: dict[str, Any], starts: int | dict[str, Any] = 5, settle: int = 200, limit: int | None = None,
+    rtol: float = 1e-7, branches: int = 40, refine: int = 1, workers: int = 1, **fixed: Any,
 ) -> AtlasTime:  # fmt: skip
     """Estimate how long `atlas` takes with the same arguments, from sixteen points of its grid, one branch from its middle and one curve.
 
@@ -362,7 +371,7 @@ def atlas_time(
 
     Parameters
     ----------
-    make, over, starts, settle, rtol, branches, refine, workers, **fixed
+    make, over, starts, settle, limit, rtol, branches, refine, workers, **fixed
         As for `atlas`.
 
     Returns
@@ -377,7 +386,7 @@ def atlas_time(
     >>> 0 < told.grid < 60
     True
     """
-    plane, look = _planned("atlas_time", make, over, starts, settle, rtol, branches, refine, workers, False, None, fixed)
+    plane, look = _planned("atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed)
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
     found = look_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()

@@ -8,23 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import some_of
 from stickslip.contracts import Array
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.dynamics.attractors.basins import settled_points
-from stickslip.dynamics.attractors.bifurcation_diagrams import periods_of
-from stickslip.dynamics.attractors.motion_features import numbered_motions
+from stickslip.dynamics.attractors.motion_features import features_of, numbered
+from stickslip.dynamics.attractors.settled_motions import PERIODIC, UNSETTLED, settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 from stickslip.solvers import solve
 
-#: What a motion is called that does not repeat: its type would change from one look to the next.
-IRREGULAR = "no period"
 _LOOKED = 64  # drive periods over which a motion is named
-_LONGER = 4  # times the drive periods of settling: how much longer what does not repeat is run
-_SAME = 1e-4  # of the velocity scale: mean velocities nearer to one another are one
 _JOINED = " | "  # the patterns of several contacts
 
 
@@ -35,9 +29,10 @@ class MotionThere:
     Parameters
     ----------
     word : str
-        Its type and its period, such as "III" or "II, period 2"; of several contacts their patterns; "no period" where there is none.
+        Its type and its period, such as "III" or "II, period 2"; of several contacts their patterns; "quasi-periodic" or "chaotic" where
+        it has no period.
     period : int
-        Drive periods until it repeats; 0 where it does not within 32.
+        Drive periods until it repeats; 0 where it does not.
     mean_velocity : float
         V [m/s].
     state : tuple of float
@@ -57,13 +52,14 @@ class MotionThere:
 class PointOfGrid:
     """The result at a point: motions, the most attracting first; number of starts without one; why there is no machine.
 
-    `more`: how many starts it had beyond those that every point has.
+    `more`: how many starts it had beyond those that every point has. `unsettled`: how many of the starts without a motion have not settled.
     """
 
     motions: tuple[MotionThere, ...] = ()
     lost: int = 0
     refused: str = ""
     more: int = 0
+    unsettled: int = 0
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -72,17 +68,20 @@ class PointOfGrid:
 
     @property
     def label(self) -> str:
-        """All of them in one word, such as "I + III" or "2 × II"."""
+        """All of them in one word, such as "I + III" or "2 × II"; "not settled" where no start has."""
         words = self.words
+        if not words and self.unsettled:
+            return UNSETTLED
         counted = {word: words.count(word) for word in words}
         return " + ".join(word if n == 1 else f"{n} × {word}" for word, n in counted.items())
 
 
 @dataclass(frozen=True)
 class Look:
-    """How points are looked at: drive periods before looking, and the tolerance of dynamic laws."""
+    """How points are looked at: drive periods before looking, their largest number, and the tolerance of dynamic laws."""
 
     settle: int
+    limit: int
     rtol: float
 
 
@@ -129,51 +128,39 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     values = np.array([plane.point(cell) for cell in begun])[owner]
     model = plane.family.robots(*values.T)
     T = np.broadcast_to(np.asarray(model.period, float), owner.shape)
-    points, ways, good = _settled(plane, model, np.vstack(list(begun.values())), look)
+    settled = settled_motions(model, np.vstack(list(begun.values())), plane.at, look.settle, look.limit, look.rtol, groups=owner)
+    motions = features_of(T, settled, plane.at)
     first: list[int] = []  # one run of each motion
     found: list[list[tuple[int, int, float, int]]] = []
-    lost = np.bincount(owner, ~(good > 0), len(begun)).astype(int).tolist()
+    lost = np.bincount(owner, ~settled.attracted, len(begun)).astype(int).tolist()
+    unsettled = np.bincount(owner, settled.kind == UNSETTLED, len(begun)).astype(int).tolist()
     for k in range(len(begun)):
-        rows = np.flatnonzero(owner == k)
-        period, V, numbers = numbered_motions(T[rows], points[rows], ways[rows], good[rows], plane.at, look.rtol)
+        numbers = numbered(motions, settled.attracted & (owner == k))
         own = [np.flatnonzero(numbers == n) for n in range(numbers.max() + 1)]
-        found.append([(len(first) + i, int(period[m[0]]), float(V[m].mean()), len(m)) for i, m in enumerate(own)])
-        first += [int(rows[m[0]]) for m in own]
-    states = points[first, -1]
+        V = [float(motions.mean_velocity[m].mean()) for m in own]
+        found.append([(len(first) + i, int(settled.period[m[0]]), V[i], len(m)) for i, m in enumerate(own)])
+        first += [int(m[0]) for m in own]
+    states, kinds = settled.points[first, -1], settled.kind[first]
     periods = [p for of in found for _, p, _, _ in of]
     words = _words(plane, values[first], states, periods, look) if first else []
     return {
         cell: PointOfGrid(
-            _sorted(plane, [MotionThere(_named(words[i], p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]), lost[k]
+            _sorted([MotionThere(_named(words[i], str(kinds[i]), p), p, V, tuple(states[i].tolist()), n) for i, p, V, n in of]),
+            lost[k],
+            unsettled=unsettled[k],
         )
         for k, (cell, of) in enumerate(zip(begun, found, strict=True))
     }
 
 
-def _settled(plane: Plane, model: Any, states: Array, look: Look) -> tuple[Array, Array, Array]:
-    """Strobe points, ways and success of runs; those that do not repeat yet are run on for a longer time."""
-    points, ways, good = settled_points(model, states, look.settle, look.rtol, 1, None)
-    late = np.flatnonzero((good > 0) & (periods_of(points, plane.at.scales, max(1e-6, 100 * look.rtol)) == 0))
-    if len(late):
-        again = settled_points(some_of(model, late), points[late, -1], _LONGER * look.settle, look.rtol, 1, None)
-        points[late], ways[late], good[late] = again
-    return points, ways, good
+def _sorted(motions: list[MotionThere]) -> tuple[MotionThere, ...]:
+    """The most attracting first."""
+    return tuple(sorted(motions, key=lambda m: (-m.hits, m.word, m.mean_velocity)))
 
 
-def _sorted(plane: Plane, motions: list[MotionThere]) -> tuple[MotionThere, ...]:
-    """The most attracting first. What has no period and the mean velocity of one that has is that one, not yet settled.
-
-    A flow makes no way, by which this could be seen.
-    """
-    kept = {motion: motion.hits for motion in motions if motion.period or plane.of_flows}
-    for motion in (m for m in motions if m not in kept):
-        like = next((m for m in kept if abs(m.mean_velocity - motion.mean_velocity) < _SAME * plane.at.speed), motion)
-        kept[like] = kept.get(like, 0) + motion.hits
-    return tuple(sorted((replace(m, hits=hits) for m, hits in kept.items()), key=lambda m: (-m.hits, m.word, m.mean_velocity)))
-
-
-def _named(word: str, period: int) -> str:
-    return word if period == 1 else f"{word}, period {period}" if period else IRREGULAR
+def _named(word: str, kind: str, period: int) -> str:
+    """A motion by its type and period; by its kind where it has no period, as its type would change from one look to the next."""
+    return kind if kind != PERIODIC else word if period == 1 else f"{word}, period {period}"
 
 
 def _words(plane: Plane, values: Array, states: Array, periods: list[int], look: Look) -> list[str]:
@@ -238,7 +225,7 @@ def taken_over(plane: Plane, grid: dict[Cell, PointOfGrid], run: Callable[[dict[
 def _joined(plane: Plane, point: PointOfGrid, more: list[MotionThere]) -> PointOfGrid:
     """A point with motions that were reached from its neighbours."""
     added = [replace(m, hits=0) for m in more]
-    return replace(point, motions=_sorted(plane, [*point.motions, *added]))
+    return replace(point, motions=_sorted([*point.motions, *added]))
 
 
 def with_more(plane: Plane, point: PointOfGrid, again: PointOfGrid, starts: int) -> PointOfGrid:
@@ -251,7 +238,8 @@ def with_more(plane: Plane, point: PointOfGrid, again: PointOfGrid, starts: int)
         same = min(alike, key=lambda m: abs(m.mean_velocity - motion.mean_velocity), default=None)
         known.append(motion if same is None else replace(motion, hits=motion.hits + same.hits))
         left = [m for m in left if m is not same]
-    return PointOfGrid(_sorted(plane, [*known, *new]), point.lost + again.lost, point.refused, point.more + starts)
+    unsettled = point.unsettled + again.unsettled
+    return PointOfGrid(_sorted([*known, *new]), point.lost + again.lost, point.refused, point.more + starts, unsettled)
 
 
 def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, Cell, str]]) -> dict[Cell, Array]:

@@ -129,7 +129,7 @@ class Plane:
 
     @cached_property
     def _start_axes(self) -> dict[str, Array]:
-        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, 1)
+        return start_axes("atlas", self.at, self.starts if isinstance(self.starts, dict) else {}, 1, None, 1)[0]
 
     @cached_property
     def count(self) -> int:

@@ -11,9 +11,10 @@ import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, wilson
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, state_attrs
+from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
+from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
+from stickslip.dynamics.attractors.settled_motions import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED, Settled, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
@@ -32,6 +33,12 @@ OF_ATTRACTORS = {
     "share": {"units": "1", "long_name": "share of the starts"},
     "share_low": {"units": "1", "long_name": "share of the starts, 95 % lower bound"},
     "share_high": {"units": "1", "long_name": "share of the starts, 95 % upper bound"},
+}
+#: Starts on no attractor: names of columns, kinds, and what they are.
+_LOST = {
+    "unsettled": (UNSETTLED, "starts that have not settled (-1: not computed)"),
+    "runs_away": (RUNS_AWAY, "starts that run away (-1: not computed)"),
+    "unsolved": (UNSOLVED, "starts that could not be solved (-1: not computed)"),
 }
 _STEPS = 8  # smaller steps from value to value where an attractor seems to end
 
@@ -56,6 +63,7 @@ def attractors(
     values: Numbers,
     starts: dict[str, Any] | None = None,
     settle: int = 300,
+    limit: int | None = None,
     rtol: float = 1e-7,
     workers: int = 1,
     progress: Report | None = None,
@@ -80,7 +88,10 @@ def attractors(
     starts : dict, optional
         The grid of initial states, as for `basins`: v [m/s], z [m], x [m], memory; single values or lists.
     settle : int
-        Drive periods to discard.
+        Drive periods to discard at least.
+    limit : int, optional
+        Drive periods up to which a start is run on that has not settled, eight times `settle` if not given; see `basins` for what is then
+        said of it.
     rtol : float
         Tolerance for dynamic laws.
     workers : int
@@ -94,10 +105,12 @@ def attractors(
     Returns
     -------
     xarray.Dataset
-        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), period (drive periods until
-        it repeats; 0: none up to 32, -1: absent), share of the starts with its 95 % interval share_low to share_high (Wilson), the strobe
+        Over attractor (in the order in which they appear) and the parameter: mean_velocity [m/s] (of machines), motion ("periodic",
+        "quasi-periodic" or "chaotic"; empty where it is absent), period (drive periods until it repeats; 0: none, -1: absent), exponent
+        with its error (largest Lyapunov exponent per drive period of what has no period), share of the starts with its 95 % interval
+        share_low to share_high (Wilson), the strobe
         state (v, z, ...); over attractor: begins and ends, between which values it appears and vanishes, and what its last state leads to
-        then; over the parameter: unsolved, the number of starts that reach no attractor (-1: not computed).
+        then; over the parameter the numbers of starts that reach no attractor: unsettled, runs_away and unsolved (-1: not computed).
 
     Examples
     --------
@@ -121,21 +134,21 @@ def attractors(
     at = coordinates(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
-    axes = start_axes("attractors", at, starts or {}, settle, workers, first)
+    axes, limit = start_axes("attractors", at, starts or {}, settle, limit, workers, first)
     table = grid_of(axes)
     tracks: list[_Track] = []
-    lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
-    along = _Along(robots, values, table, at, settle, rtol, workers)
+    lost, watch = np.full((len(values), len(_LOST)), UNDONE), Watch(len(values), progress)
+    along = _Along(robots, values, table, at, settle, limit, rtol, workers)
     with partial_result() as ending:
         for k in range(len(values)):
             look()
             lost[k] = _at_value(along, k, tracks)
             watch.finished(k, np.zeros(1, int))
-    ending.needs(tracks)
+    ending.needs(tracks or (lost != UNDONE).any())
     grid = _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
     if not ending.interrupted:
         return grid
-    return grid.assign_attrs(note=ending.note(f"{int((lost != UNDONE).sum())} of {len(values)} values are computed"))
+    return grid.assign_attrs(note=ending.note(f"{int((lost[:, 0] != UNDONE).sum())} of {len(values)} values are computed"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,27 +160,29 @@ class _Along:
     table: dict[str, Array]
     at: Coordinates
     settle: int
+    limit: int
     rtol: float
     workers: int
 
-    def settled(self, model: Any, states: Array) -> tuple[Array, Array, Array]:
-        return settled_points(spread_over(model, len(states)), states, self.settle, self.rtol, self.workers, None)
+    def settled(self, model: Any, states: Array) -> Settled:
+        many = spread_over(model, len(states))
+        return settled_motions(many, states, self.at, self.settle, self.limit, self.rtol, workers=self.workers)
 
-    def numbered(self, model: Any, points: Array, ways: Array, good: Array) -> tuple[Features, Array]:
+    def numbered(self, model: Any, settled: Settled) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""
-        motions = features_of(float(model.period), points, ways, self.at, self.rtol)
-        return motions, numbered(motions, good > 0)
+        motions = features_of(float(model.period), settled, self.at)
+        return motions, numbered(motions, settled.attracted)
 
 
-def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
-    """Go on with the tracks at one value, and begin new ones. Returns how many starts lead nowhere."""
+def _at_value(along: _Along, k: int, tracks: list[_Track]) -> list[int]:
+    """Go on with the tracks at one value, and begin new ones. Returns how many starts have not settled, run away, and were not solved."""
     model = along.robots.robot(float(along.values[k]))
     first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.found]
     whole = along.settled(model, np.vstack([*(track.state[None, :] for track in alive), first]))
-    motions, number = along.numbered(model, *whole)
+    motions, number = along.numbered(model, whole)
     if len(_claims(motions, number[: len(alive)], [track.means for track in alive])) < len(alive):  # one ends, or the step was too long
         whole = _in_small_steps(along, k, alive, whole)
-        motions, number = along.numbered(model, *whole)
+        motions, number = along.numbered(model, whole)
     carried, ours = number[: len(alive)], number[len(alive) :]
     lasting = [i for i, track in enumerate(alive) if not track.between]
     claims = _claims(motions, np.where(np.isin(np.arange(len(alive)), lasting), carried, -1), [track.means for track in alive])
@@ -176,12 +191,12 @@ def _at_value(along: _Along, k: int, tracks: list[_Track]) -> int:
         taken[n] = _Track(first[0], {})
         tracks.append(taken[n])
     for n, track in taken.items():
-        _note(track, k, number == n, ours == n, whole[0], motions)
+        _note(track, k, number == n, ours == n, whole, motions)
     for track, n in zip(alive, carried.tolist(), strict=True):
         if k not in track.found:
             track.between = track.between or (float(along.values[k - 1]), float(along.values[k]))
             track.became = f"attractor {tracks.index(taken[n])}" if n in taken else "no attractor"
-    return int(np.count_nonzero(ours < 0))
+    return [int(np.count_nonzero(whole.kind[len(alive) :] == kind)) for kind, _ in _LOST.values()]
 
 
 def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int, int]:
@@ -193,7 +208,7 @@ def _claims(motions: Features, carried: Array, before: list[Array]) -> dict[int,
     return claims
 
 
-def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Array, ...]) -> tuple[Array, ...]:
+def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: Settled) -> Settled:
     """Continuations of the tracks to a value by smaller steps of the parameter, besides those of the grid; ends are located.
 
     Where a parameter takes no values between, as a whole number does not, what the one long step gave stays.
@@ -206,21 +221,23 @@ def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: tuple[Arr
         except InputError:
             return whole
         found = along.settled(model, states)
-        motions, number = along.numbered(model, *found)
+        motions, number = along.numbered(model, found)
         lasting = np.array([not track.between for track in alive])
         kept = set(_claims(motions, np.where(lasting, number, -1), before).values())
         for i in set(np.flatnonzero(lasting).tolist()) - kept:
             alive[i].between = (low, high)
-        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], states)
+        states = np.where(np.isfinite(found.points[:, -1]), found.points[:, -1], states)
         before = [new if i in kept else old for i, (new, old) in enumerate(zip(motions.means, before, strict=True))]
-    return tuple(np.concatenate([own, rest[len(alive) :]]) for own, rest in zip(found, whole, strict=True))
+    return whole.beginning_with(found)
 
 
-def _note(track: _Track, k: int, members: Array, hit: Array, points: Array, motions: Features) -> None:
+def _note(track: _Track, k: int, members: Array, hit: Array, settled: Settled, motions: Features) -> None:
     first, hits, count = int(np.flatnonzero(members)[0]), int(np.count_nonzero(hit)), len(hit)
     V = float(np.mean(motions.mean_velocity[members]))
-    track.state, track.means = points[first, -1], motions.means[first]
-    track.found[k] = Attractor(int(motions.period[first]), V, track.state, hits / count, wilson(hits, count), None)
+    track.state, track.means = settled.points[first, -1], motions.means[first]
+    exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
+    kind, period = str(motions.kind[first]), int(motions.period[first])
+    track.found[k] = Attractor(kind, period, V, track.state, hits / count, wilson(hits, count), None, exponent, error)
 
 
 def _begins(track: _Track, values: Array) -> str:
@@ -240,17 +257,24 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     import xarray as xr
 
     shape = (len(tracks), len(values))
-    period, numbers = np.full(shape, UNDONE), np.full((*shape, 4 + len(at.names)), np.nan)
+    period, numbers = np.full(shape, UNDONE), np.full((*shape, 6 + len(at.names)), np.nan)
+    motion = np.full(shape, "", dtype="<U16")
     for i, track in enumerate(tracks):
         for k, a in track.found.items():
-            period[i, k], numbers[i, k] = a.period, [a.mean_velocity, a.share, *a.interval, *a.state]
+            period[i, k], motion[i, k] = a.period, a.kind
+            numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
     both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))
-    about = OF_ATTRACTORS | {name: state_attrs(name, "on the strobe", flow) for name in at.names}
+    about = (
+        OF_ATTRACTORS
+        | {name: OF_MOTIONS[name] for name in ("exponent", "error")}
+        | {name: state_attrs(name, "on the strobe", flow) for name in at.names}
+    )
     columns: dict[str, Any] = {name: (both, numbers[..., i], attrs) for i, (name, attrs) in enumerate(about.items())}
     columns |= {
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-        "unsolved": ((parameter,), lost, {"units": "1", "long_name": "starts that reach no attractor (-1: not computed)"}),
+        "motion": (both, motion, {"long_name": "motion: periodic, quasi-periodic, chaotic; empty where it is absent"}),
     }
+    columns |= {name: ((parameter,), lost[:, i], {"units": "1", "long_name": told}) for i, (name, (_, told)) in enumerate(_LOST.items())}
     if flow:
         del columns["mean_velocity"]
     for name, told in (("begins", _begins), ("ends", _ends)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cached_property
 from typing import Any
@@ -10,25 +9,29 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.batch import some_of
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, state_attrs
-from stickslip.dynamics.attractors.motion_features import numbered_motions
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
+from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
+from stickslip.dynamics.attractors.settled_motions import (
+    NOT_COMPUTED,
+    OF_MOTIONS,
+    PERIODIC,
+    UNSETTLED,
+    Settled,
+    checked_limit,
+    settled_motions,
+)
+from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.faces import Drawn
 from stickslip.fields import floats
 from stickslip.flow import is_flow
-from stickslip.interruption import interruptible, partial_result
+from stickslip.interruption import interruptible
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
-from stickslip.status import Status
-
-_POINTS = 64
-_EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
 
 
 @sealed
@@ -37,8 +40,10 @@ class Attractor:
 
     Parameters
     ----------
+    kind : str
+        "periodic", "quasi-periodic" or "chaotic".
     period : int
-        Drive periods until it repeats; 0 where it does not within 32.
+        Drive periods until it repeats; 0 where it does not.
     mean_velocity : float
         V [m/s]; nan of a flow, which makes no way.
     state : array
@@ -49,14 +54,27 @@ class Attractor:
         Of that share, at 95 % confidence (Wilson), as if the starts were drawn by chance.
     orbit : PeriodicOrbit or None
         The orbit by Newton's method, with its multipliers, where it is periodic.
+    exponent, error : float
+        Largest Lyapunov exponent per drive period and its standard error of a motion without a period, the mean over its starts; NaN of
+        one that has a period: its multipliers say more.
     """
 
+    kind: str
     period: int
     mean_velocity: float
     state: Array
     share: float
     interval: tuple[float, float]
     orbit: Any
+    exponent: float = np.nan
+    error: float = np.nan
+
+    @property
+    def word(self) -> str:
+        """What motion it is: "period 2", or "chaotic (exponent 0.42 ± 0.01 per drive period)"."""
+        if self.kind == PERIODIC:
+            return f"period {self.period}"
+        return f"{self.kind} (exponent {self.exponent:.2g} ± {self.error:.1g} per drive period)"
 
     @property
     def _bounds(self) -> str:
@@ -64,9 +82,8 @@ class Attractor:
         return f"{self.interval[0]:.3f} to {self.interval[1]:.3f}"
 
     def __repr__(self) -> str:
-        kind = f"period {self.period}" if self.period else "no period up to 32"
         way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
-        return f"<Attractor: {kind}, {way}share {self.share:.3f} ({self._bounds})>"
+        return f"<Attractor: {self.word}, {way}share {self.share:.3f} ({self._bounds})>"
 
 
 @sealed
@@ -78,9 +95,13 @@ class Basins(Drawn):
     model : Robot
         What moves.
     map : xarray.Dataset
-        Over the starts: `attractor` (number in `attractors`, -1: none), mean_velocity [m/s], period.
+        Over the starts: `attractor` (number in `attractors`, -1: none), mean_velocity [m/s], period, motion (what a start has settled on,
+        in words, or "not settled", "runs away", "not solved", "not computed"), exponent and its error per drive period of what has no
+        period, run (drive periods until a start was recognised, or given up).
     attractors : list of Attractor
         The largest share first.
+    notes : tuple of str
+        Why starts have not settled.
 
     Examples
     --------
@@ -93,21 +114,36 @@ class Basins(Drawn):
     model: Any
     map: Any
     attractors: list[Attractor]
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def fractions(self) -> list[float]:
         """The shares, the largest first."""
         return [a.share for a in self.attractors]
 
+    @cached_property
+    def others(self) -> dict[str, tuple[float, tuple[float, float]]]:
+        """Starts that are on no attractor, by what they do ("not settled", "runs away", "not solved"): share and its 95 % interval."""
+        motion = self.map.motion.values.ravel()
+        computed = motion != NOT_COMPUTED
+        cases, words = int(np.count_nonzero(computed)), motion[computed & (self.map.attractor.values.ravel() < 0)]
+        counts = {str(word): int(np.count_nonzero(words == word)) for word in dict.fromkeys(words.tolist())}
+        return {word: (n / cases, wilson(n, cases)) for word, n in counts.items()}
+
     _drawn_by = "basins"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        head = ("attractor", "period [drive periods]", "mean velocity [m/s]", "share of the starts", "95 %")
-        told = [(str(a.period or "none"), f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds) for a in self.attractors]
-        return [[head, *((str(k), *row) for k, row in enumerate(told))]]
+        head = ("attractor", "motion", "mean velocity [m/s]", "share of the starts", "95 %")
+        rows = [(str(k), a.word, f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds) for k, a in enumerate(self.attractors)]
+        rows += [("none", word, "", f"{share:.3f}", f"{low:.3f} to {high:.3f}") for word, (share, (low, high)) in self.others.items()]
+        return [[head, *rows]]
+
+    def _remarks(self) -> list[str]:
+        return list(self.notes)
 
     def __repr__(self) -> str:
-        return "<Basins: " + "; ".join(map(repr, self.attractors)) + f"; {self.map.attractor.size} starts>"
+        none = [f"{word}: share {share:.3f} ({low:.3f} to {high:.3f})" for word, (share, (low, high)) in self.others.items()]
+        return "<Basins: " + "; ".join([*map(repr, self.attractors), *none, f"{self.map.attractor.size} starts", *self.notes]) + ">"
 
 
 @explains_arguments
@@ -116,6 +152,7 @@ def basins(
     model: Model,
     *,
     settle: int = 300,
+    limit: int | None = None,
     rtol: float = 1e-7,
     workers: int = 1,
     progress: Report | None = None,
@@ -123,12 +160,19 @@ def basins(
 ) -> Basins:
     """Basins of attraction: the motion that a robot reaches from each point of a grid of initial states.
 
+    A start that does not repeat after `settle` drive periods is run on, up to `limit`. What still moves then is looked at over 600 drive
+    periods more: it is periodic if it closes in on a stable orbit as the derivative of the strobe map says; quasi-periodic if weighted
+    means of the strobe points of both halves agree; chaotic if its largest Lyapunov exponent is positive by more than three of its
+    standard errors and no other start left such a motion late. Everything else is no attractor: it has not settled, or runs away.
+
     Parameters
     ----------
     model : Robot
         One robot.
     settle : int
-        Drive periods to discard.
+        Drive periods to discard at least.
+    limit : int, optional
+        Drive periods up to which a start is run on that has not settled; eight times `settle` if not given.
     rtol : float
         Tolerance for dynamic laws.
     workers : int
@@ -146,7 +190,8 @@ def basins(
     Returns
     -------
     Basins
-        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals), `fractions`.
+        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals), `fractions`, `others` (shares of starts that
+        are on no attractor), `notes`.
 
     Examples
     --------
@@ -157,16 +202,15 @@ def basins(
     """
     needs_model("basins", model, flows=True)
     at = coordinates(model)
-    axes = start_axes("basins", at, starts, settle, workers, model)
+    axes, limit = start_axes("basins", at, starts, settle, limit, workers, model)
     table = grid_of(axes)
     states = on_grid(table, model)
     batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
-    points, ways, good = _unsettled(states)
-    with partial_result() as ending:
-        _settle(points, ways, good, batch, states, settle, rtol, workers, progress)
-    found = _gathered(model, axes, points, ways, good, at, rtol, "phase" in table)
-    if ending.interrupted:
-        found.map.attrs["note"] = ending.note(f"{int((good != UNDONE).sum())} of {len(good)} starts are computed")
+    settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
+    found = _gathered(model, axes, settled, at, "phase" in table)
+    if settled.ending.interrupted:
+        done = np.count_nonzero(settled.kind != NOT_COMPUTED)
+        found.map.attrs["note"] = settled.ending.note(f"{done} of {len(states)} starts are computed")
     return found
 
 
@@ -188,12 +232,15 @@ def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> A
     return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(names, rest, strict=True)])
 
 
-def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any, model: Any = None) -> dict[str, Array]:
-    """The axes of a grid of starts, checked."""
+def start_axes(
+    what: str, at: Any, starts: dict[str, Any], settle: Any, limit: Any, workers: Any, model: Any = None
+) -> tuple[dict[str, Array], int]:
+    """The axes of a grid of starts, checked, and the limit of their runs in drive periods."""
     flow = is_flow(model)
     problems, known = Problems(what), at.names[: at.smooth] if flow else (*at.names, "phase")
     problems.whole("workers", workers, 1, example=2)
     problems.whole("settle", settle, 1, example=300)
+    most = checked_limit(problems, settle, limit)
     axes = {}
     for name, value in (starts or _usual(at)).items():
         if name not in known:
@@ -204,7 +251,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
             problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
         axes[name] = axis
     problems.check()
-    return axes
+    return axes, most
 
 
 def _usual(at: Any) -> dict[str, Array]:
@@ -219,94 +266,50 @@ def _usual(at: Any) -> dict[str, Array]:
     return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
 
 
-def settled_points(
-    batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
-) -> tuple[Array, Array, Array]:
-    """Strobe points (cases, points, d), ways (cases, points), and which cases could be solved: 1, not: 0, were not computed: -1."""
-    found = _unsettled(states)
-    _settle(*found, batch, states, settle, rtol, workers, progress)
-    return found
-
-
-def _unsettled(states: Array) -> tuple[Array, Array, Array]:
-    """The columns of `settled_points` for starts that are not computed yet."""
-    cases, d = states.shape
-    return np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
-
-
-def _settle(
-    points: Array, ways: Array, good: Array, batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
-) -> None:
-    """Fill in the columns of `settled_points`, part by part."""
-
-    def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
-        model = some_of(batch, part)
-        early = min(settle, _EARLY)
-        begun = strobe_map(model, states[part], early, rtol)
-        kept, made = _still(model, begun.state, rtol)
-        good = begun.status <= Status.REPEATS
-        tell(0.2)
-        late = np.flatnonzero(np.isnan(made[:, 0]))
-        if len(late):
-            kept[late], made[late], solved = _later(some_of(model, late), begun.state[late], settle - early, rtol)
-            good[late] &= solved
-        return kept, made, good
-
-    for part, found in shared(len(states), ended, workers, progress):
-        points[part], ways[part], good[part] = found
-
-
-def _still(model: Any, states: Array, rtol: float) -> tuple[Array, Array]:
-    """Strobe points and ways of those states that the strobe map does not change by a single bit: all later points are the same.
-
-    NaN of all others.
-    """
-    end = strobe_map(model, states, 1, rtol)
-    still = np.all(end.state == states, axis=1)
-    points, ways = np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan)
-    return np.repeat(points[:, None], _POINTS, axis=1), np.repeat(ways[:, None], _POINTS, axis=1)
-
-
-def _later(model: Any, states: Array, periods: int, rtol: float) -> tuple[Array, Array, Array]:
-    """Strobe points and ways after some more drive periods, and what could be solved."""
-    good = np.full(len(states), True)
-    if periods:
-        end = strobe_map(model, states, periods, rtol)
-        states, good = end.state, end.status <= Status.REPEATS
-    kept, made = strobe_orbit(model, states, _POINTS, rtol)
-    return np.moveaxis(kept, 0, 1), made.T, good
-
-
-def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:
+def _gathered(model: Any, axes: dict[str, Array], settled: Settled, at: Any, by_phase: bool) -> Basins:
     import xarray as xr
 
-    period, V, number = numbered_motions(float(model.period), points, ways, good, at, rtol, by_phase)
+    motions = features_of(float(model.period), settled, at, by_phase)
+    number = numbered(motions, settled.attracted)
     dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))
     rank = np.full(len(members) + 1, -1)
     rank[order] = np.arange(len(order))
-    found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
+    cases = int(np.count_nonzero(settled.kind != NOT_COMPUTED))
     columns = {
         "attractor": (dims, rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        **({} if flow else {"mean_velocity": (dims, V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
-        "period": (dims, period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
+        **({} if flow else {"mean_velocity": (dims, motions.mean_velocity.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
+        "period": (dims, settled.period.reshape(shape), {"units": "1", "long_name": "motion period (0: none, -1: not computed)"}),
+        **{
+            name: (dims, column.reshape(shape), OF_MOTIONS[name])
+            for name, column in zip(OF_MOTIONS, (settled.kind, settled.exponent, settled.error, settled.run), strict=True)
+        },
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
     coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start", flow)) for n, a in axes.items()}
-    return Basins(model, xr.Dataset(columns, coords), found)
+    attractors = [_attractor(model, members[k], cases, settled, motions, by_phase) for k in order]
+    return Basins(model, xr.Dataset(columns, coords), attractors, _notes(settled))
 
 
-def _attractor(model: Any, members: Array, cases: int, points: Array, period: Array, V: Array, by_phase: bool) -> Attractor:
+def _notes(settled: Settled) -> tuple[str, ...]:
+    """Why starts have not settled, and what to type."""
+    told = settled.reasons()
+    more = f"type limit={10 * int(settled.run[settled.kind == UNSETTLED].max())} to run them on for longer" if told else ""
+    return (*told, more) if told else ()
+
+
+def _attractor(model: Any, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool) -> Attractor:
     from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 
-    first, count = members[0], int(period[members[0]])
+    first = members[0]
+    kind, count, state = str(settled.kind[first]), int(settled.period[first]), settled.points[first, -1]
     orbit = None
     with suppress(SolveError, InputError):
-        orbit = periodic_orbit(model, count, guess=points[first, -1]) if count and not by_phase else None
-    share = len(members) / cases
-    way = np.nan if is_flow(model) else float(np.mean(V[members]))
-    return Attractor(count, way, points[first, -1], share, wilson(len(members), cases), orbit)
+        orbit = periodic_orbit(model, count, guess=state) if count and not by_phase else None
+    share, way = len(members) / cases, np.nan if is_flow(model) else float(np.mean(motions.mean_velocity[members]))
+    exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
+    return Attractor(kind, count, way, state, share, wilson(len(members), cases), orbit, exponent, error)
 
 
 def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.batch import some_of
 from stickslip.contracts import Array
+from stickslip.dynamics.attractors.motion_features import features_of
+from stickslip.dynamics.attractors.settled_motions import NOT_COMPUTED, OF_MOTIONS, POINTS, UNDONE, checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_orbit
-from stickslip.engine.texts import recurrence
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map
 from stickslip.errors import Problems
 from stickslip.fields import floats
 from stickslip.flow import is_flow
@@ -26,9 +28,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DIRECTIONS = ("up", "down")
-LONGEST = 32  # largest period number that is looked for
-UNDONE = -1  # period number of what was not computed
-_RETURN = 1e-6  # strobe points closer than this, in scales, count as one
 
 
 @explains_arguments
@@ -39,6 +38,7 @@ def bifurcation(
     parameter: str,
     values: Numbers,
     settle: int = 200,
+    limit: int | None = None,
     points: int = 64,
     follow: bool = True,
     start: Any = None,
@@ -58,7 +58,10 @@ def bifurcation(
     values : array
         Its values, ascending.
     settle, points : int
-        Drive periods that are discarded, and that are recorded.
+        Drive periods that are discarded at least, and that are recorded.
+    limit : int, optional
+        Drive periods up to which a motion is run on that has not settled, eight times `settle` if not given; what has no period then is
+        looked at over 600 more and is quasi-periodic, chaotic (a positive exponent) or not settled, as `stickslip.basins` says.
     follow : bool
         True: sweep up through the values and down again, each case starting where the previous one ended, which reveals hysteresis. False:
         every case starts at `start` and all run in one batch, which is much faster.
@@ -78,39 +81,80 @@ def bifurcation(
     -------
     xarray.Dataset
         Over direction ("up", "down"), the parameter and point: the strobe state (v, z, ...), displacement in each period [m]; over
-        direction and parameter: mean_velocity [m/s], period (0: none up to 32, -1: not computed), v_max, v_min [m/s] of the last period
-        (of one body).
+        direction and parameter: mean_velocity [m/s], motion ("periodic", "quasi-periodic", "chaotic", "not settled", "runs away",
+        "not solved", "not computed"), period (0: none, -1: not computed), exponent with its error per drive period (of what has no
+        period), run (drive periods until it was recognised, or given up), v_max, v_min [m/s] of the last period (of one body).
 
     Examples
     --------
     >>> import stickslip as ss
     >>> d = ss.bifurcation(ss.presets.piezo_rig, parameter="mu0", values=[0.04, 0.05], settle=100, points=32, follow=False,
     ...                    amplitude=6e-4, tilt_deg=1.7)
-    >>> d.period.values.tolist()
-    [[2, 1]]
+    >>> d.period.values.tolist(), d.motion.values.tolist()
+    ([[2, 1]], [['periodic', 'periodic']])
     """
     robots = family("bifurcation", make, (parameter,), fixed)
     problems = Problems("bifurcation")
     problems.whole("settle", settle, 1, example=200)
     problems.whole("points", points, 2, example=64)
     problems.whole("workers", workers, 1, example=2)
+    limit = checked_limit(problems, settle, limit)
     values = checked_values(problems, values, robots)
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
-    at = coordinates(robots.robots(values))
+    how = _Look(robots, coordinates(robots.robots(values)), settle, limit, points, rtol)
     first = states_of(start, robots.robots(values))
-    n, d = first.shape
-    directions = DIRECTIONS if follow else ("from start",)
-    found = [np.full((len(directions), n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
+    found = how.blank(DIRECTIONS if follow else ("from start",), len(values), first.shape[1])
     with partial_result() as ending:
         if follow:
-            _hysteresis(found, robots, values, first, settle, points, rtol, progress)
+            _hysteresis(found, how, values, first, progress)
         else:
-            _anew(found, robots, values, first, settle, points, rtol, workers, progress)
-    grid = _dataset(robots, parameter, values, at, found, directions, settle)
+            for part, columns in shared(len(values), lambda part, tell: how.at_values(values[part], first[part]), workers, progress):
+                for name, column in columns.items():
+                    found[name][0, part] = column
+    grid = _dataset(how, parameter, values, found, DIRECTIONS if follow else ("from start",))
     if not ending.interrupted:
         return grid
-    done = int(np.isfinite(found[0]).all(axis=(-1, -2)).sum())
+    done = np.count_nonzero(found["motion"] != NOT_COMPUTED)
     return grid.assign_attrs(note=ending.note(f"{done} of {grid.period.size} motions are computed"))
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """How the motion at each value is looked at."""
+
+    robots: Family
+    at: Coordinates
+    settle: int
+    limit: int
+    points: int
+    rtol: float
+
+    def blank(self, directions: tuple[str, ...], values: int, d: int) -> dict[str, Array]:
+        """Columns over direction and value of what is not computed yet."""
+        flat, numbers = (len(directions), values), ("mean_velocity", "exponent", "error", "v_max", "v_min")
+        return {
+            "points": np.full((*flat, self.points, d), np.nan), "displacement": np.full((*flat, self.points), np.nan),
+            "motion": np.full(flat, NOT_COMPUTED, dtype="<U16"), "period": np.full(flat, UNDONE), "run": np.zeros(flat, int),
+            **{name: np.full(flat, np.nan) for name in numbers},
+        }  # fmt: skip
+
+    def at_values(self, values: Array, states: Array) -> dict[str, Array]:
+        """Columns of the cases of some values, each with its own start."""
+        model, n = self.robots.robots(values), len(values)
+        found = settled_motions(
+            model, states, self.at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
+        )
+        V = features_of(np.asarray(model.period, float), found, self.at).mean_velocity
+        ends, known = found.points[:, -1], np.flatnonzero(np.isfinite(found.points[:, -1]).all(axis=1))
+        extremes = np.full((2, n), np.nan)
+        if len(known):
+            last = strobe_map(some_of(model, known), ends[known], 1, self.rtol)
+            extremes[:, known] = last.v_max, last.v_min
+        return {
+            "points": found.points[:, -self.points :], "displacement": found.ways[:, -self.points :], "mean_velocity": V,
+            "motion": found.kind, "period": found.period, "exponent": found.exponent, "error": found.error, "run": found.run,
+            "v_max": extremes[0], "v_min": extremes[1],
+        }  # fmt: skip
 
 
 def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
@@ -123,111 +167,35 @@ def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
     return array
 
 
-def _anew(
-    whole: list[Array], robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any
-) -> None:
-    """Every value from its own start, into the columns."""
-
-    def part_of(part: slice, tell: Callable[[float], None]) -> list[Array]:
-        return _batch(robots, values[part], first[part], settle, points, rtol, tell)
-
-    for part, found in shared(len(first), part_of, workers, progress):
-        for column, rows in zip(whole, found, strict=True):
-            column[0, part] = rows
-
-
-def _batch(robots: Family, values: Array, states: Array, settle: int, points: int, rtol: float, tell: Any = None) -> list[Array]:
-    """States (values, points, d), displacements (values, points), v_max and v_min (values, 1) of cases that run side by side."""
-    model = robots.robots(values)
-    state = strobe_map(model, states, settle, rtol).state
-    if tell is not None:
-        tell(0.5)
-    kept, ways = strobe_orbit(model, state, points, rtol)
-    last = strobe_map(model, kept[-1], 1, rtol)
-    return [np.moveaxis(kept, 0, 1), ways.T, last.v_max[:, None], last.v_min[:, None]]
-
-
-def _hysteresis(
-    whole: list[Array], robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any
-) -> None:
+def _hysteresis(found: dict[str, Array], how: _Look, values: Array, first: Array, progress: Any) -> None:
     """Upwards and downwards side by side, each value from the end of the one before, into the columns."""
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     for k in range(n):
         look()
-        found = _batch(robots, values[[k, n - 1 - k]], states, settle, points, rtol)
-        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first[[k, n - 1 - k]])
-        for column, rows in zip(whole, found, strict=True):
-            column[0, k], column[1, n - 1 - k] = rows
+        columns = how.at_values(values[[k, n - 1 - k]], states)
+        last = columns["points"][:, -1]
+        states = np.where(np.isfinite(last), last, first[[k, n - 1 - k]])
+        for name, column in columns.items():
+            found[name][0, k], found[name][1, n - 1 - k] = column
         watch.finished(k, np.zeros(1, int))
 
 
-def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:
-    """Period numbers of strobe points (..., points, d): the smallest after which all of them come back; 0 if none up to 32.
-
-    What still settles, or swings ever closer around a motion of a part of the period, has none yet; see `stickslip.recurrence`.
-    """
-    cases = np.zeros((int(np.prod(points.shape[:-2])), points.shape[-2], 1 + points.shape[-1]))
-    cases[..., 1:] = points.reshape(len(cases), *points.shape[-2:])
-    return np.array([_lasting(case, scales, tolerance) for case in cases], int).reshape(points.shape[:-2])
-
-
-def _lasting(points: Array, scales: Array, tolerance: float) -> int:
-    """The period number, if every point is on the motion, the first ones too."""
-    p = seen(points, scales, tolerance)[0]
-    return p if p and (abs(points[p:, 1:] - points[:-p, 1:]) <= tolerance * scales).all() else 0
-
-
-def seen(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
-    """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
-    last = len(points) - 1
-    return recurrence().period_number(points, last, last, LONGEST, np.array(scales, float), tolerance, tolerance)
-
-
-def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
-    """Mean velocity [m/s] over the whole motion periods that ways [m] in drive periods T [s] hold (..., points); all where there is none.
-
-    Examples
-    --------
-    >>> float(steady_velocity(np.array([1.0, 3.0, 1.0]), np.array(2), 0.5))
-    4.0
-    """
-    points = ways.shape[-1]
-    count = whole_motions(points, period)
-    return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
-
-
-def whole_motions(points: int, period: Array) -> Array:
-    """How many of so many drive periods make whole motion periods; all where there is no period.
-
-    Examples
-    --------
-    >>> whole_motions(64, np.array([0, 1, 3])).tolist()
-    [64, 64, 63]
-    """
-    return np.where(period > 0, points - points % np.maximum(period, 1), points)
-
-
-def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list[Array], directions: tuple[str, ...], settle: int) -> Any:
+def _dataset(how: _Look, parameter: str, values: Array, found: dict[str, Array], directions: tuple[str, ...]) -> Any:
     import xarray as xr
 
-    points, ways, v_max, v_min = found
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
-    T = np.asarray(robots.robots(values).period, float)
-    period = periods_of(points, at.scales)
-    period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
-    flow = is_flow(robots.robot(values[0]))
-    columns: dict[str, Any] = {n: (whole, points[..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
+    at, flow = how.at, is_flow(how.robots.robot(values[0]))
+    columns: dict[str, Any] = {n: (whole, found["points"][..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
     if not flow:  # which makes no way
-        columns["displacement"] = (whole, ways, {"units": "m", "long_name": "displacement in a drive period"})
-        columns["mean_velocity"] = (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"})
-    columns |= {
-        "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found, -1: not computed)"}),
-    }
+        columns["displacement"] = (whole, found["displacement"], {"units": "m", "long_name": "displacement in a drive period"})
+        columns["mean_velocity"] = (flat, found["mean_velocity"], {"units": "m/s", "long_name": "mean velocity"})
+    columns["period"] = (flat, found["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
+    columns |= {name: (flat, found[name], told) for name, told in OF_MOTIONS.items()}
     if at.mechanics is None and not flow:
-        columns["v_max"] = (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"})
-        columns["v_min"] = (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"})
-    coords = {parameter: (parameter, values, robots.describe(parameter)), "direction": list(directions)}
-    return xr.Dataset(columns, coords, {"parameter": parameter, "settle": settle})
+        columns["v_max"] = (flat, found["v_max"], {"units": "m/s", "long_name": "largest velocity"})
+        columns["v_min"] = (flat, found["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
+    coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}
+    return xr.Dataset(columns, coords, {"parameter": parameter, "settle": how.settle, "limit": how.limit})
 
 
 def state_attrs(name: str, when: str, flow: bool = False) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Features that distinguish attractors: period number, means over whole motion periods, mean velocity."""
+"""Features that distinguish attractors: kind, period number, means over whole motion periods, mean velocity."""
 
 from __future__ import annotations
 
@@ -7,11 +7,22 @@ from typing import Any
 import numpy as np
 
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity, whole_motions
+from stickslip.dynamics.attractors.settled_motions import (
+    CHAOTIC,
+    PERIODIC,
+    POINTS,
+    Settled,
+    smooth_means,
+    steady_velocity,
+    whole_motions,
+)
+from stickslip.dynamics.exponents.rotation import smooth_weights
 from stickslip.sealing import sealed
 
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
-_ALIKE = 0.2  # the same of motions without a period, whose means over a stretch scatter
+_SMOOTH = 1e-3  # of the spread: weighted means of one quasi-periodic motion differ by less
+_ERRORS = 10.0  # times what two halves of a stretch differ by
+_COVERED = 0.5  # of the points of a chaotic motion lie among those of another start on the same attractor
 
 
 @sealed
@@ -20,55 +31,89 @@ class Features:
 
     Parameters
     ----------
+    kind : array of str (cases,)
+        As of `Settled`.
     period : array (cases,)
-        Drive periods until a motion repeats; 0: none up to 32.
+        Drive periods until a motion repeats; 0: it does not up to 32.
     mean_velocity : array (cases,)
         V [m/s].
     means : array (cases, features)
         Means and mean squares of the strobe points and the mean velocity, in scales; NaN of what was not solved.
+    spread : array (cases, features)
+        By how much the means of two starts on one motion without a period may differ, in scales.
+    clouds : dict of array (points, coordinates)
+        Strobe points of chaotic motions, in scales.
     """
 
+    kind: Array
     period: Array
     mean_velocity: Array
     means: Array
+    spread: Array
+    clouds: dict[int, Array]
 
     def distance(self, i: int, others: Array) -> Array:
         """How far the means of some motions (features,) or (n, features) are from those of one, in scales."""
         return np.max(abs(others - self.means[i]), axis=-1)
 
-    def same(self, i: int, period: int, means: Array) -> bool:
-        """Whether motion i is the one of this period and these means."""
-        return bool(self.period[i] == period and self.distance(i, means) < (_SAME if period else _ALIKE))
+    def same(self, i: int, other: Features, j: int) -> bool:
+        """Whether motion i is motion j of these or other features.
+
+        Periodic and quasi-periodic motions are by their means. Of chaotic ones these scatter, and more where a motion stays long in parts
+        of its attractor: two are one if half of the points of either lie among those of the other, nearer than these lie to each other.
+        """
+        if self.kind[i] != other.kind[j] or self.period[i] != other.period[j]:
+            return False
+        if self.kind[i] == CHAOTIC and i in self.clouds and j in other.clouds:
+            return max(_covered(self.clouds[i], other.clouds[j]), _covered(other.clouds[j], self.clouds[i])) >= _COVERED
+        return bool(np.all(abs(other.means[j] - self.means[i]) < _SAME + np.maximum(self.spread[i], other.spread[j])))
 
 
-def features_of(T: Any, points: Array, ways: Array, at: Any, rtol: float, by_phase: bool = False) -> Features:
-    """Features of motions from their strobe points (cases, points, d) and ways (cases, points) [m] in drive periods T [s].
+def _covered(points: Array, among: Array) -> float:
+    """The share of points that lie nearer to some others than most of these lie to each other."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(among)
+    usual = float(np.quantile(tree.query(among, 2)[0][:, 1], 0.9))
+    return float(np.mean(tree.query(points)[0] <= usual))
+
+
+def features_of(T: Any, found: Settled, at: Any, by_phase: bool = False) -> Features:
+    """Features of motions in drive periods T [s].
 
     With `by_phase` the strobe is at another phase for each start, and only the mean velocity counts.
     """
-    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
-    V = steady_velocity(ways, period, T)
-    return Features(period, V, _means(points, period, V, at, by_phase))
+    V = np.array(steady_velocity(found.ways, found.period, T))
+    means = _means(found.points, found.period, V, at, by_phase)
+    spread, clouds, span = np.zeros_like(means), dict[int, Array](), np.broadcast_to(np.asarray(T, float), V.shape)
+    for i, long in found.long.items():
+        if found.kind[i] == PERIODIC and 0 < found.period[i] <= POINTS // 2:
+            continue
+        V[i] = float(smooth_weights(len(long)) @ long[:, -1]) / span[i]
+        points = _without_shifts(long[None, :, :-1], at)[0] / at.scales
+        speeds = long[:, -1:] / (span[i] * at.speed)
+        kept = speeds if by_phase else np.hstack([points, speeds])
+        values, halves, widths = smooth_means(kept)
+        n = kept.shape[1]
+        row = values[:n] if by_phase else np.concatenate([values[: n - 1], values[n : 2 * n - 1], values[n - 1 : n]])
+        width = _ERRORS * halves + _SMOOTH * widths
+        means[i] = row
+        spread[i] = width[:n] if by_phase else np.concatenate([width[: n - 1], width[n : 2 * n - 1], width[n - 1 : n]])
+        if found.kind[i] == CHAOTIC:
+            clouds[i] = speeds if by_phase else points
+    return Features(found.kind, found.period, V, means, spread, clouds)
 
 
 def numbered(motions: Features, good: Array) -> Array:
-    """A number for each motion, in the order of the starts; all motions without a period whose means lie near each other are one."""
+    """A number for each motion, in the order of the starts; -1 of starts that are on none."""
     number: Array = np.full(len(good), -1)
-    kept: list[int] = []
+    first: list[int] = []
     for i in np.flatnonzero(good & np.isfinite(motions.means).all(axis=1)):
-        same = [k for k, j in enumerate(kept) if motions.same(int(i), int(motions.period[j]), motions.means[j])]
-        number[i] = same[0] if same else len(kept)
+        same = [k for k, j in enumerate(first) if motions.same(int(i), motions, j)]
+        number[i] = same[0] if same else len(first)
         if not same:
-            kept.append(int(i))
+            first.append(int(i))
     return number
-
-
-def numbered_motions(
-    T: Any, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False
-) -> tuple[Array, Array, Array]:
-    """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
-    motions = features_of(T, points, ways, at, rtol, by_phase)
-    return np.where(good == UNDONE, UNDONE, motions.period), motions.mean_velocity, numbered(motions, good > 0)
 
 
 def _means(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:

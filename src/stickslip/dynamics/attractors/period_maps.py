@@ -10,14 +10,15 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.batch import some_of
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity
+from stickslip.dynamics.attractors.motion_features import features_of
+from stickslip.dynamics.attractors.settled_motions import NOT_COMPUTED, OF_MOTIONS, UNDONE, checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
-from stickslip.dynamics.exponents.motion_exponents import largest_exponents
+from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
 from stickslip.errors import Problems
 from stickslip.fields import floats
 from stickslip.interruption import interruptible, partial_result
@@ -25,14 +26,10 @@ from stickslip.interruption import interruptible, partial_result
 if TYPE_CHECKING:
     import xarray as xr
 
-_FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
-_POINTS = 64  # ... and at the end
-
 _TOLD = {
-    "period": {"long_name": "drive periods until it repeats (0: none found, -1: not computed)", "units": "1"},
-    "exponent": {"long_name": "largest Lyapunov exponent per drive period", "units": "1"},
-    "error": {"long_name": "standard error of the exponent", "units": "1"},
+    "period": {"long_name": "drive periods until it repeats (0: none, -1: not computed)", "units": "1"},
     "mean_velocity": {"long_name": "mean velocity", "units": "m/s"},
+    **OF_MOTIONS,
 }
 
 
@@ -42,6 +39,7 @@ def chaos_map(
     make: Maker,
     *,
     settle: int = 300,
+    limit: int | None = None,
     periods: int = 200,
     start: Any = None,
     rtol: float = 1e-8,
@@ -59,7 +57,11 @@ def chaos_map(
     make : callable or Robot
         A function that makes a robot from keyword arguments, or a robot whose numbers have dotted names.
     settle, periods : int
-        Drive periods to discard (most cases are recognised as periodic sooner), and to average the exponent over.
+        Drive periods to discard at least, and to average the exponent of what has no period over (600 where fewer do not tell it from
+        zero).
+    limit : int, optional
+        Drive periods up to which a motion is run on that has not settled, eight times `settle` if not given; see `basins` for what is then
+        said of it.
     start : dict, array or orbit, optional
         Initial state of every case; rest if not given.
     rtol : float
@@ -75,7 +77,9 @@ def chaos_map(
     Returns
     -------
     xarray.Dataset
-        Over the parameters: period (0: none up to 32), exponent and its error per drive period, mean_velocity [m/s].
+        Over the parameters: motion ("periodic", "quasi-periodic", "chaotic", "not settled", "runs away", "not solved", "not computed"),
+        period (0: none), exponent and its error per drive period, mean_velocity [m/s], run (drive periods until the motion was recognised,
+        or given up).
 
     Examples
     --------
@@ -86,14 +90,21 @@ def chaos_map(
     """
     import xarray as xr
 
-    axes = _axes(arguments, settle, periods, workers)
+    axes, most = _axes(arguments, settle, limit, periods, workers)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
     needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())))
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
-    whole = [np.full(grid[0].size, UNDONE), *(np.full(grid[0].size, np.nan) for _ in range(3))]
+    size = grid[0].size
+    whole = [
+        np.full(size, UNDONE),
+        np.full(size, np.nan),
+        np.full(size, NOT_COMPUTED, dtype="<U16"),
+        *np.full((2, size), np.nan),
+        np.zeros(size, int),
+    ]
 
     def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
-        return _looked_at(robots, [column[part] for column in grid], start, settle, periods, rtol, tell)
+        return _looked_at(robots, [column[part] for column in grid], start, settle, most, periods, rtol, tell)
 
     with partial_result() as ending:
         for part, found in shared(grid[0].size, looked_at, workers, progress):
@@ -101,7 +112,7 @@ def chaos_map(
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
     columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
-    attrs: dict[str, Any] = {"settle": settle, "periods": periods, "rtol": rtol}
+    attrs: dict[str, Any] = {"settle": settle, "limit": most, "periods": periods, "rtol": rtol}
     if ending.interrupted:
         attrs["note"] = ending.note(f"{int((whole[0] != UNDONE).sum())} of {whole[0].size} points are computed")
     return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()}, attrs)
@@ -112,7 +123,7 @@ def _is_many(value: Any) -> bool:
     return isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) > 0
 
 
-def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
+def _axes(arguments: dict[str, Any], settle: Any, limit: Any, periods: Any, workers: Any) -> tuple[dict[str, Array], int]:
     problems = Problems("chaos_map")
     axes = {name: floats(value) for name, value in arguments.items() if _is_many(value)}
     if len(axes) not in (1, 2):
@@ -121,46 +132,34 @@ def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) ->
         if axis.ndim != 1 or not len(axis) or not np.isfinite(axis).all():
             problems.add(f"{name} = {arguments[name]!r}; allowed are finite numbers, at least one")
     problems.whole("settle", settle, 1, example=300)
+    most = checked_limit(problems, settle, limit)
     problems.whole("periods", periods, 20, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    return axes
+    return axes, most
 
 
-def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, periods: int, rtol: float, tell: Any) -> tuple[Array, ...]:
-    """Period, exponent, error and mean velocity of a part of the grid."""
+def _looked_at(
+    robots: Family, values: list[Array], start: Any, settle: int, limit: int, periods: int, rtol: float, tell: Any
+) -> tuple[Array, ...]:
+    """Period, mean velocity, motion, exponent, its error and drive periods of a part of the grid."""
     cases = len(values[0])
     model = spread_over(robots.robots(*values), cases)
-    at, first = coordinates(robots.robot(*(column[0] for column in values))), min(settle, _FIRST)
-    state = strobe_map(model, states_of(start, model), first, rtol).state
-    tell(0.25)
-    period, state, velocity = _repeats(model, state, at.scales, _LOOK, rtol)
-    late, followed = np.flatnonzero(period == 0), not not_followed(model)
-    exponent, error = np.full(cases, np.nan), np.full(cases, np.nan)
-    tell(0.5)
-    if len(late):
-        some = some_of(model, late)
-        settled = strobe_map(some, state[late], settle - first, rtol).state if settle > first else state[late]
-        period[late], state[late], velocity[late] = _repeats(some, settled, at.scales, _POINTS, rtol)
-        tell(0.7)
-    for p in np.unique(period[period > 0]):
-        members = np.flatnonzero(period == p)
+    at = coordinates(robots.robot(*(column[0] for column in values)))
+    found = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
+    tell(0.7)
+    V = features_of(np.asarray(model.period, float), found, at).mean_velocity
+    state, exponent, error = found.points[:, -1], found.exponent.copy(), found.error.copy()
+    followed = not not_followed(model)
+    for p in np.unique(found.period[found.period > 0]):
+        members = np.flatnonzero(found.period == p)
+        some = some_of(model, members)
         if followed:
-            exponent[members], error[members] = _by_multipliers(some_of(model, members), state[members], int(p), at.scales, rtol)
-    wild = np.flatnonzero((period == 0 if followed else period >= 0) & np.isfinite(state).all(axis=1))
-    tell(0.8)
-    if len(wild):
-        exponent[wild], error[wild] = largest_exponents(
-            some_of(model, wild), periods, settle=0, start=state[wild], rtol=rtol, apart=max(1e-7, 100 * rtol)
-        )
-    return period, exponent, error, velocity
-
-
-def _repeats(model: Any, state: Array, scales: Array, points: int, rtol: float) -> tuple[Array, Array, Array]:
-    """Period numbers, last strobe states and mean velocities of the next strobe points."""
-    kept, ways = strobe_orbit(model, state, points, rtol)
-    period = periods_of(np.moveaxis(kept, 0, 1), scales, max(1e-6, 30 * rtol))
-    return period, kept[-1], steady_velocity(ways.T, period, np.asarray(model.period, float))
+            exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
+        else:
+            apart = max(1e-7, 100 * rtol)
+            exponent[members], error[members] = exponents_from(some, state[members], periods, settle=0, rtol=rtol, apart=apart)
+    return found.period, V, found.kind, exponent, error, found.run
 
 
 def _by_multipliers(model: Any, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:

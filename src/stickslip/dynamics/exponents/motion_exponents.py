@@ -250,8 +250,16 @@ def largest_exponents(
     problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    at, state = coordinates(model), states_of(start, model)
-    cases = len(state)
+    return exponents_from(
+        model, states_of(start, model), periods, settle=settle, rtol=rtol, apart=apart, workers=workers, progress=progress
+    )
+
+
+def exponents_from(
+    model: Any, state: Array, periods: int, *, settle: int, rtol: float, apart: float, workers: int = 1, progress: Report | None = None
+) -> tuple[Array, Array]:
+    """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
+    at, cases = coordinates(model), len(state)
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
     def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:

@@ -148,9 +148,20 @@ def _mean_advance(turns: Array, size: float = 1.0) -> Rotation:
 
 
 def _weighted(turns: Array) -> float:
-    t = np.arange(1, len(turns) + 1) / (len(turns) + 1)
+    return float(np.sum(smooth_weights(len(turns)) * turns))
+
+
+def smooth_weights(count: int) -> Array:
+    """Weights exp(-1/(t(1 - t))) along so many points, t from 0 to 1; their sum is 1.
+
+    Examples
+    --------
+    >>> smooth_weights(3).round(3).tolist()
+    [0.173, 0.655, 0.173]
+    """
+    t = np.arange(1, count + 1) / (count + 1)
     weights = np.exp(-1.0 / (t * (1.0 - t)))
-    return float(np.sum(weights * turns) / np.sum(weights))
+    return np.asarray(weights / np.sum(weights))
 
 
 def _checked(points: Any) -> Array:

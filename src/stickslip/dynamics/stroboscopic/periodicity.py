@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.contracts import Array
-from stickslip.dynamics.attractors.bifurcation_diagrams import LONGEST, seen
+from stickslip.dynamics.attractors.settled_motions import LONGEST, repeated
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.recurrence import apart, approach
 from stickslip.sealing import sealed
@@ -51,7 +51,7 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
     at, tolerance = coordinates(model), max(30 * rtol, 1e-9)
     states, moved = strobe_orbit(model, np.asarray(state, float)[None, :], points, rtol)
     kept = np.column_stack([np.cumsum(moved[:, 0]), states[:, 0]])
-    period, last = seen(kept, at.scales, tolerance)[0], points - 1
+    period, last = repeated(kept, at.scales, tolerance)[0], points - 1
     if period:
         miss = apart(kept, last, period, 1, at.scales)
         why = f"the last {points} strobe points repeat after {period} within {miss:.1e} of their scales"

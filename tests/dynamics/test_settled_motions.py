@@ -1,0 +1,161 @@
+"""Whether starts have settled, and on what, against closed forms and against a plain integrator of our own."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.dynamics.attractors.basins import wilson
+from stickslip.dynamics.attractors.motion_features import features_of, numbered
+from stickslip.dynamics.attractors.settled_motions import settled_motions
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
+from stickslip.maths import cos, sin
+
+LOGISTIC = lambda y, n: (n.r * y[0] * (1 - y[0]),)  # noqa: E731
+HENON = ss.SwitchingFlow.of_map(lambda y, n: (1 - 1.4 * y[0] ** 2 + y[1], 0.3 * y[0]), {"a": 1.4}, ("x", "y"))
+PLANE = np.array([(a, b) for a in np.linspace(-2.2, 2.2, 9) for b in np.linspace(-2.2, 2.2, 9)])
+
+
+def forced(acceleration, omega=1.0):
+    """An oscillator x'' = f(t, x, v) under a force of period 2 pi / omega."""
+    field = {0: lambda t, y: (y[1], acceleration(t, y[0], y[1]))}
+    return ss.SwitchingFlow(field, period=2 * np.pi / omega, states=("x", "v"))
+
+
+def duffing(force, damping=0.15):
+    return lambda t, x, v: x - x**3 - damping * v + force * cos(t)
+
+
+def settled(model, states, settle=50, limit=None, groups=None):
+    at = coordinates(model)
+    states = np.column_stack([states, np.zeros((len(states), len(at.names) - np.shape(states)[1]))])
+    batch = spread_over(model, len(states))
+    return settled_motions(batch, states, at, settle, limit or 8 * settle, 1e-7, groups=groups)
+
+
+def integrated(acceleration, states, periods, steps=100):
+    """Strobe points (periods, cases, 2) by the classical Runge-Kutta method, all cases side by side: a plain twin."""
+    y, h, points = states.T.copy(), 2 * np.pi / steps, []
+
+    def rate(t, y):
+        return np.array([y[1], acceleration(t, y[0], y[1])])
+
+    for n in range(periods * steps):
+        t = n * h
+        k1 = rate(t, y)
+        k2 = rate(t + h / 2, y + h / 2 * k1)
+        k3 = rate(t + h / 2, y + h / 2 * k2)
+        k4 = rate(t + h, y + h * k3)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        if (n + 1) % steps == 0:
+            points.append(y.T)
+    return np.array(points)
+
+
+@pytest.mark.parametrize("settle", [2, 20, 60])
+def test_duffings_two_attractors_are_two_however_early_one_looks_first(settle):
+    """Transient chaos was taken for attractors without a period: eight of them after 60 periods."""
+    found = ss.basins(forced(duffing(0.2)), x=np.linspace(-2.2, 2.2, 9), v=np.linspace(-2.2, 2.2, 9), settle=settle, limit=480)
+    assert [(a.kind, a.period) for a in found.attractors] == [("periodic", 1)] * 2 and not found.others and not found.notes
+    ends = integrated(lambda t, x, v: x - x**3 - 0.15 * v + 0.2 * np.cos(t), PLANE, 400)
+    left = np.mean(ends[-1, :, 0] < 0)
+    shares = {a.state[0] < 0: a for a in found.attractors}
+    for share, side in ((left, True), (1 - left, False)):
+        low, high = wilson(round(share * len(PLANE)), len(PLANE))
+        assert low <= shares[side].share <= high
+        assert np.min(np.max(abs(ends[-1] - shares[side].state[:2]), axis=1)) < 1e-4  # the step of the twin
+
+
+def test_a_start_that_still_moves_at_the_limit_is_not_settled_and_counted_as_that():
+    """Far from its orbit and nearly without damping, a hardening oscillator closes in for ten thousand periods."""
+    found = ss.basins(
+        forced(lambda t, x, v: -x - x**3 - 5e-4 * v + 0.3 * cos(t)), x=[-2.0, -1.0, 1.0, 2.0], v=[0.0, 1.0], settle=10, limit=10
+    )
+    assert found.attractors == [] and list(found.others) == ["not settled"]
+    share, (low, high) = found.others["not settled"]
+    assert share == 1.0 and (low, high) == wilson(8, 8)
+    assert "still moves after 610 drive periods" in found.notes[0] and "limit=" in found.notes[-1]
+    assert "not settled: share 1.000" in repr(found) and "not settled" in found._repr_html_()
+
+
+def test_chaos_has_a_positive_exponent_and_its_starts_are_on_one_attractor():
+    """At f = 0.3 the larger part of the starts ends in chaos, the others in a large motion of period one; the twin counts the same."""
+    found = ss.basins(forced(duffing(0.3)), x=np.linspace(-2.2, 2.2, 9), v=np.linspace(-2.2, 2.2, 9), settle=60)
+    by_kind = {a.kind: a for a in found.attractors}
+    assert set(by_kind) == {"chaotic", "periodic"} and len(found.attractors) == 2
+    assert by_kind["chaotic"].exponent > 3 * by_kind["chaotic"].error > 0 and "exponent" in repr(found)
+    points = integrated(lambda t, x, v: x - x**3 - 0.15 * v + 0.3 * np.cos(t), PLANE, 300)
+    repeats = np.max(abs(points[-1] - points[-2]), axis=1) < 1e-6
+    low, high = wilson(int(np.count_nonzero(~repeats)), len(PLANE))
+    assert low <= by_kind["chaotic"].share <= high
+
+
+def test_a_chaotic_transient_has_a_positive_exponent_and_is_no_attractor():
+    """The logistic map in its window of period three (from 1 + sqrt(8) on) has a chaotic saddle, which starts leave at some time."""
+    window = ss.SwitchingFlow.of_map(LOGISTIC, {"r": 3.835}, ("x",))
+    found = ss.basins(window, x=np.linspace(0.05, 0.95, 37), settle=5, limit=20)
+    assert {a.kind for a in found.attractors} == {"periodic"} and found.attractors[0].period == 3
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.001, 0.0001])
+def test_a_weakly_damped_oscillator_has_one_attractor_by_its_orbit(damping):
+    """A multiplier of exp(-pi d) closes in by a thousandth of a digit in a period; the derivative of the map says where it goes.
+
+    x'' + d x' + 2 x = 0.3 cos t: x + i x' of the closed form, 0.3/(1 + i d).
+    """
+    found = settled(forced(lambda t, x, v: -2 * x - damping * v + 0.3 * cos(t)), PLANE[:6])
+    assert (found.kind == "periodic").all() and (found.period == 1).all()
+    answer = 0.3 / (1 + 1j * damping)
+    assert np.max(abs(found.points[:, -1, :2] - [answer.real, -answer.imag])) < 1e-6
+
+
+def test_without_damping_nothing_attracts():
+    found = settled(forced(lambda t, x, v: -2 * x + 0.3 * cos(t)), PLANE[:6])
+    assert (found.kind == "not settled").all() and all("preserved" in why for why in found.why)
+    pendulum = settled(forced(lambda t, x, v: -sin(x) + 0.3 * cos(t)), PLANE[::20])
+    assert not (pendulum.kind == "chaotic").any() and not (pendulum.kind == "quasi-periodic").any()
+
+
+def test_a_torus_is_one_quasi_periodic_attractor():
+    """Van der Pol's oscillator under a weak force: all starts go to one torus, whose means agree and whose exponent is zero."""
+    found = ss.basins(forced(lambda t, x, v: (1 - x**2) * v - x + 0.2 * cos(1.7 * t), 1.7), x=[-1.0, 0.5, 2.0], v=[0.0, 1.0], settle=60)
+    assert [(a.kind, a.share) for a in found.attractors] == [("quasi-periodic", 1.0)]
+    assert abs(found.attractors[0].exponent) < 3 * found.attractors[0].error
+
+
+def test_starts_run_away_in_finite_time_or_ever_faster():
+    escape = forced(lambda t, x, v: -x + x**2 - 0.1 * v + 0.06 * cos(0.85 * t), 0.85)
+    found = settled(escape, np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 3.0]]))
+    assert found.kind.tolist() == ["periodic", "runs away", "runs away"]
+    assert settled(forced(lambda t, x, v: 1.0 + cos(t)), PLANE[:2]).kind.tolist() == ["runs away"] * 2
+
+
+def test_the_logistic_map_by_its_number():
+    """Fixed point, period two, chaos, escape; at the flip r = 3 the approach is algebraic, and nothing is claimed."""
+    many = ss.SwitchingFlow.of_map(LOGISTIC, {"r": [2.8, 3.2, 3.9, 4.5, 3.0]}, ("x",))
+    found = settled(many, np.full((5, 1), 0.3), settle=100, groups=np.arange(5))
+    assert found.kind.tolist() == ["periodic", "periodic", "chaotic", "runs away", "not settled"]
+    assert found.period.tolist() == [1, 2, 0, 0, 0]
+
+
+def test_bifurcation_and_chaos_map_say_what_a_motion_is():
+    logistic = ss.SwitchingFlow.of_map(LOGISTIC, {"r": 3.2}, ("x",))
+    diagram = ss.bifurcation(logistic, parameter="r", values=[2.8, 3.9], start={"x": 0.3}, follow=False, settle=50)
+    assert diagram.motion.values.tolist() == [["periodic", "chaotic"]] and diagram.exponent[0, 1] > 3 * diagram.error[0, 1]
+    along = ss.attractors(HENON, parameter="a", values=[1.4, 1.41], starts={"x": [0.0, 0.1]}, settle=50)
+    assert along.motion.values.tolist() == [["chaotic", "chaotic"]] and (along.unsettled == 0).all()
+    robot = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=4e-4, tilt_deg=1.7, settle=100, periods=60)
+    assert robot.motion.values.tolist() == ["periodic", "chaotic"]
+
+
+def test_two_starts_on_one_chaotic_attractor_are_one_and_mirror_twins_are_two():
+    """A cubic map whose two chaotic bands are mirror images of one another."""
+    cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3,), {"r": 2.5}, ("x",))
+    found = settled(cubic, np.array([[0.3], [0.7], [-0.3], [-0.5]]))
+    assert (found.kind == "chaotic").all()
+    number = numbered(features_of(float(cubic.period), found, coordinates(cubic)), found.attracted)
+    assert number.tolist() == [0, 0, 1, 1]
+
+
+def test_the_limit_is_checked():
+    with pytest.raises(ss.InputError, match="allowed is a whole number of drive periods from settle = 50 on"):
+        ss.basins(HENON, x=[0.0, 0.1], settle=50, limit=20)
