@@ -158,7 +158,7 @@ def _looked_at(
             exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
         else:
             apart = max(1e-7, 100 * rtol)
-            exponent[members], error[members] = exponents_from(some, state[members], periods, settle=0, rtol=rtol, apart=apart)
+            exponent[members], error[members] = exponents_from(some, state[members], periods, rtol=rtol, apart=apart)
     return found.period, V, found.kind, exponent, error, found.run
 
 

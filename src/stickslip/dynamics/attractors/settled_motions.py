@@ -277,7 +277,7 @@ class _Run:
                 unsure = np.flatnonzero(~(abs(value) > _ERRORS * error))
                 if len(unsure):
                     own = some_of(self.batch, rows[unsure])
-                    found = exponents_from(own, start[unsure], periods, settle=0, rtol=self.rtol, apart=apart)
+                    found = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart)
                     seen.exponent[rows[unsure]], seen.error[rows[unsure]] = found
             sizes = np.array(self.sizes[-3:])[:, rows]
             seen.grows[rows] = (sizes[-1] > _FAR) & np.all(sizes[1:] > 1.5 * sizes[:-1], axis=0)

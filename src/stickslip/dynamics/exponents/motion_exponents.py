@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -250,17 +250,27 @@ def largest_exponents(
     problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    return exponents_from(
-        model, states_of(start, model), periods, settle=settle, rtol=rtol, apart=apart, workers=workers, progress=progress
-    )
+    state = states_of(start, model)
+    whole = np.full((2, len(state)), np.nan)
+    with partial_result():
+        for part, found in _parts_apart(model, state, periods, settle, rtol, apart, workers, progress):
+            whole[:, part] = found
+    return whole[0], whole[1]
 
 
-def exponents_from(
-    model: Any, state: Array, periods: int, *, settle: int, rtol: float, apart: float, workers: int = 1, progress: Report | None = None
-) -> tuple[Array, Array]:
-    """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
-    at, cases = coordinates(model), len(state)
-    means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
+def exponents_from(model: Any, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
+    """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked, and all or nothing is computed."""
+    whole = np.full((2, len(state)), np.nan)
+    for part, found in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
+        whole[:, part] = found
+    return whole[0], whole[1]
+
+
+def _parts_apart(
+    model: Any, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None
+) -> Iterator[tuple[slice, tuple[Array, Array]]]:
+    """Exponents and errors of a batch, part by part."""
+    at = coordinates(model)
 
     def apart_by(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
         some = some_of(model, part)
@@ -268,10 +278,7 @@ def exponents_from(
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
-    with partial_result():
-        for part, found in shared(cases, apart_by, workers, progress):
-            means[part], errors[part] = found
-    return means, errors
+    return shared(len(state), apart_by, workers, progress)
 
 
 def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
