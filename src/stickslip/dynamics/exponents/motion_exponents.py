@@ -259,7 +259,7 @@ def largest_exponents(
 
 
 def exponents_from(model: Any, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
-    """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked, and all or nothing is computed."""
+    """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
     for part, found in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
         whole[:, part] = found
