@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.engine.law_steps import law_steps
+from stickslip.friction.law_adapter import adapted
+from stickslip.identifying.law_forces import Stepped, _step_by_step
 from stickslip.maths import where
 
 
@@ -90,3 +93,37 @@ def test_the_judge_moves_them_alike():
     x, v = clipped(limits, np.array([0.3]), np.array([0.7]), periods=8)
     run = ss.solve(oscillator(limits, 0.3, 0.7), periods=8, method="lsoda", rtol=1e-7)
     assert abs(run.x[-1] - x[0]) < 1e-5 and abs(run.v[-1] - v[0]) < 1e-5
+
+
+@pytest.mark.parametrize("limits", [(0.1,), (0.05, 0.1, 0.2, 0.4)], ids=len)
+def test_a_prescribed_motion_gives_the_force_of_clipped_elements(limits):
+    t = np.linspace(0.0, 40.0, 801)
+    steps, x = np.diff(t, prepend=0.0), 0.3 * np.sin(t) + 0.2 * np.sin(2.7 * t)
+    moved, z, forces = np.diff(x, prepend=x[0]), np.zeros(len(limits)), []
+    for d in moved:  # at constant velocity between samples clipping is exact
+        z = np.clip(z + d, np.negative(limits), limits)
+        forces.append(z.sum())
+    v = np.divide(moved, steps, out=np.zeros_like(t), where=steps > 0)
+    law, ones, nothing = adapted(Jenkins(limits)), np.ones((801, 1)), np.zeros((801, 1))
+    compiled = law_steps(law)(law, steps, v, v, ones, nothing, np.zeros((len(limits), 1)))
+    plain, _ = _step_by_step(law, Stepped(t, v, v), ones, nothing, np.zeros((len(limits), 1)), steps)
+    np.testing.assert_allclose(compiled[:, 0], forces, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(plain[:, 0], forces, rtol=0, atol=1e-9)  # slopes of rates are differences there
+
+
+@dataclass(frozen=True)
+class Caught(Jenkins):
+    """One whose spring does not move beyond its limit, whichever way the contact goes: an error that is easily made."""
+
+    beyond: float = 1.0
+
+    def rate(self, v, z, load, mode):
+        return v * (1 - mode[0] * mode[0]) * where(abs(z) >= self.beyond * self.limits[0] * load, 0.0, 1.0)
+
+
+def test_check_law_restarts_a_memory_where_a_motion_reverses_at_a_limit():
+    assert ss.testing.check_law(Jenkins((0.05, 0.1)))["restart at a reversal"].value < 1e-8
+    with pytest.raises(ss.InputError, match="change of the force, of the load, by a change of 1e-9 of the states"):
+        ss.testing.check_law(Caught((0.1,), beyond=1.0 + 5e-10))
+    with pytest.raises(ss.InputError, match=r"switches its memories endlessly.*right after a switch"):
+        ss.testing.check_law(Caught((0.1,)))

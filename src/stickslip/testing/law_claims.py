@@ -10,17 +10,19 @@ from typing import Any
 from stickslip.arguments import explains_arguments
 from stickslip.benching.probe import Probe
 from stickslip.engine.law_checks import ARGUMENTS, check_signatures, finite
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import checked_number, example_in, is_array, leaves
 from stickslip.friction.law_adapter import adapted, mirrored
 from stickslip.quantities import between
-from stickslip.testing.moved_contact import burst, shaken
+from stickslip.testing.moved_contact import burst, reversed_at_limit, shaken
 from stickslip.testing.reports import Claim, LawReport, judged
 from stickslip.testing.symbol_values import traced
 from stickslip.testing.unit_change import FACTORS, in_other_units
 
 #: Rounding errors of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
 _SAME, _SAME_WORK = 1e-11, 1e-5
+#: A change of the states at a reversal, of themselves, and what it may change of the forces after it.
+_BESIDE, _SAME_AFTER = 1e-9, 1e-5
 #: Strokes in typical deflections and largest velocities in typical velocities; velocities of a burst.
 MOTIONS = ((0.3, 1.0), (3.0, 1.0), (3.0, 0.1), (3.0, 10.0), (10.0, 1.0))
 BURSTS = (10.0, 1000.0)
@@ -32,7 +34,8 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
 
     The claims are: its numbers are finite; a contact at rest stays at rest; sliding friction opposes motion; a closed cycle dissipates
     energy; reflection exchanges plus and minus; the formula survives a change of units (where the docstring gives them in brackets, as in
-    ``[N/m]``); numbers, arrays and the engine's symbols give the same result. The energy that the law returns in excess of what it received
+    ``[N/m]``); numbers, arrays and the engine's symbols give the same result; a law with discrete memory, reversed at its limits, goes on
+    alike when it is restarted there from states that differ by rounding. The energy that the law returns in excess of what it received
     from its initial state on is measured: it is zero for a passive law.
 
     Parameters
@@ -69,14 +72,22 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     with finite(law):
         found = [_finite(probe)]
         if found[0].passed:
-            runs = _cycles(probe)
-            claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
-            claims += [make(probe) for make in (_mirror, _other_units, _arrays, _symbols)]
-            found += [claim for claim in claims if claim is not None]
+            try:
+                found += _of_motions(probe)
+            except SolveError as error:
+                found.append(judged("endless", False, math.nan, error=error))
     report = LawReport(type(law).__name__, tuple(found))
     if raise_ and report.failures:
         raise InputError(report.law, [f"{c.name}: {_measured(c)}{c.meaning}; {c.remedy}" for c in report.failures])
     return report
+
+
+def _of_motions(probe: Probe) -> list[Claim]:
+    """All claims but that numbers are finite."""
+    runs = _cycles(probe)
+    claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
+    claims += [make(probe) for make in (_restarts, _mirror, _other_units, _arrays, _symbols)]
+    return [claim for claim in claims if claim is not None]
 
 
 def _instance(law: Any) -> Any:
@@ -196,6 +207,18 @@ def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
     most = max(-run["least"] / max(run["turned"], 1e-300) for run in [*runs, *bursts])
     most = most if most > 1e-9 else 0.0
     return judged("gives_back", None, most)
+
+
+def _restarts(probe: Probe) -> Claim | None:
+    """A law with a memory, slid to its limits and reversed: from states that differ there by rounding it goes on alike."""
+    if not probe.law.modes:
+        return None
+    reach, worst = max(probe.scale, default=0.01), 0.0
+    for side in (1.0, -1.0):
+        forces = [reversed_at_limit(probe, reach, side, by) for by in (0.0, _BESIDE, -_BESIDE)]
+        size = max(probe.load, *map(abs, forces[0]))
+        worst = max([worst, *(abs(a - b) / size for other in forces[1:] for a, b in zip(forces[0], other, strict=True))])
+    return judged("restarts", worst <= _SAME_AFTER, worst)
 
 
 def _mirror(probe: Probe) -> Claim:

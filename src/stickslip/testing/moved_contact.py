@@ -38,3 +38,16 @@ def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
     loss, turned = (marks[-1][i] - marks[-1 - last][i] for i in (0, 1))
     length, velocity = pieces[-1]
     return {"least": state.least, "turned": state.turned, "loss": loss, "loss_turned": turned, "force": state.force(velocity(0.5 * length))}
+
+
+def reversed_at_limit(probe: Probe, reach: float, side: float, by: float) -> list[float]:
+    """Forces after strokes that reverse where a contact has slid far: each starts anew from the states, changed by a part of them [N]."""
+    speed, forces = side * probe.velocity_scale, list[float]()
+    contact = Contact(probe, probe.load * 20.0 * reach)
+    for stroke, way in ((10.0, 1.0), (0.3, -1.0), (0.3, 1.0), (10.0, -1.0), (0.5, 1.0)):
+        anew = Contact(probe, contact.work)
+        anew.z, anew.mode = tuple(z * (1.0 + by) for z in contact.z), contact.mode
+        anew.follow(*swing(way * side * stroke * reach, abs(speed)))
+        forces.append(anew.force(way * speed))
+        contact = anew
+    return forces
