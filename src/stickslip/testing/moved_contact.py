@@ -44,7 +44,7 @@ def reversed_at_limit(probe: Probe, reach: float, side: float, by: float) -> lis
     """Forces after strokes that reverse where a contact has slid far: each starts anew from the states, changed by a part of them [N]."""
     speed, forces = side * probe.velocity_scale, list[float]()
     contact = Contact(probe, probe.load * 20.0 * reach)
-    for stroke, way in ((10.0, 1.0), (0.3, -1.0), (0.3, 1.0), (10.0, -1.0), (0.5, 1.0)):
+    for stroke, way in ((10.0, 1.0), (0.317, -1.0), (0.211, 1.0), (10.0, -1.0), (0.523, 1.0)):  # no two end where a switch is
         anew = Contact(probe, contact.work)
         anew.z, anew.mode = tuple(z * (1.0 + by) for z in contact.z), contact.mode
         anew.follow(*swing(way * side * stroke * reach, abs(speed)))
