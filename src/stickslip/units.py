@@ -141,6 +141,8 @@ def heading(text: str) -> tuple[str, str | None]:
     --------
     >>> heading("Normal [uN]"), heading("v (mm/s)"), heading("t / ms"), heading("LDV")
     (('Normal', 'uN'), ('v', 'mm/s'), ('t', 'ms'), ('LDV', None))
+    >>> heading("pos_deg"), heading("v_mm_s"), heading("v_min")
+    (('pos_deg', 'deg'), ('v_mm_s', 'mm/s'), ('v_min', None))
     """
     text = text.strip().strip('"').strip()
     boxed = re.fullmatch(r"(.*?)\s*\[([^\]\[]*)\]\s*", text)
@@ -150,4 +152,54 @@ def heading(text: str) -> tuple[str, str | None]:
         found = re.fullmatch(pattern, text)
         if found and unit_of(found[2]) is not None:
             return found[1].strip(), found[2].strip()
-    return text, None
+    return text, _at_the_end(text)
+
+
+#: Units with which a name may end after a stroke below, as robots' logs have them. Words that are ends of other names too (min, in, g, pm)
+#: are none; a unit of one letter is one after names of its quantity alone.
+_ENDS = {
+    *(
+        "ns",
+        "us",
+        "ms",
+        "sec",
+        "nm",
+        "um",
+        "mm",
+        "cm",
+        "deg",
+        "rad",
+        "rpm",
+        "mA",
+        "mV",
+        "kV",
+        "mN",
+        "kN",
+        "Nm",
+        "mNm",
+        "Ncm",
+        "Nmm",
+        "Hz",
+        "kHz",
+    ),
+    *("kPa", "MPa", "mbar", "bar", "mps", "kph", "rps"),
+    *(f"{length}/{time}" for length in ("m", "cm", "mm", "um", "rad", "deg", "rev") for time in ("s", "s2", "s^2", "ms")),
+}
+_LETTERS = {
+    "s": r"t|time|zeit|timestamp|seconds|elapsed.*|.*[_ ]time", "m": r"x|y|z|s|pos.*|disp.*|weg|stroke|gap|.*[_ ](x|pos|position)",
+    "N": r"f|force|kraft|load|.*[_ ](f|force|load)|f[_ ]?[a-z0-9]*|friction|normal", "A": r"i|cur|curr|current|strom|.*[_ ](i|current)",
+    "V": r"u|v|volt.*|voltage|spannung|.*[_ ](u|voltage)",
+}  # fmt: skip
+
+
+def _at_the_end(name: str) -> str | None:
+    """The unit with which a name such as pos_deg, F_N or v_mm_s ends; None if it ends with none without doubt."""
+    words = name.split("_")
+    for count in (3, 2, 1):
+        head, tail = "_".join(words[:-count]), "_".join(words[-count:])
+        unit = tail.replace("_per_", "/").replace("_", "/")
+        if head and unit in _ENDS and unit_of(unit) is not None:
+            return unit
+        if head and unit in _LETTERS and re.fullmatch(_LETTERS[unit], head, re.I):
+            return unit
+    return None

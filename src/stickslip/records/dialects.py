@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.lines import MOST_NUMBER, Lines, check_columns
 from stickslip.units import heading, unit_of
 
 _NUMBER = {
@@ -48,23 +50,37 @@ class Dialect:
         Numbers in a row.
     grouped : bool
         Whether thousands may be marked: with the other mark, a blank or an apostrophe.
+    left_out : tuple of int
+        Columns of the file that are not read; `width` does not count them.
+    whole : int
+        Columns of the file, where some are left out.
     """
 
     separator: str
     decimal: str
     width: int
     grouped: bool = False
+    left_out: tuple[int, ...] = ()
+    whole: int = -1
 
     def cells(self, line: str) -> list[str]:
+        """The cells of a line that are read."""
+        cells = self.all_cells(line)
+        return [cell for i, cell in enumerate(cells) if i not in self.left_out] if self.left_out and len(cells) == self.whole else cells
+
+    def all_cells(self, line: str) -> list[str]:
         """The cells of a line."""
         if self.separator == " ":
             return re.findall(r"[^ \t]+", line)
         parts = self._quoted(line) if '"' in line and len(self.separator) == 1 else line.split(self.separator)
         cells = [part.strip(_BLANK) for part in parts]
-        return cells[:-1] if len(cells) == self.width + 1 and cells[-1] == "" else cells
+        return cells[:-1] if len(cells) == max(self.width, self.whole) + 1 and cells[-1] == "" else cells
 
     def _quoted(self, line: str) -> list[str]:
         """The parts of a line with quotes; where the csv module takes no part as long as one here, quotes part nothing."""
+        bare = line.strip(" ")
+        if self.separator not in line and bare[0] == '"' and '"' not in (inner := bare.strip('"')):
+            return [inner]
         try:
             return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
         except csv.Error:
@@ -72,6 +88,8 @@ class Dialect:
 
     def number(self, cell: str) -> float | None:
         """The number in a cell; NaN for a missing value, None if it is not a number."""
+        if len(cell) > MOST_NUMBER:
+            return None
         if _NUMBER[self.decimal].fullmatch(cell):
             return float(cell.replace(",", ".").translate(_EXPONENT))
         if self.grouped and _GROUPED[self.decimal].fullmatch(cell):
@@ -87,8 +105,13 @@ class Dialect:
         """A line as numbers, if it is nothing else, and holds at least one that was measured."""
         if not line.strip():
             return None
-        row = self.numbers(line)
-        return row if all(x is not None for x in row) and any(np.isfinite(x) for x in row) else None  # type: ignore[arg-type]
+        row: list[float | None] = []
+        for cell in self.cells(line):
+            number = self.number(cell)
+            if number is None:
+                return None
+            row.append(number)
+        return row if any(np.isfinite(x) for x in row) else None  # type: ignore[arg-type]
 
     @property
     def words(self) -> str:
@@ -106,13 +129,15 @@ class _Tried:
     first: int
 
 
-def sniffed(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> tuple[Dialect, int]:
+def sniffed(
+    lines: Lines, separator: str | None, decimal: str | None, notes: list[str], left_out: tuple[int, ...] = (), whole: int = -1
+) -> tuple[Dialect, int]:
     """The dialect in which a text is a table, and its first row of numbers.
 
     Where numbers can be read in two ways, the headings decide by how many columns they name; where they do not, it is an error. What the
     user typed is not doubted.
     """
-    tried = _all_tried(lines, separator, decimal)
+    tried = _all_tried(lines, separator, decimal, left_out, whole)
     able = _distinct([t for t in tried if t.part >= 1 - MOST_BAD], lines)
     if not able:
         best = max(tried, key=lambda t: t.part, default=None)
@@ -125,7 +150,8 @@ def sniffed(lines: list[str], separator: str | None, decimal: str | None, notes:
     if len(able) > 1:
         raise InputError("read", [_two_ways(able, lines)])
     chosen = able[0]
-    body = lines[chosen.first :]
+    check_columns(chosen.dialect.width)
+    body = lines.from_line(chosen.first)
     if separator is None and decimal is None:
         _check_columns(chosen, lines, body, notes)
     if decimal is None:
@@ -133,43 +159,36 @@ def sniffed(lines: list[str], separator: str | None, decimal: str | None, notes:
     return chosen.dialect, chosen.first
 
 
-def _all_tried(lines: list[str], separator: str | None, decimal: str | None) -> list[_Tried]:
-    quoted = any('"' in line for line in lines[: _PREAMBLE + 2])
+def _all_tried(lines: Lines, separator: str | None, decimal: str | None, left_out: tuple[int, ...], whole: int) -> list[_Tried]:
+    quoted = any('"' in line for line in lines[: lines.beginning(_PREAMBLE + 2)])
     found = []
     for mark in [separator] if separator else SEPARATORS.values():
         for point in [decimal] if decimal else (".", ","):
             if mark != point or quoted:
-                one = _tried(lines, Dialect(mark, point, -1, decimal is not None and mark not in ", "))
+                one = _tried(lines, Dialect(mark, point, -1, decimal is not None and mark not in ", ", left_out, whole))
                 found += [one] if one else []
     return found
 
 
-def _tried(lines: list[str], loose: Dialect) -> _Tried | None:
+def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
     """How much of the text is a table in one dialect."""
-    chosen = range(0, len(lines), max(len(lines) // _SAMPLED, 1))
-    widths = Counter(len(row) for row in (loose.row(lines[i]) for i in chosen) if row)
-    widths = widths or Counter(len(row) for row in (loose.row(line) for line in lines[:_PREAMBLE]) if row)
+    beginning = lines[: lines.beginning(_PREAMBLE)]
+    widths = Counter(len(row) for row in (loose.row(line) for line in lines.sample(0, _SAMPLED)) if row)
+    widths = widths or Counter(len(row) for row in (loose.row(line) for line in beginning) if row)
     if not widths:
         return None
     width = max(widths, key=lambda w: (widths[w], w))
-    dialect = Dialect(loose.separator, loose.decimal, width, loose.grouped)
-    first = next((i for i, line in enumerate(lines[:_PREAMBLE]) if len(dialect.row(line) or ()) == width), None)
+    dialect = dataclasses.replace(loose, width=width)
+    first = next((i for i, line in enumerate(beginning) if len(dialect.row(line) or ()) == width), None)
     if first is None:
         return None
-    sample = _sample(lines, first)
+    sample = lines.sample(first, _SAMPLED)
     good = sum(len(dialect.row(line) or ()) == width for line in sample)
     before = sum(bool(line.strip()) and bool(_FIGURES.fullmatch(line)) for line in lines[:first])  # rows that this dialect cannot read
     return _Tried(good / (len(sample) + before), dialect, first)
 
 
-def _sample(lines: list[str], first: int) -> list[str]:
-    every = range(first, len(lines), max((len(lines) - first) // _SAMPLED, 1))
-    return [lines[i] for i in every if lines[i].strip()]
-
-
-def _why_not(lines: list[str], best: _Tried | None) -> str:
-    if not any(line.strip() for line in lines):
-        return "the file is empty"
+def _why_not(lines: Lines, best: _Tried | None) -> str:
     if best is None:
         example = next((line.strip()[:60] for line in lines if line.strip()), "")
         return f"it begins with {example!r}; {_TYPE} with what the file uses"
@@ -182,15 +201,15 @@ def _why_not(lines: list[str], best: _Tried | None) -> str:
 _TYPE = 'type ss.read(path, separator=";", decimal=",")'
 
 
-def _distinct(able: list[_Tried], lines: list[str]) -> list[_Tried]:
+def _distinct(able: list[_Tried], lines: Lines) -> list[_Tried]:
     """One of those that read the same numbers; where decimal marks come only later in the file, the one that can read them."""
     found: dict[str, _Tried] = {}
     for t in able:
-        key = repr([t.dialect.numbers(line) for line in _sample(lines, t.first)])
+        key = repr([t.dialect.numbers(line) for line in lines.sample(t.first, _SAMPLED)])
         other = found.setdefault(key, t)
         if other is not t and other.dialect.separator == t.dialect.separator != "," and t.dialect.decimal == ",":
-            body = "\n".join(lines[t.first :])
-            if "," in body and "." not in body:
+            body = lines.from_line(t.first).data
+            if b"," in body and b"." not in body:
                 found[key] = t
     return list(found.values())
 
@@ -201,16 +220,37 @@ def heading_cells(line: str, dialect: Dialect) -> list[str]:
     if dialect.separator == " ":
         line = line.strip(" #%;!")
         wide = [cell.strip() for cell in re.split(r"\t|\s{2,}", line)]
-        return wide if len(wide) == dialect.width else re.split(r"\s+(?![\[(])", line) if line else []
+        return _kept(wide if len(wide) == max(dialect.width, dialect.whole) else re.split(r"\s+(?![\[(])", line) if line else [], dialect)
     line = line.lstrip("#%! " if dialect.separator == ";" else "#%;! ")
-    parts = re.findall(rf'(?:"[^"]*"|\[[^\]]*\]|\([^)]*\)|(?!{re.escape(dialect.separator)}).)+|{re.escape(dialect.separator)}', line)
-    cells = [""]
-    for part in parts:
-        if part == dialect.separator:
-            cells.append("")
-        else:
-            cells[-1] += part.strip().strip('"').strip().replace('""', '"')  # CSV doubles a quote within quotes
-    return cells[:-1] if len(cells) == dialect.width + 1 and cells[-1] in _NO_COLUMN else cells
+    cells = [cell.strip().strip('"').strip().replace('""', '"') for cell in _parted(line, dialect.separator)]  # CSV doubles a quote
+    cells = cells[:-1] if len(cells) == max(dialect.width, dialect.whole) + 1 and cells[-1] in _NO_COLUMN else cells
+    return _kept(cells, dialect)
+
+
+def _kept(cells: list[str], dialect: Dialect) -> list[str]:
+    """The cells whose columns are read."""
+    return [cell for i, cell in enumerate(cells) if i not in dialect.left_out] if len(cells) == dialect.whole else cells
+
+
+_CLOSED = {'"': '"', "[": "]", "(": ")"}
+
+
+def _parted(line: str, separator: str) -> list[str]:
+    """The parts of a line between separators that stand outside of quotes and brackets; what is not closed opens nothing."""
+    marks = re.compile(rf'["\[(]|{re.escape(separator)}')
+    parts, begin, place, unclosed = [], 0, 0, set[str]()
+    while (mark := marks.search(line, place)) is not None:
+        place = mark.end()
+        if mark[0] == separator:
+            parts.append(line[begin : mark.start()])
+            begin = place
+        elif mark[0] not in unclosed:
+            end = line.find(_CLOSED[mark[0]], place)
+            if end < 0:
+                unclosed.add(mark[0])
+            else:
+                place = end + 1
+    return [*parts, line[begin:]]
 
 
 def _heading_line(lines: Sequence[str]) -> str | None:
@@ -218,12 +258,12 @@ def _heading_line(lines: Sequence[str]) -> str | None:
     return next((line for line in reversed(lines) if line.strip()), None)
 
 
-def _names(t: _Tried, lines: list[str]) -> list[str]:
+def _names(t: _Tried, lines: Lines) -> list[str]:
     line = _heading_line(lines[: t.first])
     return [] if line is None else heading_cells(line, t.dialect)
 
 
-def _by_heading(able: list[_Tried], lines: list[str], notes: list[str]) -> list[_Tried]:
+def _by_heading(able: list[_Tried], lines: Lines, notes: list[str]) -> list[_Tried]:
     """Those whose columns are as many as the headings name."""
     fitting = [t for t in able if len(_names(t, lines)) == t.dialect.width]
     wide, single = [t for t in fitting if t.dialect.width > 1], [t for t in fitting if t.dialect.width == 1]
@@ -236,10 +276,10 @@ def _by_heading(able: list[_Tried], lines: list[str], notes: list[str]) -> list[
     return fitting or able
 
 
-def _two_ways(able: list[_Tried], lines: list[str]) -> str:
+def _two_ways(able: list[_Tried], lines: Lines) -> str:
     ways = " or ".join(
         f"as {_columns(t.dialect.width)} with {t.dialect.words} "
-        f"({', '.join(f'{x:g}' for x in t.dialect.numbers(lines[t.first]) if x is not None)})"
+        f"({', '.join(f'{x:g}' for x in t.dialect.numbers(lines[t.first])[:6] if x is not None)}{', ...' * (t.dialect.width > 6)})"
         for t in able
     )
     options = " or ".join(
@@ -253,7 +293,7 @@ def _columns(count: int) -> str:
     return f"{count} column{'s' if count > 1 else ''}"
 
 
-def _check_columns(t: _Tried, lines: list[str], body: list[str], notes: list[str]) -> None:
+def _check_columns(t: _Tried, lines: Lines, body: Lines, notes: list[str]) -> None:
     """Headings that name fewer columns, and whole numbers with zeros before them, speak of commas or blanks within numbers."""
     names, dialect = _names(t, lines), t.dialect
     told = len(names) > 1 or (len(names) == 1 and unit_of(heading(names[0])[1]) is not None)
@@ -261,9 +301,9 @@ def _check_columns(t: _Tried, lines: list[str], body: list[str], notes: list[str
     fewer = words and len(names) < dialect.width and dialect.width % len(names) == 0
     if dialect.separator == " ":
         parts = len(names) if fewer else _tabbed(body[0])
-        if _grouped_by_blanks(dialect, body[:_SAMPLED], parts):
+        if _grouped_by_blanks(dialect, body[: body.beginning(_SAMPLED)], parts):
             raise InputError("read", [f"{body[0].strip()[:40]!r} may have blanks between thousands; {_TYPE_BLANKS}"])
-    whole = dialect.separator == "," and not any("." in line or '"' in line for line in body)
+    whole = dialect.separator == "," and b"." not in body.data and b'"' not in body.data
     if whole and fewer:
         raise InputError("read", [
             f"the headings name {_columns(len(names))} and {body[0].strip()[:40]!r} has {dialect.width} numbers with {dialect.words}: "
@@ -275,9 +315,9 @@ def _check_columns(t: _Tried, lines: list[str], body: list[str], notes: list[str
         _doubt_commas(dialect, body, notes)
 
 
-def _doubt_commas(dialect: Dialect, body: list[str], notes: list[str]) -> None:
+def _doubt_commas(dialect: Dialect, body: Lines, notes: list[str]) -> None:
     """Whole numbers without headings: the commas may be decimal marks and separators at once."""
-    if any(re.search(r"(?<!\d)[+-]?0\d", line) for line in body):
+    if re.search(rb"(?<!\d)[+-]?0\d", body.data):
         raise InputError("read", [
             f"every number is whole, and some begin with a zero, in {_columns(dialect.width)} with {dialect.words}: are the commas decimal "
             f"marks too? {_SPLIT}"
@@ -290,7 +330,7 @@ def _tabbed(line: str) -> int:
     return len(line.strip().split("\t"))
 
 
-def _grouped_by_blanks(dialect: Dialect, lines: list[str], parts: int) -> bool:
+def _grouped_by_blanks(dialect: Dialect, lines: Sequence[str], parts: int) -> bool:
     """Whether rows of blanks are `part_runs` numbers with blanks between thousands."""
     if not 0 < parts < dialect.width or dialect.width % parts:
         return False
@@ -305,21 +345,21 @@ _SPLIT = (
 )
 
 
-def _check_thousands(dialect: Dialect, body: list[str], notes: list[str]) -> None:
+def _check_thousands(dialect: Dialect, body: Lines, notes: list[str]) -> None:
     """Commas that all stand before three digits may be decimal marks or marks between thousands: nothing in the file tells."""
     if dialect.decimal == "," and _always_three(_COMMA_TOKEN, body):
         raise InputError("read", [
             "every comma stands before exactly three digits: a decimal mark, or a mark between thousands? "
             'Type ss.read(path, decimal=",") or ss.read(path, decimal=".")'
         ])  # fmt: skip
-    if dialect.separator == ";" and dialect.decimal == "." and _always_three(_POINT_TOKEN, body[:_SAMPLED]):
+    if dialect.separator == ";" and dialect.decimal == "." and _always_three(_POINT_TOKEN, body[: body.beginning(_SAMPLED)]):
         notes.append(
             "every point stands before exactly three digits and is read as the decimal mark; "
             'if points are between thousands, type decimal=","'
         )
 
 
-def _always_three(token: re.Pattern[str], lines: list[str]) -> bool:
+def _always_three(token: re.Pattern[str], lines: Iterable[str]) -> bool:
     """Whether all tokens look like thousands, and there is one."""
     seen = False
     for line in lines:

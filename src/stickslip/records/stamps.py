@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import datetime
+import functools
+import io
 import re
 from dataclasses import dataclass
 
 from stickslip.errors import InputError
+from stickslip.records.lines import Lines
 
 #: What one of the whole numbers is [s].
 STAMP_UNIT = 1e-9
@@ -27,7 +30,7 @@ class Stamped:
 
     Parameters
     ----------
-    lines : list of str
+    lines : Lines
     before : str
         What stands before the first of these numbers in its line.
     dated : bool
@@ -36,48 +39,58 @@ class Stamped:
         The first timestamp, as it was written.
     """
 
-    lines: list[str]
+    lines: Lines
     before: str
     dated: bool
     begin: str
 
 
-def stamped(lines: list[str]) -> Stamped | None:
-    """The same lines with whole nanoseconds for timestamps; None where the text has none beside its numbers."""
+def stamped(lines: Lines, words: bool = False) -> Stamped | None:
+    """The same lines with whole nanoseconds for timestamps; None where the text has none beside its numbers, or `words`."""
     for comma in (True, False):  # a comma before the fraction of a second is one where commas part no columns
-        begin = next((i for i, line in enumerate(lines[:_LINES]) if _found(line, comma) is not None), None)
+        begin = next((i for i, line in enumerate(lines[: lines.beginning(_LINES)]) if _found(line, comma, words) is not None), None)
         if begin is None:
             continue
         if comma and not re.search(r"[;\t]", lines[begin]):
             continue
-        return _replaced(lines, begin, comma)
+        return _replaced(lines, begin, comma, words)
     return None
 
 
-def _found(line: str, comma: bool) -> re.Match[str] | None:
-    """The timestamp of a line whose rest is numbers."""
-    found = _CELL[comma].search(line)
-    if found is None or not (_REST.fullmatch(line[: found.start()]) and _REST.fullmatch(line[found.end() :])):
+def _found(line: str, comma: bool, words: bool) -> re.Match[str] | None:
+    """The timestamp of a line whose rest is numbers, or whatever it is."""
+    if ":" not in line:
         return None
-    alone = re.fullmatch(r"(.*[,;\t])?\s*", line[: found.start()]) and re.match(r"\s*([,;\t ]|$)", line[found.end() :])
+    found = _CELL[comma].search(line)
+    if found is None or not (words or (_REST.fullmatch(line[: found.start()]) and _REST.fullmatch(line[found.end() :]))):
+        return None
+    before = line[: found.start()].rstrip(" ")
+    alone = (not before.strip() or before[-1] in ",;\t") and re.match(r"\s*([,;\t ]|$)", line[found.end() :])
     return found if alone else None
 
 
-def _replaced(lines: list[str], begin: int, comma: bool) -> Stamped:
-    found = {i: match for i in range(begin, len(lines)) if (match := _found(lines[i], comma)) is not None}
-    day_first = _order_of_days(found.values())
-    made, last, turns, zero = list(lines), None, 0, None
-    for i, match in found.items():
-        at = _whole(match, day_first)
-        if at is None:
+def _replaced(lines: Lines, begin: int, comma: bool, words: bool) -> Stamped:
+    first = _found(lines[begin], comma, words)
+    assert first is not None
+    matches = ((line, _found(line, comma, words)) for line in lines.from_line(begin))
+    day_first = bool(first["a"]) and _order_of_days(match for _, match in matches if match is not None)
+    made, last, turns, zero = io.StringIO(), None, 0, None
+    made.writelines(f"{line}\n" for line in lines[:begin])
+    for i, line in enumerate(lines.from_line(begin)):
+        made.write("\n" * (i > 0))
+        match = _found(line, comma, words)
+        at = None if match is None else _whole(match, day_first)
+        if match is None or at is None:
+            made.write(line)
             continue
         if match["between"] is None and last is not None and at + turns < last - _DAY // 2:  # a time of day, after midnight
             turns += _DAY
         at += turns
         last, zero = at, at if zero is None else zero
-        made[i] = lines[i][: match.start()] + _date_cell(match) + str(at - zero) + lines[i][match.end() :]
-    first = found[begin]
-    return Stamped(made, lines[begin][: first.start()] + _date_cell(first), bool(_date_cell(first)), first[0].strip('"'))
+        made.write(f"{line[: match.start()]}{_date_cell(match)}{at - zero}{line[match.end() :]}")
+    return Stamped(
+        Lines.of_text(made.getvalue()), lines[begin][: first.start()] + _date_cell(first), bool(_date_cell(first)), first[0].strip('"')
+    )
 
 
 def _date_cell(match: re.Match[str]) -> str:
@@ -111,14 +124,20 @@ def _whole(match: re.Match[str], day_first: bool) -> int | None:
 
 
 def _day(match: re.Match[str], day_first: bool) -> int | None:
+    if not (match["y"] or match["dy"] or match["ay"]):
+        return 0
     if match["y"]:
         parts = match["y"], match["m"], match["d"]
     elif match["dy"]:
         parts = match["dy"], match["dm"], match["dd"]
-    elif match["ay"]:
-        parts = (match["ay"], match["b"], match["a"]) if day_first else (match["ay"], match["a"], match["b"])
     else:
-        return 0
+        parts = (match["ay"], match["b"], match["a"]) if day_first else (match["ay"], match["a"], match["b"])
+    return _ordinal(*parts)
+
+
+@functools.lru_cache(64)
+def _ordinal(*parts: str) -> int | None:
+    """The number of a day in the calendar; None where there is no such day."""
     try:
         return datetime.date(*map(int, parts)).toordinal()
     except ValueError:
@@ -142,3 +161,16 @@ def nanoseconds(text: str) -> int | None:
     """
     found = _CELL[True].fullmatch(text.strip())
     return None if found is None else _whole(found, day_first=False)
+
+
+def is_clock(cell: str) -> bool:
+    """Whether a cell is a time of day, or a date with one."""
+    return ":" in cell and _CELL[True].fullmatch(cell.strip()) is not None
+
+
+_DAY_ALONE = re.compile(_DATE)
+
+
+def is_date(cell: str) -> bool:
+    """Whether a cell is a date without a time."""
+    return _DAY_ALONE.fullmatch(cell.strip()) is not None

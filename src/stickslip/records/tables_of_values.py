@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.lines import Lines, check_columns
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
 from stickslip.units import heading
@@ -23,6 +27,7 @@ _FORMS = (
 # ---- JSON ----
 def parse_json(text: str, allowance: Allowance) -> Raw:
     """The columns of a JSON table, in any of the forms in which tables are written."""
+    _check_nesting(text)
     found = _loaded(text)
     units: dict[str, Any] = {}
     while isinstance(found, dict) and not _named_columns(found):
@@ -41,6 +46,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     if isinstance(found, list):
         found = _by_column(*_rows(found))
     lists = {name: value for name, value in found.items() if _columnar(value)}
+    check_columns(len(lists), "the JSON")
     if not lists:
         raise InputError("read", [f"the JSON holds no list of numbers; {_FORMS}"])
     allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
@@ -56,6 +62,21 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     return raw
 
 
+_EMPTY = re.compile(r"\[\s*\]|\{\s*\}")
+_MOST_EMPTY = 1000
+
+
+def _check_nesting(text: str) -> None:
+    """Refuse a text of brackets and of empty lists, which takes far more memory than it has letters and holds no table."""
+    opened = text.count("[") + text.count("{")
+    if opened > 1000 and sum(1 for _ in itertools.islice(_EMPTY.finditer(text), _MOST_EMPTY + 1)) > _MOST_EMPTY:
+        raise InputError("read", [f"the JSON holds more than {_MOST_EMPTY} empty lists or objects; {_FORMS}"])
+    if opened > len(text) / 4 + 1000:
+        raise InputError(
+            "read", [f"the JSON opens {opened} lists or objects within {len(text)} characters: it is nested too deeply, or empty; {_FORMS}"]
+        )
+
+
 def _loaded(text: str) -> Any:
     """The contents of the text: one value, or one on each line."""
     try:
@@ -63,9 +84,14 @@ def _loaded(text: str) -> Any:
     except RecursionError:
         raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
     except ValueError as error:
-        lines = [line for line in text.splitlines() if line.strip()]
+        lines = [part for line in Lines.of_text(text) if (part := line.strip())]
         try:
-            return [json.loads(line) for line in lines] if len(lines) > 1 else _broken(error)
+            if all(line[0] == "{" and line[-1] == "}" for line in lines):  # many times faster than one by one
+                found = json.loads(f"[{','.join(lines)}]")
+                found = found if len(found) == len(lines) else []
+            else:
+                found = [json.loads(line) for line in lines]
+            return found if len(found) > 1 else _broken(error)
         except (ValueError, RecursionError):
             return _broken(error)
 
@@ -123,10 +149,11 @@ def _rows(rows: list[Any]) -> tuple[list[str], list[Any]]:
     """Names and rows of a list of objects or lists; what a row does not have is missing."""
     if rows and all(isinstance(row, dict) for row in rows):
         names = list(dict.fromkeys(name for row in rows for name in row))
+        check_columns(len(names), "the JSON")
         return names, [[row.get(name) for name in names] for row in rows]
     if rows and all(isinstance(row, list) for row in rows):
         head = rows[0] if rows[0] and all(isinstance(cell, str) for cell in rows[0]) else None
-        width = max(map(len, rows))
+        check_columns(width := max(map(len, rows)), "the JSON")
         return (list(head) if head else [f"column {i + 1}" for i in range(width)]), rows[1:] if head else rows
     raise InputError("read", [f"the JSON is a list of {type(rows[0]).__name__ if rows else 'nothing'}; {_FORMS}"])
 
@@ -140,6 +167,9 @@ def _by_column(names: list[str], rows: list[Any]) -> dict[str, Any]:
 
 def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> Column:
     """Numbers, or timestamps as seconds since the first; what is neither is NaN, and said."""
+    if set(map(type, values)) <= {int, float}:
+        with contextlib.suppress(OverflowError):
+            return Column(name, unit, np.array(values, float))
     stamps = [nanoseconds(x) if isinstance(x, str) else None for x in values]
     if values and sum(stamp is not None for stamp in stamps) > 0.5 * len(values):
         first = next(s for s in stamps if s is not None)

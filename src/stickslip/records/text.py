@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import io
 import re
+import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.columns_of_words import without_words
+from stickslip.records.columns_of_words import LeftOut, without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
+from stickslip.records.lines import MOST_NUMBER, Lines
 from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.tables_of_values import parse_json
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 
-Table = tuple[list[str], Stamped | None, Dialect, int]
+Table = tuple[Lines, Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
 
 
@@ -51,37 +55,43 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     text = decoded(data)
     if is_json(text):
         return parse_json(text, Allowance("read", len(data)))
-    raw, lines = Raw("text", table=True), re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
+    raw, ended = Raw("text", table=True), text.endswith(("\n", "\r")) or not text.strip()
+    lines = Lines.of_text(text)  # they end at line breaks, and at no control character that damage may bring
+    del text
+    lines.check()
     lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
-    values = _fast(lines[first:], dialect)
-    values = _slow(lines[first:], first, dialect, raw.notes) if values is None else values
+    body = lines.from_line(first)
+    values = _fast(body, dialect)
+    values = _slow(body, first, dialect, raw.notes) if values is None else values
     raw.info["dialect"] = dialect.words
-    if not text.endswith(("\n", "\r")) and text.strip():
+    if not ended:
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
     raw.columns = [Column(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
     if times is not None:
-        _in_seconds(raw, times, len(dialect.cells(f"{times.before}0")) - 1)
+        at = len(dialect.all_cells(f"{times.before}0")) - 1
+        _in_seconds(raw, times, at - sum(k < at for k in dialect.left_out))
     with_its_header(raw)
     return raw
 
 
-def _table(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
+def _table(lines: Lines, separator: str | None, decimal: str | None, notes: list[str]) -> Table:
     """The lines, timestamps as numbers, with their dialect and the first row of numbers; columns of words only if they can be read."""
     try:
-        return _numbered(lines, separator, decimal, notes)
+        return _numbered(lines, separator, decimal, notes, None)
     except InputError as error:
-        kept = without_words(lines, separator)
-        if kept is None:
+        left = without_words(lines, separator)
+        if left is None:
             raise error from None
-        notes.append(f"{kept[1]}: words are not read")
-        return _numbered(kept[0], separator, decimal, notes)
+        notes.append(left.words)
+        return _numbered(lines, left.separator, decimal, notes, left)
 
 
-def _numbered(lines: list[str], separator: str | None, decimal: str | None, notes: list[str]) -> Table:
-    times = stamped(lines)
+def _numbered(lines: Lines, separator: str | None, decimal: str | None, notes: list[str], left: LeftOut | None) -> Table:
+    times = stamped(lines, words=left is not None)
     lines = lines if times is None else times.lines
-    return lines, times, *sniffed(lines, separator, decimal, notes)
+    more = () if left is None else (left.columns, left.whole)
+    return lines, times, *sniffed(lines, separator, decimal, notes, *more)
 
 
 def _in_seconds(raw: Raw, times: Stamped, at: int) -> None:
@@ -96,7 +106,7 @@ def _in_seconds(raw: Raw, times: Stamped, at: int) -> None:
 
 
 _JSON = re.compile(r"""\s*(\{\s*["}]|\[\s*[\[{"\]])""")
-_NUMBERS = re.compile(r"\s*\[[\s\d,.eE+-]*\]\s*")
+_NUMBERS = re.compile(r"\s*\[[\s\d,.eE+-]*\]\s*", re.A)
 
 
 def is_json(text: str) -> bool:
@@ -105,7 +115,7 @@ def is_json(text: str) -> bool:
 
 
 # ---- headings ----
-def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, str | None]] | None:
+def _headings(lines: Sequence[str], dialect: Dialect, raw: Raw) -> list[tuple[str, str | None]] | None:
     """Names and units from the lines before the numbers; what else stands there is kept as text."""
     rows = [heading_cells(line, dialect) for line in lines if line.strip()]
     fitting = [row for row in rows if len(row) == dialect.width]
@@ -134,48 +144,125 @@ def _of_other_columns(row: list[str], dialect: Dialect) -> bool:
 
 
 # ---- numbers ----
-_PLAIN = re.compile(r"[0-9eE+\-.,;\t \r\n]*")
+_PLAIN = b"0123456789eE+-.,;\t \nnNaAiIfFtTyY"  # with the letters of nan and inf
+_DIGITS = re.compile(rb"(?<!\d)\d{%d}" % MOST_NUMBER)
 
 
-def _fast(lines: list[str], dialect: Dialect) -> Any:
-    """All rows at once, if every one of them is as expected and made of digits only."""
-    text = "\n".join(lines)
+def _fast(lines: Lines, dialect: Dialect) -> Any:
+    """All rows at once, if every one of them is as expected and made of digits only, but for columns that are left out."""
+    data = lines.data
+    if b'"' in data and not dialect.left_out and len(dialect.separator) == 1:
+        if not (_even(data, ord('"'))) or not _same_width(data, dialect, dialect.width):
+            return None
+        data = data.replace(b'"', b"")  # no separator stands within them
+    strange = data.translate(None, _PLAIN)
     if (
         len(dialect.separator) != 1
-        or not _PLAIN.fullmatch(text)
-        or (dialect.decimal == "," and "." in text)
-        or (dialect.decimal == "." and dialect.separator != "," and "," in text)
+        or (strange and (not dialect.left_out or b'"' in strange or not data.isascii()))
+        or (dialect.decimal == "," and b"." in data)
+        or (dialect.decimal == "." and dialect.separator != "," and b"," in data)
+        or _DIGITS.search(data)
+        or (dialect.left_out and not _same_width(data, dialect, dialect.whole))
     ):
         return None
-    plain = text.replace(",", ".") if dialect.decimal == "," else text
+    del strange
+    plain = data.replace(b",", b".") if dialect.decimal == "," else data
+    used = [k for k in range(dialect.whole) if k not in dialect.left_out] if dialect.left_out else None
+    delimiter = None if dialect.separator == " " else dialect.separator
     try:
-        values = np.loadtxt(plain.split("\n"), delimiter=None if dialect.separator == " " else dialect.separator, comments=None, ndmin=2)
-    except ValueError:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            values = np.loadtxt(io.BytesIO(plain), delimiter=delimiter, comments=None, ndmin=2, usecols=used, encoding="latin-1")
+    except (ValueError, UserWarning):
         return None
     return values if values.shape[1] == dialect.width else None
 
 
-def _slow(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> Any:
+def _same_width(data: bytes, dialect: Dialect, width: int) -> bool:
+    """Whether every line that is not empty has so many cells."""
+    if dialect.separator == " ":
+        return False
+    counts = _in_each_line(data, ord(dialect.separator))
+    return bool(np.all((counts == width - 1) | (counts == 0)))
+
+
+def _even(data: bytes, letter: int) -> bool:
+    """Whether every line has an even number of a letter."""
+    return not (_in_each_line(data, letter) % 2).any()
+
+
+def _in_each_line(data: bytes, letter: int) -> Any:
+    """How often a letter stands in each line."""
+    letters = np.frombuffer(data, np.uint8)
+    starts = np.concatenate([[0], np.flatnonzero(letters == ord("\n")) + 1])
+    return np.add.reduceat(letters == letter, starts[starts < len(letters)], dtype=np.int32)
+
+
+_TOGETHER = 4096  # lines, one of which is wrong, that are read one by one
+_ROWS = 65536  # rows that are lists before they become an array
+
+
+def _slow(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
     """Row by row: short and long rows are left out, cells that are not numbers become NaN, and both are noted."""
-    rows: list[list[float]] = []
+    parts: list[Any] = []
+    rows: list[float] = []
     wrong: list[tuple[int, str]] = []
     strange: list[tuple[int, str]] = []
-    for number, line in ((n, line) for n, line in enumerate(lines, first + 1) if line.strip()):
-        cells = dialect.cells(line)
-        if len(cells) != dialect.width:
-            wrong.append((number, f"{len(cells)} of {dialect.width} cells"))
+    damaged, counted, number_of = 0, 0, _Numbers(dialect)
+    plain = dialect.decimal == "." and not dialect.grouped and lines.data.isascii() and b"_" not in lines.data
+    for begin in range(0, len(lines), _TOGETHER):
+        some = lines.part(begin, begin + _TOGETHER)
+        if (read := _fast(some, dialect)) is not None:
+            counted += len(read)
+            parts += [np.array(rows, float), read.ravel()]
+            rows = []
             continue
-        values = [dialect.number(cell) for cell in cells]
-        strange += [(number, cell) for cell, x in zip(cells, values, strict=True) if x is None]
-        rows.append([np.nan if x is None else x for x in values])
-    bad = len(wrong) + len({n for n, _ in strange})
-    if bad > MOST_BAD * (len(rows) + len(wrong)) and bad > 1:
-        raise InputError("read", [f"{bad} of {len(rows) + len(wrong)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
+        for number, line in enumerate(some, first + begin + 1):
+            if not line.strip():
+                continue
+            if (bad := len(wrong) + damaged) > MOST_BAD * len(lines) + 1:
+                raise InputError("read", [f"more than {bad} of {len(lines)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
+            cells = dialect.cells(line)
+            if len(cells) != dialect.width:
+                wrong.append((number, f"{len(cells)} of {dialect.width} cells"))
+                continue
+            counted += 1
+            try:
+                if not plain or len(line) > MOST_NUMBER:
+                    raise ValueError
+                rows += [*map(float, cells)]  # of a plain text it takes what a dialect takes, and faster
+            except ValueError:
+                values = [number_of[cell] for cell in cells]
+                if None in values:
+                    damaged += 1
+                    strange += [(number, cell[:41]) for cell, x in zip(cells, values, strict=True) if x is None]
+                rows += [np.nan if x is None else x for x in values]
+            if len(rows) > _ROWS:
+                parts.append(np.array(rows, float))
+                rows = []
+    bad = len(wrong) + damaged
+    if bad > MOST_BAD * (counted + len(wrong)) and bad > 1:
+        raise InputError("read", [f"{bad} of {counted + len(wrong)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
     if wrong:
         notes.append(f"{len(wrong)} lines are left out, {_shown(wrong)}")
     if strange:
         notes.append(f"{len(strange)} cells are not numbers and became NaN, {_shown(strange)}; {_MIXED}")
-    return np.array(rows, float).reshape(-1, dialect.width)
+    return np.concatenate([*parts, np.array(rows, float)]).reshape(-1, dialect.width)
+
+
+class _Numbers(dict[str, float | None]):
+    """The numbers in cells; each text is looked at once."""
+
+    def __init__(self, dialect: Dialect):
+        super().__init__()
+        self._dialect = dialect
+
+    def __missing__(self, cell: str) -> float | None:
+        value = self._dialect.number(cell)
+        if len(self) > _ROWS:
+            self.clear()
+        self[cell] = value
+        return value
 
 
 _MIXED = 'if the decimal mark was taken for another, type ss.read(path, separator=";", decimal=",") with what the file uses'

@@ -1,0 +1,120 @@
+"""The lines of a text, decoded when they are asked for, within bounds: a text of many short lines costs little more than its bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, overload
+
+import numpy as np
+
+from stickslip.contracts import Array
+from stickslip.errors import InputError
+
+#: Bounds of a table in text, far beyond those of any instrument: characters of a line and of a number, columns, and characters in which
+#: its dialect is looked for.
+MOST_LINE, MOST_NUMBER, MOST_COLUMNS, SNIFFED = 200_000, 1000, 4096, 1 << 16
+_TOGETHER = 4096  # lines that are decoded at once
+
+
+class Lines(Sequence[str]):
+    r"""The lines of a text.
+
+    Parameters
+    ----------
+    data : bytes
+        UTF-8, in which lines end with a line feed.
+    starts : array of int, optional
+        Where each line begins, and where one after the last would; found by default.
+
+    Examples
+    --------
+    >>> lines = Lines(b"t,v\n1,2\n3,4")
+    >>> len(lines), lines[1], lines[1:].data
+    (3, '1,2', b'1,2\n3,4')
+    """
+
+    def __init__(self, data: bytes, starts: Array | None = None):
+        self._data = data
+        if starts is None:
+            ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
+            starts = np.empty(len(ends) + 2, np.int64)
+            starts[0], starts[1:-1], starts[-1] = 0, ends + 1, len(data) + 1
+        self._starts = starts
+
+    @classmethod
+    def of_text(cls, text: str) -> Lines:
+        """The lines of a text, whose ends may be those of any system."""
+        if "\r" in text:
+            text = text.replace("\r\n", "\n").replace("\r", "\n")
+        return cls(text.encode("utf-8", "surrogatepass"))
+
+    @property
+    def data(self) -> bytes:
+        """The bytes of these lines."""
+        return self._data[self._starts[0] : self._starts[-1] - 1]
+
+    def __len__(self) -> int:
+        return len(self._starts) - 1
+
+    @overload
+    def __getitem__(self, place: int) -> str: ...
+
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[str]: ...
+
+    def __getitem__(self, place: Any) -> Any:
+        if isinstance(place, slice):
+            first, last, step = place.indices(len(self))
+            return (
+                Lines(self._data, self._starts[first : max(first, last) + 1]) if step == 1 else [self[i] for i in range(first, last, step)]
+            )
+        place = range(len(self))[place]
+        return self._data[self._starts[place] : self._starts[place + 1] - 1].decode("utf-8", "surrogatepass")
+
+    def __iter__(self) -> Iterator[str]:
+        for first in range(0, len(self), _TOGETHER):
+            last = min(first + _TOGETHER, len(self))
+            yield from self._data[self._starts[first] : self._starts[last] - 1].decode("utf-8", "surrogatepass").split("\n")
+
+    def from_line(self, first: int) -> Lines:
+        """The lines from one on."""
+        return Lines(self._data, self._starts[first:])
+
+    def part(self, first: int, last: int) -> Lines:
+        """Some of the lines."""
+        return Lines(self._data, self._starts[first : last + 1])
+
+    def check(self) -> None:
+        """Raise an `InputError` for a line that no table has."""
+        sizes = np.diff(self._starts) - 1
+        if len(sizes) and sizes.max() > MOST_LINE:
+            number = int(sizes.argmax())
+            why = f"line {number + 1} of the text has {int(sizes[number])} characters; allowed are {MOST_LINE}"
+            raise InputError("read", [f"{why}; write a table with a line for each instant, or a binary format such as .mat, .tdms or .h5"])
+
+    def beginning(self, most: int) -> int:
+        """How many of the first `most` lines lie within the part in which a dialect is looked for; one at least."""
+        within = int(np.searchsorted(self._starts, self._starts[0] + SNIFFED, side="right"))
+        return max(min(within, most, len(self)), min(len(self), 1))
+
+    def sample(self, first: int, most: int) -> list[str]:
+        """Up to `most` lines spread evenly over those from `first` on, of which fewer are taken where they are long."""
+        each = max((int(self._starts[-1]) - int(self._starts[min(first, len(self))])) / max(len(self) - first, 1), 1.0)
+        count = max(min(most, int(SNIFFED / each)), 4)
+        chosen, length = [], 0
+        for i in range(first, len(self), max((len(self) - first) // count, 1)):
+            line = self[i]
+            if line.strip():
+                chosen.append(line)
+                length += len(line)
+            if length > 2 * SNIFFED:
+                break
+        return chosen
+
+
+def check_columns(count: int, what: str = "the text") -> None:
+    """Raise an `InputError` for more columns than any table has."""
+    if count > MOST_COLUMNS:
+        raise InputError(
+            "read", [f"{what} has {count} columns; allowed are {MOST_COLUMNS}; write a line for each instant, a column for each channel"]
+        )

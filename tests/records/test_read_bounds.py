@@ -1,0 +1,103 @@
+"""Texts that were made to take long, and columns that are not numbers: each is read in one pass, or refused with a sentence."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.records.lines import MOST_COLUMNS, Lines
+from stickslip.units import heading
+
+BIG = 400_000
+HOSTILE = {
+    "a heading of commas": (b"," * BIG, "characters; allowed are 200000"),
+    "a heading of commas over numbers": (b"," * 150_000 + b"\n" + b"1,2\n" * 1000, None),
+    "one long line": (b"7" * BIG, "characters; allowed are 200000"),
+    "an open quote": (b't,v\n1,2\n"' + b"1,2\n" * BIG, None),
+    "open quotes in all lines": (b"t,v\n" + b'"1,2\n' * BIG, ""),
+    "quotes alone": (b'"\n' * BIG, "no table of numbers"),
+    "open brackets": (b"[(" * 90_000 + b"\n1,2\n2,3\n", None),
+    "many columns": ((b"1," * (MOST_COLUMNS + 9) + b"5\n") * 30, f"columns; allowed are {MOST_COLUMNS}"),
+    "numbers of many digits": (b"t,v\n" + (b"1" * 100_000 + b",2\n") * 9, None),
+    "tiny lines": (b"1\n" * BIG, None),
+    "lines of one blank and tabs": (b"\t \t \t" * 30_000 + b"12:00:00\n", ""),
+    "JSON of brackets": (b"[" * BIG, "nested too deeply"),
+    "JSON within objects": (b'{"a":' * BIG, "nested too deeply"),
+    "JSON of empty lists": (b"[" + b"[]," * BIG + b"[]]", "empty lists"),
+    "JSON of other names in each row": (b"[" + b",".join(b'{"a%d":1}' % i for i in range(9000)) + b"]", "columns"),
+    "JSON of names": (b"{" + b",".join(b'"a%d":[1]' % i for i in range(9000)) + b"}", "columns"),
+    "JSON of one number": (b'{"a":[' + b"1" * BIG + b"]}", "damaged"),
+    "a universal file of delimiters": (b"    -1\n    77\n" * 50_000, "universal file"),
+    "a universal file of other data sets": (b"    -1\n    15\n" * 20_000, "universal file"),
+    "NULs": (b"t,v\n" + b"\0" * BIG, "not text"),
+    "byte order marks": (b"\xef\xbb\xbf" * 9000, "no table of numbers"),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_text_made_to_take_long_is_read_or_refused_with_a_sentence(name, tmp_path):
+    data, said = HOSTILE[name]
+    (tmp_path / "x.txt").write_bytes(data)
+    try:
+        record = ss.read(tmp_path / "x.txt")
+        assert not said and record.notes
+    except ss.InputError as error:
+        assert (said or "") in str(error) and len(str(error)) < 700
+
+
+@pytest.mark.parametrize("cell", ["OK", "0x0f", "2026-03-01", "a1", "12:34", "v1.2.3", "-.-", "#REF!"])
+@pytest.mark.parametrize(("mark", "point"), [(",", "."), (";", ","), ("\t", "."), (" ", ".")])
+def test_a_column_that_is_not_numbers_is_left_out_whatever_it_holds(cell, mark, point, tmp_path):
+    rows = [[f"{i * 0.01:.2f}".replace(".", point), cell, f"{i % 7}{point}5"] for i in range(50)]
+    text = "\n".join(mark.join(row) for row in [["time_s", "state", "v_mm_s"], *rows])
+    (tmp_path / "log.txt").write_text(text + "\n")
+    record = ss.read(tmp_path / "log.txt")
+    np.testing.assert_allclose(record["v_mm_s"].values, [i % 7 + 0.5 for i in range(50)])
+    np.testing.assert_allclose(record["v_mm_s"].time, [i * 0.01 for i in range(50)], atol=1e-12)
+    assert record["v_mm_s"].unit == "mm/s" and record["v_mm_s"].role == "velocity"
+    assert any("state left out" in note and "line 2" in note and repr(cell) in note for note in record.notes)
+
+
+def test_a_damaged_cell_in_a_column_of_numbers_leaves_the_column(tmp_path):
+    rows = [f"{i},{'oops' if i == 20 else i % 5},0x0{i % 4}" for i in range(50)]
+    (tmp_path / "log.csv").write_text("\n".join(["t [s],v [m/s],flags", *rows]) + "\n")
+    record = ss.read(tmp_path / "log.csv")
+    assert np.isnan(record["v"].values[20]) and np.isfinite(record["v"].values).sum() == 49
+    assert any("1 cells are not numbers" in note and "line 22" in note for note in record.notes)
+
+
+def test_a_column_of_timestamps_stays_beside_words(tmp_path):
+    rows = [f"2026-03-01T12:00:{i:02d}.500,{i % 5},RUN{i % 3}" for i in range(50)]
+    (tmp_path / "log.csv").write_text("\n".join(["when,v [m/s],state", *rows]) + "\n")
+    record = ss.read(tmp_path / "log.csv")
+    assert list(record) == ["v"] and record["v"].time[-1] == 49.0
+
+
+def test_all_cells_of_quoted_tables_are_read_as_those_of_bare_ones(tmp_path):
+    (tmp_path / "a.csv").write_text('"t [s]","v [m/s]"\n' + "".join(f'"{i}","{i % 7}.25"\n' for i in range(300)))
+    (tmp_path / "b.csv").write_text("t [s];v [m/s]\n" + "".join(f'{i};"{i % 7},25"\n' for i in range(300)))
+    for name in ("a.csv", "b.csv"):
+        assert ss.read(tmp_path / name)["v"].values.tolist() == [i % 7 + 0.25 for i in range(300)]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_are_those_of_a_list(end):
+    text = end.join(["t,v", "", "1,2µ", "3"])
+    lines = Lines.of_text(text)
+    assert list(lines) == text.split(end) == [lines[i] for i in range(4)]
+    assert list(lines[1:3]) == ["", "1,2µ"] and lines[-1] == "3" and lines.from_line(2).data == "1,2µ\n3".encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("time_ms", "ms"), ("pos_deg", "deg"), ("vel_rpm", "rpm"), ("cur_mA", "mA"), ("F_N", "N"), ("v_mm_s", "mm/s"), ("acc_m_s2", "m/s2"),
+     ("v_min", None), ("F_max", None), ("v_s", None), ("z_0", None), ("x_pm", None), ("state_N", None)],
+)  # fmt: skip
+def test_names_that_end_in_a_unit_declare_it(name, unit):
+    assert heading(name) == (name, unit)
+
+
+def test_units_in_names_give_times_and_roles():
+    record = ss.read({"time_ms": [0.0, 1.0, 2.0], "pos_deg": [0.0, 90.0, 180.0], "vel_rpm": [60.0, 60.0, 60.0]})
+    assert record["position"].name == "pos_deg" and record["position"].time.tolist() == [0.0, 1e-3, 2e-3]
+    np.testing.assert_allclose(record["position"].si, [0.0, np.pi / 2, np.pi])
+    np.testing.assert_allclose(record["velocity"].si, 2 * np.pi)
