@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.records.lines import MOST_COLUMNS, Lines
+from stickslip.records.text_lines import MOST_COLUMNS, Lines
 from stickslip.units import heading
 
 BIG = 400_000

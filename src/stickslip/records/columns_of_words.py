@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.records.dialects import SEPARATORS, Dialect, heading_cells
-from stickslip.records.lines import MOST_COLUMNS, Lines
 from stickslip.records.stamps import is_clock, is_date
+from stickslip.records.text_lines import MOST_COLUMNS, Lines
 
 _SAMPLED = 400
 _MOST = 0.9  # part of the rows in which a column of numbers holds numbers

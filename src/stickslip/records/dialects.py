@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.lines import MOST_NUMBER, Lines, check_columns
+from stickslip.records.text_lines import MOST_NUMBER, Lines, check_columns
 from stickslip.units import heading, unit_of
 
 _NUMBER = {

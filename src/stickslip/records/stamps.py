@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 
 from stickslip.errors import InputError
-from stickslip.records.lines import Lines
+from stickslip.records.text_lines import Lines
 
 #: What one of the whole numbers is [s].
 STAMP_UNIT = 1e-9

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.lines import Lines, check_columns
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
+from stickslip.records.text_lines import Lines, check_columns
 from stickslip.units import heading
 from stickslip.unpacking import Allowance
 

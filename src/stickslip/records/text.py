@@ -15,10 +15,10 @@ from stickslip.records.columns_of_words import LeftOut, without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
-from stickslip.records.lines import MOST_NUMBER, Lines
 from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.tables_of_values import parse_json
+from stickslip.records.text_lines import MOST_NUMBER, Lines
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.lines import MOST_NUMBER, check_columns
 from stickslip.records.raw import Column, Raw, unmarked
+from stickslip.records.text_lines import MOST_NUMBER, check_columns
 
 _DELIMITER = re.compile(rb"^ {4}-1[ \t]*\r?$", re.M)
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)", re.I)
