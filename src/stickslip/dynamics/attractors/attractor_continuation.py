@@ -125,7 +125,7 @@ def attractors(
     >>> cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.0}, ("x",))
     >>> d = ss.attractors(cubic, parameter="h", values=[0.0, 0.13, 0.14], starts=dict(x=[-0.8, 0.8]), settle=100)
     >>> print(d.ends.values[0])
-    vanishes between 0.13625 and 0.1375; its last state leads to attractor 1
+    vanishes between 0.135 and 0.13625; its last state leads to attractor 1
     """
     robots = family("attractors", make, (parameter,), fixed)
     values = checked_values(Problems("attractors"), values, robots)
