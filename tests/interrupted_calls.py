@@ -208,17 +208,13 @@ def _calls() -> dict[str, Callable[[], Call]]:
         "certify": lambda: Call(
             lambda: [ss.certify(ss.periodic_orbit(RIG(amplitude=6e-4, **COULOMB), 1), digits=400) for _ in range(4)][-1],
             None,
-            lambda c: [c.digits],
+            lambda c: [c.multiplier is not None],
         ),
         "check": lambda: Call(
             lambda: ss.check(lugre, periods=40, rk4_steps=(2000, 10_000, 50_000)), _of_notes, lambda c: [c.mean_velocity]
         ),
         "bench": lambda: Call(
-            lambda: ss.bench(["coulomb", "lugre", "gms"]),
-            lambda b: (
-                "; ".join(map(_of_notes, b if hasattr(b, "__iter__") else [b])).strip("; ") or ("fewer laws" if len(list(b)) < 3 else "")
-            ),
-            lambda b: [len(list(b))],
+            lambda: ss.bench("lugre", experiments=["steady", "hysteresis", "lag", "breakaway"]), _of_notes, lambda b: [len(b.numbers)]
         ),
         "identify": lambda: Call(
             _fit_alone(), lambda f: "; ".join(n for n in f.notes if "interrupted" in n), lambda f: list(f.values.values())
@@ -271,7 +267,7 @@ def _edge() -> Call:
         {"d": 0.5, "F": 0.1},
         ("x", "v"),
     )
-    return Call(lambda: ss.edge_state(duffing, {"x": -1.0}, {"x": 1.0}, settle=1000), _of_notes, lambda e: e.state)
+    return Call(lambda: ss.edge_state(duffing, {"x": -1.0}, {"x": 1.0}, periods=60), _of_notes, lambda e: e.state)
 
 
 def _of_fit(method: str, **options: Any) -> Call:
@@ -287,8 +283,8 @@ def _sample() -> Call:
 def _compare() -> Call:
     robot = RIG(tilt_deg=4.7, amplitude=4.564e-4)
     record = ss.virtual_rig(robot, noise=1e-5, seed=1)
-    laws = {f"law {k}": robot.friction for k in range(12)}
-    return Call(lambda: ss.compare(record, robot, laws=laws), _of_notes, lambda c: [len(c.rows)])
+    laws = {f"law {k}": RIG(tilt_deg=4.7, amplitude=4.564e-4, mu0=0.16 + 5e-4 * k) for k in range(60)}
+    return Call(lambda: ss.compare(record, robot, laws=laws), _of_notes, lambda c: [c.best.rms])
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -322,6 +318,7 @@ def interrupted(call: Call, seconds: float) -> dict[str, Any]:
 
 def main(name: str, shares: list[float]) -> None:
     """One call, at several instants."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored in what a shell runs in the background
     call = _calls()[name]()
     call.work()  # compiles, where it has to
     begun = time.perf_counter()

@@ -58,8 +58,11 @@ def test_every_long_call_can_be_interrupted_at_five_instants(name):
 # ---- the rule ----
 @pytest.fixture(autouse=True)
 def first_press(monkeypatch):
-    """Of the tests in one process, none presses for the third time at once."""
+    """Of the tests in one process none presses for the third time at once; where SIGINT is ignored, as in the background, it is not here."""
     monkeypatch.setattr(interruption, "_pressed_at", (-np.inf, -np.inf))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def interrupt_when(works, after=0.05):

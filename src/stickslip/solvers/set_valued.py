@@ -268,7 +268,7 @@ def solve_one(
     return arcs, {"arcs": len(mode), "switches": int(np.count_nonzero(np.diff(mode)))}
 
 
-def _recorded(row: Array, periods: int, progress: Progress | None, partial: bool) -> tuple[tuple[Array, Array, Array], int]:
+def _recorded(row: Array, periods: int, progress: Progress | None = None, partial: bool = False) -> tuple[tuple[Array, Array, Array], int]:
     """Drive period, (phase, displacement, w) and mode of all arcs; and the drive periods that are done."""
     kernel, state, n, found = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
     while n < periods:
