@@ -19,7 +19,7 @@ from stickslip import interruption
 from stickslip.interruption import PROGRESS, held_together, interruptible, look, partial_result, stop_call
 
 HARNESS = Path(interrupted_calls.__file__)
-QUICK = ("solve, one run", "sweep, in memory", "continuation", "optimise")
+QUICK = ("solve, batch", "sweep, in memory", "lyapunov", "optimise")
 ALL = tuple(interrupted_calls.names())
 RIG = ss.presets.piezo_rig
 
@@ -46,7 +46,7 @@ def judged(name, *shares):
 
 @pytest.mark.parametrize("name", QUICK)
 def test_an_interrupted_call_gives_what_is_finished_and_leaves_nothing_behind(name):
-    assert any(each["ended"] == "part" and each["told"] for each in judged(name, 0.3, 0.6))
+    assert any(each["ended"] == "part" and each["told"] for each in judged(name, 0.1, 0.4))
 
 
 @pytest.mark.slow
@@ -58,7 +58,7 @@ def test_every_long_call_can_be_interrupted_at_five_instants(name):
 # ---- the rule ----
 @pytest.fixture(autouse=True)
 def first_press(monkeypatch):
-    """Of the tests in one process none presses for the third time at once; where SIGINT is ignored, as in the background, it is not here."""
+    """No test presses for the third time at once, and SIGINT is not ignored, as it is in what a shell runs in the background."""
     monkeypatch.setattr(interruption, "_pressed_at", (-np.inf, -np.inf))
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
