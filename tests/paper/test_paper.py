@@ -1,5 +1,7 @@
 """The paper, end to end: its table, its claims, its errata and the report, from one fast reproduction."""
 
+import contextlib
+import importlib.util
 import itertools
 import json
 import math
@@ -10,61 +12,63 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from explorers import chromium
 from house import ROOT
+from printed import entries_that_lead_astray, pictures_and_printed
 from stickslip.errors import InputError
-from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES
-from stickslip.paper.claims_page import CONFIRMED, NOT_CONFIRMED, UNDECIDED, VERDICTS
+from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, FAST_FIGURES, rig
+from stickslip.paper.claims_page import CONFIRMED, IN_PART, NOT_CONFIRMED, UNDECIDED, VERDICTS
+from stickslip.paper.readings import STATED
 from stickslip.report import page
 from stickslip.report.html import outside_addresses
+from twins import StickSlip
 
-# TRUTH 3: exact Coulomb, converged LuGre, true incline [m/s]. The tolerances are those of that table; it prints P10's first
-# value for A = 0.553 mm, so that one is left out.
+# Section 4 at the inferred amplitudes: exact Coulomb with break-away at f0, converged LuGre [m/s]. The first column was computed by an
+# event code of its own (closed arcs between events, brentq for the events), the second by scipy's Radau at 1e-10.
 TABLE = {
-    "P1": ("I", 0.002014682, 0.001741322, None),
-    "P2": ("III", 0.003827101, 0.003681683, 0.003888559),
-    "P3": ("II", 0.004000482, 0.003695830, 0.003852650),
-    "P4": ("IV", 0.028688951, 0.028110215, 0.028674381),
+    "P1": ("I", 0.0020320386978, 0.001786509381),
+    "P2": ("III", 0.0037923880590, 0.003696039989),
+    "P3": ("II", 0.0039786311401, 0.003726690014),
+    "P4": ("IV", 0.0286889508183, 0.028110215355),
 }
+# Amplitudes [mm] at which type and both velocities of an angle come out, on a grid of 0.5 um; two independent codes.
+WINDOWS = {1.7: (0.5535, 0.5590), 2.7: (0.6015, 0.6070), 4.7: (0.4570, 0.4590), 5.7: (1.4855, 1.4885)}
+# TRUTH 3: converged LuGre [m/s]; Figures 17 to 26 at 0.6 mm.
 LUGRE = {
     12: 0.0000195318880, 13: 0.000683535, 14: 0.001500794, 15: 0.002344920, 16: 0.004280813,
     17: 1.02210871e-7, 18: 1.11589088e-5, 19: 5.526111e-4, 20: 0.002268605, 21: 0.004156988,
     22: 0.012385126, 23: 0.011746793, 24: 0.011252310, 25: 0.006013796, 26: 0.001597403,
 }  # fmt: skip
-COULOMB = {
-    12: 0.0000788583268,
-    13: 0.000900404579,
-    14: 0.001686424,
-    15: 0.002358779,
-    16: 0.004308808,
-    17: 0.0,
-    18: 9.32985561e-5,
-    19: 8.833235983e-4,
-}
-EXACT = {12: "II", 13: "I", 14: "I", 15: "III", 16: "IV", 17: "rest", 18: "II", 19: "I", 20: "III", 21: "IV", 26: "I"}
+EXACT = dict(zip(range(12, 22), ("rest", "II", "I", "III", "IV") * 2, strict=True)) | {24: "III", 25: "IV", 26: "III"}
 VERDICT = {
     "bristle_is_slow": CONFIRMED,
+    "passive": IN_PART,
     "dahl_without_stick_slip": CONFIRMED,
     "anisotropy": CONFIRMED,
     "sum_of_modes": CONFIRMED,
     "sinusoidal_tip": CONFIRMED,
+    "vertical_motion": CONFIRMED,
+    "voltage_and_frequency": CONFIRMED,
     "folding_coulomb": CONFIRMED,
     "folding_lugre": NOT_CONFIRMED,
     "four_types": CONFIRMED,
+    "type_two_with_lugre": NOT_CONFIRMED,
     "six_groups": UNDECIDED,
-    "closer_in_number": NOT_CONFIRMED,
-    "closer_in_shape": UNDECIDED,
+    "runge_kutta": IN_PART,
+    "closer_in_number": IN_PART,
+    "closer_in_shape": IN_PART,
     "type_four_same": CONFIRMED,
     "harmonic": CONFIRMED,
-    "all_types_by_amplitude": CONFIRMED,
+    "all_types_by_amplitude": IN_PART,
     "always_periodic": CONFIRMED,
-    "omega_as_amplitude": CONFIRMED,
-    "ratios_above_one": NOT_CONFIRMED,
+    "omega_as_amplitude": IN_PART,
+    "ratios_above_one": IN_PART,
     "kinetic_range": CONFIRMED,
     "quasi_periodic": NOT_CONFIRMED,
     "period_two": CONFIRMED,
-    "only_three_and_four": NOT_CONFIRMED,
-    "all_types_by_static": NOT_CONFIRMED,
-    "all_types_by_kinetic": NOT_CONFIRMED,
+    "only_three_and_four": CONFIRMED,
+    "all_types_by_static": IN_PART,
+    "all_types_by_kinetic": CONFIRMED,
 }
 
 
@@ -96,32 +100,87 @@ def near(value, truth, scale):
 @pytest.mark.parametrize("name", TABLE)
 def test_the_table_is_the_known_one(result, name):
     row = next(r for r in result.table if r.experiment.name == name)
-    kind, coulomb, lugre, gravity = TABLE[name]
-    scale = row.experiment.amplitude * 0.131539 * 205.46
+    kind, coulomb, lugre = TABLE[name]
     assert row.type == kind == row.experiment.type
-    assert abs(row.coulomb - coulomb) <= 0.51e-9
-    assert near(row.lugre, lugre, scale)
-    assert gravity is None or near(row.gravity, gravity, scale)
+    assert row.coulomb == pytest.approx(coulomb, abs=1e-12)
+    assert near(row.lugre, lugre, row.experiment.amplitude * 0.131539 * 205.46)
 
 
-@pytest.mark.parametrize("experiment", EXPERIMENTS, ids=lambda e: e.name)
-def test_the_table_rounds_to_what_the_paper_prints(result, experiment):
-    row = next(r for r in result.table if r.experiment is experiment)
-    assert abs(row.coulomb - experiment.coulomb) <= 5e-5
-    assert abs(row.lugre - experiment.lugre) <= (1e-4 if experiment.name == "P1" else 5e-5)
+def test_all_eight_velocities_and_four_types_of_section_4_come_out(result):
+    for r in result.table:
+        e = r.experiment
+        assert round(1e3 * r.coulomb, 1) == 1e3 * e.coulomb and round(1e3 * r.lugre, 1) == 1e3 * e.lugre and r.type == e.type
+    best, *others = result.amplitudes.fits
+    assert best.reading == STATED and (best.velocities, best.types) == (8, 4)
+    assert all(f.velocities + f.types < 12 for f in others)
+
+
+def test_numbers_have_the_windows_of_section_4_to_half_a_micrometre(result):
+    data = json.loads(result.numbers.read_text(encoding="utf-8"))["amplitudes"]
+    for row in data["section4"]:
+        assert [1e3 * end for end in row["joint"]] == pytest.approx(WINDOWS[row["tilt_deg"]], abs=1e-7)
+    assert data["readings"][0] | {"angles": None} == {"breakaway": "f₀", "weight": "M+m", "velocities": 8, "types": 4, "angles": None}
+    assert next(b for b in data["readings"] if b["breakaway"] == "μ" and b["weight"] == "M+m")["angles"][0]["window"] is None
+
+
+def slow_type(A, tilt, omega=65.4 * math.pi, mu0=0.18, f0=0.21):
+    """Type and mean velocity [m/s] of the exact motion with break-away at f0, by the slow twin."""
+    sin, cos, scale = math.sin(math.radians(tilt)), math.cos(math.radians(tilt)), 9.48 / 72.07 * A * omega**2 / 9.81
+    levels = [(mu * cos - side * sin) / scale for mu in (mu0, f0) for side in (1, -1)]
+    run = StickSlip(*levels).run(8)
+    last = [int(mode) for tau, _, _, mode in run.arcs if tau > 2 * math.pi * 6.999]
+    names = "".join({1: "+", 0: "0", -1: "-"}[m] for m in last)
+    kind = "rest" if set(names) <= {"0"} else "II" if "-" not in names else {0: "IV", 1: "III"}.get(names.count("0"), "I")
+    return kind, float(run.strobes[7][0] - run.strobes[6][0]) / (2 * math.pi) * 9.48 / 72.07 * A * omega
+
+
+@pytest.mark.parametrize("tilt", WINDOWS)
+def test_the_ends_of_the_windows_are_those_of_the_slow_twin(tilt):
+    """Inside both hold by the twin; where Coulomb's own condition ends the window, half a micrometre further one fails."""
+    e, (low, high) = next(e for e in EXPERIMENTS if e.tilt_deg == tilt), WINDOWS[tilt]
+    for A in (low, high):
+        kind, velocity = slow_type(1e-3 * A, tilt)
+        assert kind == e.type and abs(velocity - e.coulomb) <= 5e-5
+    beyond = {1.7: high + 5e-4, 4.7: low - 5e-4, 5.7: low - 5e-4}.get(tilt)  # the other ends, and both at 2.7 degrees, are LuGre's
+    if beyond is not None:
+        kind, velocity = slow_type(1e-3 * beyond, tilt)
+        assert kind != e.type or abs(velocity - e.coulomb) > 5e-5
+
+
+def test_one_amplitude_satisfies_four_of_five_statements_of_sections_5_and_6(result):
+    search = result.amplitudes.section5.stated
+    assert search.most == 4 and search.best == pytest.approx((6.7e-4, 6.9e-4), abs=1.01e-5) and search.window("static") is None
+    assert search.best[0] <= AMPLITUDE_5 <= search.best[1]
+    omegas = [c.changes["omega"] for c in CASES if c.section == "5.2"]
+    assert [slow_type(AMPLITUDE_5, 1.7, omega=w)[0] for w in omegas] == ["rest", "II", "I", "III", "IV"]
+    assert [slow_type(AMPLITUDE_5, 1.7, mu0=m)[0] for m in (0.05, 0.10, 0.21)] == ["III", "IV", "III"]
+    printed = result.amplitudes.section5.printed
+    assert printed.window("frequencies") == pytest.approx((5.86e-4, 6.55e-4), abs=1.01e-5)  # TRUTH 1
 
 
 def test_every_figure_has_its_case_and_its_known_numbers(result):
     cases = {c["figure"]: c for c in result.cases}
     assert sorted(cases) == list(range(11, 31))
-    for figure, truth in LUGRE.items():
-        c = cases[figure]
-        scale = c["amplitude"] * 0.131539 * c["changes"].get("omega", 205.46)
-        assert near(c["lugre"]["mean_velocity"], truth, scale), figure
-    for figure, truth in COULOMB.items():
-        assert cases[figure]["coulomb"]["mean_velocity"] == pytest.approx(truth, rel=1e-8, abs=5.1e-10), figure  # TRUTH's last digit
+    for figure in range(12, 17):
+        assert near(cases[figure]["lugre"]["mean_velocity"], LUGRE[figure], cases[figure]["amplitude"] * 0.131539 * 205.46), figure
     assert {figure: cases[figure]["coulomb"]["type"] for figure in EXACT} == EXACT
     assert [figure for figure, c in cases.items() if c["lugre"]["period"] != 1] == [23]
+
+
+@pytest.mark.parametrize("figure", range(17, 27))
+def test_the_cases_of_sections_5_2_and_5_3_are_the_known_ones_at_another_amplitude(figure):
+    case = next(c for c in CASES if c.figure == figure)
+    run = ss.solve(rig(case, amplitude=6e-4), rtol=1e-8)
+    assert near(ss.mean_velocity(run), LUGRE[figure], 6e-4 * 0.131539 * case.changes.get("omega", 205.46))
+
+
+def test_no_lugre_motion_is_of_type_two_as_the_paper_defines_it(result):
+    found = result.type_two
+    assert found.misses_all and sorted(found.figures) == list(range(7, 31))
+    assert max(abs(f) for f in found.friction.values()) < 1e-4  # the balance of momentum, which a velocity that is never negative breaks
+    soft = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.58e-4, sigma0=4e6, v_s=2e-4)  # nearer to Coulomb friction than any figure
+    run = ss.solve(soft, periods=60)
+    assert run.v[run.t > run.strobe_times[-2]].min() < 0
 
 
 def test_inferred_amplitudes_are_called_inferred(result, html):
@@ -144,9 +203,6 @@ def test_every_figure_of_section_5_has_a_verdict_from_multipliers_and_exponents(
         assert abs(m.multipliers[0]) < 1 and m.residual < 1e-9 and m.exponent < 0, figure
         if m.from_multiplier is not None:  # two ways to one number; three errors, and rounding of multipliers down to 1e-10
             assert m.exponent == pytest.approx(m.from_multiplier, abs=3 * m.error + 1e-3), figure
-    # known from a finer run: docs/dynamics.md
-    assert result.motions[22].multipliers[0].real == pytest.approx(0.03809, abs=1e-5)
-    assert result.motions[23].multipliers[0].real == pytest.approx(-0.3934, abs=1e-4)
 
 
 def test_a_coulomb_twin_that_rests_has_multiplier_zero(result):
@@ -157,7 +213,17 @@ def test_a_coulomb_twin_that_rests_has_multiplier_zero(result):
 
 def test_what_lies_around_section_5_is_mapped(result):
     found = result.around
-    assert [round(mu0, 6) for mu0 in found.flips] == [0.046811, 0.035230]
+    for mu0 in found.flips:  # a second method: the motion of period one is stable on one side only
+        sizes = [
+            abs(
+                ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=AMPLITUDE_5, mu0=mu0 * (1 + side)), rtol=1e-10).multipliers[
+                    0
+                ]
+            )
+            for side in (-1e-3, 1e-3)
+        ]
+        assert min(sizes) < 1 < max(sizes)
+    assert len(found.flips) == 2
     assert sum(found.shares.values()) == pytest.approx(1.0) and 0.8 < found.shares["period 1"] < 0.95
     assert found.chaotic.any() and 0.1 < found.largest["exponent"] < 0.8
     for curve in found.curves:
@@ -167,14 +233,14 @@ def test_what_lies_around_section_5_is_mapped(result):
 
 
 def test_the_report_and_the_numbers_have_the_verdicts(result, html):
-    assert "Section 5 by multipliers and exponents" in html and "What the paper did not see" in html
+    assert "Section 5 by multipliers and exponents" in html and "Period doubling and chaos between the figures" in html
     assert "periodic, period 2" in html and "stickslip lyapunov piezo_rig" in html
     captions = {p.key: p.caption for p in result.figures}
     assert "largest multiplier" in captions["figure-23"] and "section5-around" in captions
     data = json.loads(result.numbers.read_text(encoding="utf-8"))
     by_figure = {c["figure"]: c["verdict"] for c in data["cases"]}
-    assert by_figure[23]["period"] == 2 and by_figure[23]["multipliers"][0][0] == pytest.approx(-0.3934, abs=1e-4)
-    assert set(data["around"]) >= {"mu0", "amplitude", "period", "exponent", "error", "shares", "flips_at_0.6_mm", "flip_curves"}
+    assert by_figure[23]["period"] == 2
+    assert set(data["around"]) >= {"mu0", "amplitude", "period", "exponent", "error", "shares", "flips", "flip_curves"}
 
 
 def test_words_of_motions_that_are_not_periodic():
@@ -184,6 +250,10 @@ def test_words_of_motions_that_are_not_periodic():
     assert (wild.word, wild.multiplier, wild.exponents) == ("chaotic", "none", "0.453 ± 0.008")
     still = Motion(0, "periodic", 1, (1e-15 + 0j,), -math.inf, 0.0, 0.0, 0.0, "")
     assert (still.multiplier, still.exponents, still.from_multiplier) == ("below 10⁻¹²", "−∞", None)
+    sharp = Motion(0, "periodic", 1, (0.0381 + 0j,), -3.26781, 4e-12, 0.0, 0.0, "")
+    assert sharp.exponents == "−3.26781"  # an error below the last digit is not printed
+    tiny = Motion(0, "periodic", 1, (1e-15 + 0j,), -46.97, 0.1, 0.0, 0.0, "")
+    assert tiny.exponents == "below −28"  # as the multiplier beside it
     turning = Motion(0, "periodic", 1, (1e-3 + 1e-3j,), -6.56, 0.2, 0.0, 0.0, "")
     assert turning.multiplier.startswith("|λ| = 0.00141")
 
@@ -202,15 +272,23 @@ def test_every_claim_gives_evidence_with_numbers(result):
         assert all(p.verdict in VERDICTS for p in c.parts)
 
 
-def test_lugre_is_closer_in_number_at_three_angles(result):
-    parts = {p.label: p.verdict for p in claim(result, "closer_in_number").parts}
-    assert parts == {"1.7°": CONFIRMED, "2.7°": CONFIRMED, "4.7°": NOT_CONFIRMED, "5.7°": CONFIRMED}
+def test_lugre_is_closer_by_every_mean_error_and_not_at_every_angle(result):
+    found = claim(result, "closer_in_number")
+    parts = {p.label: p.verdict for p in found.parts}
+    assert [parts[f"{r.experiment.tilt_deg}°"] for r in result.table] == [CONFIRMED, CONFIRMED, NOT_CONFIRMED, CONFIRMED]
+    printed = found.numbers["errors"]["printed"]  # by hand from the four printed means
+    assert printed["coulomb"]["mean relative error"] == pytest.approx((0.3 / 1.7 + 0.2 / 3.6 + 0 + 3.3 / 25.4) / 4)
+    assert printed["lugre"]["r.m.s. error"] == pytest.approx(math.sqrt((0.1**2 + 0.1**2 + 0.3**2 + 2.7**2) / 4) * 1e-3)
 
 
 def test_at_small_kinetic_friction_fixed_steps_fail_and_the_converged_motion_is_periodic(result):
     numbers = claim(result, "quasi_periodic").numbers
     for _, velocity, period in numbers["converged"]:
-        assert velocity == pytest.approx(0.012385126, rel=2e-6) and period == 1
+        assert velocity == pytest.approx(numbers["converged"][-1][1], rel=2e-6) and period == 1
+    assert (
+        sorted(numbers["periods_to_settle"].values()) == list(numbers["periods_to_settle"].values())
+        and max(numbers["periods_to_settle"].values()) > 40
+    )
     assert (numbers["period_one_from"], numbers["period_one_to"]) == (3e-4, 1.25e-3) and numbers["largest_multiplier"] < 0.2
     finite = [r for r in numbers["rk4"] if r["velocity"] is not None]
     assert finite and all(r["velocity"] < 0 for r in finite if 2000 <= r["steps"] <= 50_000)
@@ -218,8 +296,12 @@ def test_at_small_kinetic_friction_fixed_steps_fail_and_the_converged_motion_is_
 
 def test_both_readings_of_only_three_and_four_are_shown(result):
     parts = claim(result, "only_three_and_four").parts
-    assert [p.verdict for p in parts] == [NOT_CONFIRMED, CONFIRMED]
-    assert parts[0].label == "A = 0.6000 mm" and 0.651 <= float(parts[1].label.split()[2]) <= 0.6551
+    assert {p.label: p.verdict for p in parts} == {
+        "A = 0.68 mm, break-away at f₀": CONFIRMED,
+        "A = 0.60 mm, break-away at f₀": NOT_CONFIRMED,
+        "A = 0.68 mm, break-away at μ": CONFIRMED,
+        "A = 0.60 mm, break-away at μ": NOT_CONFIRMED,
+    }
 
 
 def test_harmonic_amplitude_is_the_linear_one(result):
@@ -239,18 +321,14 @@ def test_verdicts_follow_the_numbers(result):
     assert closer_in_number(study).verdict == CONFIRMED
 
 
-def test_the_dynamic_coefficient_gives_all_four_types_too(result):
-    """Section 6 says that it does not. Borders by the formulas, against the exact solver on both sides of each."""
+def test_the_dynamic_coefficient_does_not_give_all_four_types(result):
+    """Section 6. Borders at the inferred amplitude, against the slow twin on both sides of each, under the stated reading."""
     found = claim(result, "all_types_by_kinetic")
-    borders = found.numbers["borders"]
-    assert [word for word, _, _ in borders] == ["II", "III", "IV", "III", "I"]
-    known = (0.0305612, 0.0340862, 0.1652240, 0.1943657)  # each once more below
-    assert [high for _, _, high in borders[:-1]] == pytest.approx(known, abs=1e-7)
+    borders = found.numbers["borders"]["f0"]
+    assert [word for word, _, _ in borders] == ["II", "III", "IV", "III"]
     for (before, _, at), (after, _, _) in itertools.pairwise(borders):
-        rigs = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=[at - 1e-5, at + 1e-5], law="coulomb")
-        assert ss.solve(rigs, keep="summary", settle="auto").motion_type.tolist() == [before, after]
-    assert found.numbers["agree"] == found.numbers["tried"] > 15
-    assert [p.verdict for p in found.parts] == [NOT_CONFIRMED, NOT_CONFIRMED, CONFIRMED]
+        assert [slow_type(AMPLITUDE_5, 1.7, mu0=at + side)[0] for side in (-2e-4, 2e-4)] == [before, after]
+    assert set(found.numbers["types"]["mu, 0.6 mm"]) == {"I", "II", "III", "IV"}
 
 
 def test_under_static_friction_two_lugre_motions_coexist_and_exact_ones_do_not(result):
@@ -310,14 +388,6 @@ def test_what_the_body_does_to_the_tip_is_what_the_time_domain_says(result):
 # amplitudes and errata ----------------------------------------------------------------------------------------------
 
 
-def test_only_one_round_amplitude_fits_sections_5_2_to_5_4(result):
-    section5 = result.amplitudes.section5
-    assert section5.chosen == pytest.approx([6e-4])
-    # TRUTH 1: .586-.655 mm and .651-.655 mm, to the digits printed there
-    assert section5.frequencies == pytest.approx((5.86e-4, 6.55e-4), abs=5e-7)
-    assert section5.only_three_and_four[0] == pytest.approx(6.51e-4, abs=5e-7)
-
-
 def test_period_two_holds_from_flip_to_flip_and_no_digit_is_printed_beyond_the_accuracy(result):
     """TRUTH 1: .5525802 to .8441508 mm by continuation; a run's period number said .559 to .840 mm."""
     found = result.amplitudes.section5.period_two
@@ -348,24 +418,27 @@ def test_period_numbers_near_a_flip_are_those_of_orbits(result):
     assert rows[0.5]["kind"] == "chaotic" and all(r["multiplier"] < 1 for r in rows.values() if r["period"])
 
 
-def test_borders_of_types_are_printed_from_formulas(result):
-    """TRUTH P9: start, alpha = 1, I/III and III/IV at 1.7 degrees; the last one was printed as 0.6472 mm, from a scan."""
+def test_borders_of_types_are_printed_under_both_readings(result):
+    """With f0 by bisection of exact runs; by Eq. 2.4 TRUTH P9: start, alpha = 1, I/III and III/IV at 1.7 degrees."""
     told = " ".join(claim(result, "all_types_by_amplitude").evidence)
     for border in ("rest to 0.2655 mm", "II to 0.3703 mm", "I to 0.5530 mm", "III to 0.6471 mm"):
         assert border in told
+    # with f0 the start is f+ (M+m) g/(m omega^2), and a push backwards as strong as f-: both by formula
+    start, back = (f * 9.81 / (9.48 / 72.07 * (65.4 * math.pi) ** 2) for f in (0.18024133, 0.23957381))
+    assert f"rest to {1e3 * start:.4f} mm, II to {1e3 * back:.4f} mm" in told
 
 
 def test_no_amplitude_fits_all_angles(result):
     assert result.amplitudes.common is None
     for bracket in result.amplitudes.section4:
-        low, high = bracket.good
+        low, high = bracket.joint
         assert low - bracket.step <= bracket.experiment.amplitude <= high + bracket.step
 
 
 def test_every_erratum_that_can_be_computed_holds(result):
     assert all(e.holds for e in result.errata if e.holds is not None)
     assert sum(e.holds is not None for e in result.errata) >= 10
-    assert {"2.6", "3.1", "3.2", "3.6", "3.8", "5.1", "5.2"} <= {e.equation for e in result.errata}
+    assert {"2.4", "2.6", "3.1", "3.2", "3.6", "3.8", "5.1", "5.2"} <= {e.equation for e in result.errata}
 
 
 # the report ---------------------------------------------------------------------------------------------------------
@@ -394,7 +467,7 @@ def test_the_report_is_accessible(html):
     tags = Elements(html).found
     names = [tag for tag, _ in tags]
     assert names.count("h1") == 1 and names.count("table") == names.count("caption")
-    assert all(a.get("alt") for tag, a in tags if tag == "img")
+    assert all(len(a["alt"]) > 25 and a["width"] and a["height"] and "loading" not in a for tag, a in tags if tag == "img")
     ids = [a["id"] for _, a in tags if "id" in a]
     assert len(ids) == len(set(ids))
     assert {a["href"][1:] for tag, a in tags if tag == "a"} <= set(ids)
@@ -477,6 +550,50 @@ def nearest_colours(palette):
     return smallest
 
 
+# in a browser -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
+    path = chromium()
+    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as made:
+        yield made
+
+
+@pytest.mark.parametrize("width", [1280, 380])
+def test_every_click_in_the_contents_leads_to_its_heading(browser, result, width):
+    for path, least in ((result.report, 40), (result.side_by_side, 8)):
+        astray, clicked = entries_that_lead_astray(browser, path, width)
+        assert astray == [] and clicked >= least
+
+
+def test_the_pdf_has_every_picture(browser, result, tmp_path):
+    for path in (result.report, result.side_by_side):
+        count, printed = pictures_and_printed(browser, path, tmp_path)
+        assert printed == count > 15
+
+
+def test_each_figure_fits_a_screen_side_by_side(browser, result):
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.goto(result.side_by_side.as_uri())
+    tall = page.evaluate("[...document.querySelectorAll('.screen')].map(each => each.getBoundingClientRect().height)")
+    assert len(tall) == len(FAST_FIGURES) and max(tall) <= 801
+    assert page.evaluate("[...document.querySelectorAll('.three > div')].every(each => each.innerText.length > 25)")
+
+
+@pytest.mark.parametrize("width", [1280, 380])
+def test_nothing_sticks_out_and_what_scrolls_shows_it(browser, result, width):
+    page = browser.new_page(viewport={"width": width, "height": 800})
+    page.goto(result.report.as_uri())
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    edges = page.evaluate(
+        "[...document.querySelectorAll('.scroll')].filter(each => each.scrollWidth > each.clientWidth + 1)"
+        ".map(each => getComputedStyle(each).backgroundImage)"
+    )
+    assert all(edge.count("gradient") == 4 for edge in edges) and (width > 380 or len(edges) > 5)
+
+
 # doors --------------------------------------------------------------------------------------------------------------
 
 
@@ -487,9 +604,9 @@ def test_the_numbers_are_strict_json(result):
     text = result.numbers.read_text(encoding="utf-8")
     data = json.loads(text, parse_constant=refuse)
     assert data == json.loads(json.dumps(result.to_dict(), allow_nan=False))
-    assert data["format"] == "stickslip-paper-3" and {"equations", "coexistence"} <= set(data)
+    assert data["format"] == "stickslip-paper-4" and {"equations", "coexistence"} <= set(data)
     assert [c["key"] for c in data["claims"]] == list(VERDICT)
-    assert math.isclose(data["table"][0]["coulomb"], 0.002014682, rel_tol=1e-6)
+    assert math.isclose(data["table"][0]["coulomb"], 0.0020320386978, rel_tol=1e-9)
 
 
 def test_progress_is_told_in_order(result, told):
@@ -500,7 +617,7 @@ def test_progress_is_told_in_order(result, told):
 
 def test_the_summary_can_be_read(result):
     text = str(result)
-    assert "7 not confirmed" in text and "report.html" in text and "5.7°" in text
+    assert "3 not confirmed" in text and "8 of 8 printed velocities and 4 of 4 types" in text and "report.html" in text and "5.7°" in text
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path):
@@ -509,13 +626,56 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
         ss.paper.reproduce(tmp_path / "file" / "below")
 
 
-def test_the_docs_say_what_was_found(result):
-    """`examples/paper_page.py` writes the page; the verdicts, the table and the errata on it are those of this run."""
-    page = (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")
+def page_text(found):
+    spec = importlib.util.spec_from_file_location("paper_page", ROOT / "examples" / "paper_page.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made.page_of(found)
+
+
+#: A number as the report writes it: 12, 0.35, 1.2·10⁻⁷, with a true minus.
+NUMBER = re.compile(r"−?\d[\d\u202f]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
+
+
+def value_of(text):
+    plain = text.replace("−", "-").replace("\u202f", "").replace("·10", "e").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+    return float(plain)
+
+
+def differences(ours, page):
+    """Lines that differ in their words, or in numbers by more than 2 per cent (an error of rounding may be any small number)."""
+    lines, other = ours.splitlines(), page.splitlines()
+    assert len(lines) == len(other)
+    found = []
+    for a, b in zip(lines, other, strict=True):
+        x, y = ([value_of(n) for n in NUMBER.findall(line)] for line in (a, b))
+        same = len(x) == len(y) and all(abs(p - q) <= 0.02 * abs(q) or max(abs(p), abs(q)) < 1e-6 for p, q in zip(x, y, strict=True))
+        if NUMBER.sub("#", a) != NUMBER.sub("#", b) or not same:
+            found.append((a, b))
+    return found
+
+
+@pytest.mark.slow
+def test_all_of_the_page_in_the_docs_is_from_a_full_run(tmp_path):
+    """`examples/paper_page.py` writes docs/paper-revisited.md: every line of it, from a new run."""
+    full = ss.paper.reproduce(tmp_path / "paper")
+    assert differences(page_text(full.to_dict()), (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")) == []
+
+
+def test_the_page_in_the_docs_is_that_of_the_fast_run_where_that_computes_the_same(result):
+    """The fast run has coarser scans: sentences on these differ in their numbers, all others must be the same."""
+    ours, page = page_text(result.to_dict()), (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")
+    told = set(page.splitlines())
+    missing = [line for line in ours.splitlines() if line not in told and not near_some(line, told)]
+    assert len(missing) < 0.06 * len(ours.splitlines()), missing
     for c in result.claims:
-        assert f"| {c.section} | {c.claim} | **{c.verdict}** |" in page and f"*“{c.quote.strip()}”*" in page
+        assert f"| {c.section} | {c.claim} | **{c.verdict}** | " in page and f"*“{c.quote.strip()}”*" in page
     for e in result.errata:
         assert f"| {e.equation} | {e.printed.replace('|', chr(92) + '|')} | {e.right} | " in page
-    for r in result.table:
-        assert f"| {r.experiment.tilt_deg}° | {r.experiment.type} | {r.type} | " in page and f"{1e3 * r.lugre:.3f}" in page
-    assert page.count("How sure: ") == len(result.claims)
+    assert page.count("Confidence: ") == len(result.claims)
+
+
+def near_some(line, told):
+    """Whether some line has the same words; lists of numbers may be of another length."""
+    words = re.sub(r"#(?:, #)*(?: and #)?", "#", NUMBER.sub("#", line))
+    return any(re.sub(r"#(?:, #)*(?: and #)?", "#", NUMBER.sub("#", other)) == words for other in told)

@@ -12,10 +12,12 @@ import pytest
 import stickslip as ss
 from every import DRY, Capsule, every_machine
 from explorers import chromium
+from house import ROOT
+from printed import pictures_and_printed
 from stickslip.cli import main
 from stickslip.report import run_page, study_page, write
 from stickslip.report.fastest import run_again
-from stickslip.report.html import outside_addresses
+from stickslip.report.html import image, outside_addresses
 from stickslip.report.moving import moments
 from stickslip.report.run_charts import forces, velocity
 from stickslip.report.study_charts import along, cuts
@@ -179,7 +181,21 @@ def test_the_pictures_stay_where_no_script_runs_and_in_print(browser, pages):
         assert asked.locator(".chart").is_visible() and not asked.locator("img").is_visible()
         page.emulate_media(media="print")
         assert asked.locator("img").is_visible() and not asked.locator(".chart").is_visible()
-        assert page.pdf(format="A4").startswith(b"%PDF")
+
+
+def test_the_pdf_of_every_report_has_every_picture(browser, pages, tmp_path):
+    for path in pages:
+        count, printed = pictures_and_printed(browser, path, tmp_path)
+        assert printed == count > 0
+
+
+def test_pictures_of_every_template_have_a_size_and_load_at_once():
+    """A picture without a size moves what is below it when it appears, and one that loads late is missing in print."""
+    for template in (ROOT / "src/stickslip/report/templates").glob("*.html"):
+        text = template.read_text(encoding="utf-8")
+        assert "<img" not in text and "lazy" not in text, template.name  # the filter `image` writes them
+    with pytest.raises(ss.errors.InputError, match="viewBox"):
+        image("<svg/>", "no size")
 
 
 def test_the_page_of_a_study_counts_and_ranks(tmp_path):

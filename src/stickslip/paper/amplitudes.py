@@ -1,4 +1,4 @@
-"""The amplitudes that the paper omits, determined in each run: those that reproduce its printed values."""
+"""The amplitudes that the paper omits, determined in each run, over every reading of the text: those that reproduce what it prints."""
 
 from __future__ import annotations
 
@@ -7,27 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.borders import exact_types, longest, stretches
-from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, Experiment, rig
-from stickslip.paper.followed_motions import Followed, followed
+from stickslip.paper.cases import EXPERIMENTS, Experiment
+from stickslip.paper.one_amplitude import Candidates, candidates
+from stickslip.paper.readings import READINGS, STATED, Reading
 from stickslip.paper.solved_runs import Tell, batch
 
-__all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer", "overlap"]
+__all__ = ["ROUNDING", "Amplitudes", "Bracket", "Fit", "Interval", "infer", "overlap"]
 
 #: Half of the last printed digit of a mean velocity [m/s].
 ROUNDING = 5e-5
-#: Motion types expected at the five frequencies of Figures 17 to 21, in order.
-WANTED = ("rest", "II", "I", "III", "IV")
-OMEGAS = np.array([c.changes["omega"] for c in CASES if c.section == "5.2"])
-#: Kinetic coefficients at which only types III and IV should appear, and the amplitudes searched for that [m].
-KINETIC, RANGE = np.array([0.05, 0.10, 0.21]), (5e-4, 9e-4)
 
 Interval = tuple[float, float] | None
 
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """Amplitudes for one angle of section 4 that reproduce the printed values.
+    """Amplitudes for one angle of section 4 that reproduce the printed values under one reading.
 
     Parameters
     ----------
@@ -38,8 +33,8 @@ class Bracket:
         Amplitudes [m] at which the exact Coulomb motion is of the printed type.
     joint : tuple or None
         Amplitudes [m] at which all three conditions hold.
-    misses : float
-        Distance of the LuGre velocity from its rounding interval at the best amplitude where the other two hold [m/s]; 0 inside it.
+    velocities, types : int
+        Printed velocities (of two) and types (of one) that come out at the amplitude at which most do.
     step : float
         Step of the scan [m].
     scan : dict
@@ -51,135 +46,89 @@ class Bracket:
     lugre: Interval
     type: Interval
     joint: Interval
-    misses: float
+    velocities: int
+    types: int
     step: float
     scan: dict[str, Any]
 
     @property
-    def good(self) -> Interval:
-        """The interval of all three conditions, or of the first two if the LuGre velocity cannot be reproduced."""
-        return self.joint or overlap(self.coulomb, self.type)
-
-    @property
     def inside(self) -> bool:
-        """Whether the chosen amplitude lies in the interval."""
-        return self.good is not None and self.good[0] - 1e-9 <= self.experiment.amplitude <= self.good[1] + 1e-9
+        """Whether the amplitude taken lies in the interval of all three conditions."""
+        return self.joint is not None and self.joint[0] - 1e-9 <= self.experiment.amplitude <= self.joint[1] + 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
-    """Conditions on a single amplitude for all of sections 5.2 to 5.4, and the values that satisfy them.
+class Fit:
+    """Section 4 under one reading: its four angles, and how many of the printed velocities and types come out."""
 
-    Parameters
-    ----------
-    round_values : tuple of dict
-        For each multiple of 0.1 mm: amplitude [m], exact types at the five frequencies; LuGre motion at mu0 = 0.04: its kind, its period
-        number (0 if it has none) and its largest multiplier (None if it has none).
-    frequencies : tuple or None
-        Amplitudes [m] at which the five frequencies give rest, II, I, III, IV, by the exact borders.
-    period_two : Followed
-        The stable motion of period two at mu0 = 0.04 and its range of amplitudes, by continuation of its orbit.
-    only_three_and_four : tuple or None
-        Amplitudes [m] from 0.5 to 0.9 mm at which mu0 = 0.05, 0.10 and 0.21 all give type III or IV, by the exact borders.
-    """
-
-    round_values: tuple[dict[str, Any], ...]
-    frequencies: Interval
-    period_two: Followed
-    only_three_and_four: Interval
+    reading: Reading
+    brackets: tuple[Bracket, ...]
 
     @property
-    def chosen(self) -> tuple[float, ...]:
-        """The round values that satisfy all conditions [m]."""
-        return tuple(r["amplitude"] for r in self.round_values if tuple(r["types"]) == WANTED and r["period"] == 2)
+    def velocities(self) -> int:
+        """Printed mean velocities that come out, of eight."""
+        return sum(b.velocities for b in self.brackets)
+
+    @property
+    def types(self) -> int:
+        """Printed types that come out, of four."""
+        return sum(b.types for b in self.brackets)
+
+    def as_data(self) -> dict[str, Any]:
+        """The reading and its windows as plain data, SI units."""
+        windows = [
+            {"tilt_deg": b.experiment.tilt_deg, "window": b.joint, "velocities": b.velocities, "type": b.types} for b in self.brackets
+        ]
+        return {**vars(self.reading), "velocities": self.velocities, "types": self.types, "angles": windows}
 
 
 @dataclass(frozen=True, eq=False)
 class Amplitudes:
-    """The inferred amplitudes of sections 4 and 5."""
+    """The inferred amplitudes of sections 4 and 5, the reading under which most comes out first."""
 
-    section4: tuple[Bracket, ...]
+    fits: tuple[Fit, ...]
     section5: Candidates
+
+    @property
+    def section4(self) -> tuple[Bracket, ...]:
+        """The four angles under the stated reading."""
+        return next(f.brackets for f in self.fits if f.reading == STATED)
 
     @property
     def common(self) -> Interval:
         """The interval of amplitudes common to all four angles of section 4; None if there is none."""
-        found: Interval = (0.0, np.inf)
+        shared: Interval = (0.0, np.inf)
         for bracket in self.section4:
-            found = overlap(found, bracket.good)
-        return found
+            shared = overlap(shared, bracket.joint)
+        return shared
 
 
 def infer(fast: bool, tell: Tell) -> Amplitudes:
     """Scan the amplitude for the values that reproduce the printed numbers."""
-    tell("inferring amplitudes", 0, 2)
-    step = 4e-6 if fast else 5e-7
-    section4 = tuple(_bracket(e, step) for e in EXPERIMENTS)
-    tell("inferring amplitudes", 1, 2)
-    section5 = _candidates()
-    tell("inferring amplitudes", 2, 2)
-    return Amplitudes(section4, section5)
+    step, fits = 1e-6 if fast else 5e-7, []
+    for i, reading in enumerate(READINGS):
+        tell("inferring amplitudes of section 4", i, len(READINGS))
+        fits.append(Fit(reading, tuple(_bracket(e, reading, 5e-7 if reading == STATED else step) for e in EXPERIMENTS)))
+    tell("inferring amplitudes of section 4", len(READINGS), len(READINGS))
+    order = sorted(fits, key=lambda f: -(f.velocities + f.types))
+    return Amplitudes(tuple(order), candidates(fast, tell))
 
 
-def _bracket(e: Experiment, step: float) -> Bracket:
+def _bracket(e: Experiment, reading: Reading, step: float) -> Bracket:
     coarse = np.arange(3e-4, 1.8e-3, 2e-5)
-    near = coarse[abs(_velocity(e, coarse, "coulomb") - e.coulomb) < 0.25 * e.coulomb]
+    rough = batch(reading.coulomb(e, amplitude=coarse), settle="auto").mean_velocity
+    near = coarse[abs(rough - e.coulomb) < 0.25 * e.coulomb]
     A = step * np.arange(round(near[0] / step), round(near[-1] / step) + 1)
-    exact = batch(rig(e, amplitude=A, law="coulomb"), settle="auto")
-    lugre = batch(rig(e, amplitude=A), periods=100, settle=80).mean_velocity
+    exact = batch(reading.coulomb(e, amplitude=A), settle="auto")
+    there = abs(exact.mean_velocity / e.coulomb - 1) < 0.12  # LuGre's velocities are sought where the exact ones are near the printed one
+    lugre = np.full(len(A), np.nan)
+    lugre[there] = batch(reading.lugre(e, amplitude=A[there]), periods=100, settle=80).mean_velocity
     by_coulomb, by_lugre = abs(exact.mean_velocity - e.coulomb) <= ROUNDING, abs(lugre - e.lugre) <= ROUNDING
     by_type = exact.motion_type == e.type
-    rest = by_coulomb & by_type
-    misses = max(float(np.min(abs(lugre - e.lugre)[rest], initial=np.inf)) - ROUNDING, 0.0)
+    best = int(np.argmax(by_coulomb.astype(int) + by_lugre + by_type))
     scan = {"amplitude": A, "coulomb": exact.mean_velocity, "lugre": lugre}
-    return Bracket(
-        e, _interval(A, by_coulomb), _interval(A, by_lugre), _interval(A, by_type), _interval(A, rest & by_lugre), misses, step, scan
-    )
-
-
-def _velocity(e: Experiment, A: Any, law: str) -> Any:
-    return batch(rig(e, amplitude=A, law=law), settle="auto").mean_velocity
-
-
-def _candidates() -> Candidates:
-    round_values = 1e-4 * np.arange(3, 11)
-    types = _types(round_values, omega=OMEGAS)
-    rows = tuple(
-        {"amplitude": float(A), "types": t.tolist(), **m} for A, t, m in zip(round_values, types, _motions(round_values), strict=True)
-    )
-    by_frequency = stretches(lambda A: (_types(A, omega=OMEGAS) == np.array(WANTED)).all(axis=1), *RANGE)
-    by_kinetic = stretches(lambda A: np.isin(_types(A, mu0=KINETIC), ("III", "IV")).all(axis=1), *RANGE)
-    two = followed("amplitude", AMPLITUDE_5, *RANGE, period=2, mu0=0.04)
-    return Candidates(rows, longest(by_frequency), two, longest(by_kinetic))
-
-
-def _types(A: Any, **changes: Any) -> Any:
-    """Exact types over amplitude and another number of the rig, by the closed borders."""
-    return exact_types(rig(CASES[-1], amplitude=A[:, None], f0=0.21, law="coulomb", **changes))
-
-
-def _motions(A: Any) -> list[dict[str, Any]]:
-    """The LuGre motions at mu0 = 0.04: periodic if Newton's method finds a stable orbit, otherwise judged by the largest exponent."""
-    from stickslip.dynamics.attractors.period_maps import chaos_map
-    from stickslip.presets import piezo_rig
-
-    seen = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
-    return [_judged(float(a), *map(float, row)) for a, *row in zip(A, seen.period, seen.exponent, seen.error, strict=True)]
-
-
-def _judged(A: float, period: float, exponent: float, error: float) -> dict[str, Any]:
-    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
-    from stickslip.errors import SolveError
-
-    kind, multiplier = "chaotic" if period == 0 and exponent > 3 * error else "undecided", None
-    try:
-        orbit = periodic_orbit(rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), int(period)) if period else None
-        if orbit is not None and orbit.stable:
-            kind, multiplier = "periodic", float(abs(orbit.multipliers[0]))
-    except SolveError:
-        pass
-    period = int(period) if kind == "periodic" else 0
-    return {"kind": kind, "period": period, "multiplier": multiplier, "exponent": exponent, "error": error}
+    one, two, three, joint = (_interval(A, good) for good in (by_coulomb, by_lugre, by_type, by_coulomb & by_lugre & by_type))
+    return Bracket(e, one, two, three, joint, int(by_coulomb[best]) + int(by_lugre[best]), int(by_type[best]), step, scan)
 
 
 def _interval(A: Any, good: Any) -> Interval:

@@ -87,6 +87,13 @@ class Beam:
         tip, slope = ((q * mode_shape(self.b, 1.0, derivative=d)).sum() for d in (0, 1))
         return float(abs(slope / tip) * amplitude / self.beam.length)
 
+    def shortening(self, amplitude: float) -> float:
+        """Amplitude of the tip's motion along the beam, at twice the drive's frequency, for a given tip amplitude across it [m]."""
+        q = modal_amplitudes(OMEGA / self.unit, self.beam.tip_mass_ratio, self.end, self.beam.modes, self.beam.damping)
+        s, weight = _gauss()
+        slope = (q[:, None] * mode_shape(self.b[:, None], s, derivative=1)).sum(axis=0) / abs((q * mode_shape(self.b, 1.0)).sum())
+        return float(0.25 * (abs(slope) ** 2 * weight).sum() * amplitude**2 / self.beam.length)
+
     def shaken(self, runs: Runs) -> dict[float, Any]:
         """By tilt: harmonics of the drive from the second on that the body's own motion adds to the tip, relative to the amplitude."""
         return {e.tilt_deg: abs(self._answer(runs.lugre[e.name])[1:]) / e.amplitude for e in EXPERIMENTS}

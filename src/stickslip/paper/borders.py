@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.friction.law_adapter import law_of
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import listed
 
 __all__ = ["FOUR", "Stretch", "all_four", "exact_types", "in_words", "kinds", "longest", "stretches"]
@@ -31,7 +32,7 @@ class Stretch:
 
 
 def exact_types(robot: Any) -> Any:
-    """Motion types of a rig with Coulomb friction as Eq. 2.4 has it, by the closed borders (`coulomb_type`).
+    """Motion types of a rig with Coulomb friction: by the closed borders (`coulomb_type`) as Eq. 2.4 has it, by exact arcs with f0.
 
     Examples
     --------
@@ -39,12 +40,16 @@ def exact_types(robot: Any) -> Any:
     >>> exact_types(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[3e-4, 8e-4], law="coulomb")).tolist()
     ['II', 'IV']
     """
+    if robot.friction.f_plus is not None:
+        return batch(robot, settle="auto", periods=400).motion_type
     law, load, push = law_of(robot), robot.load(0.0, 0.0), robot.inner_mass * robot.drive.amplitude * robot.drive.omega**2
     return coulomb_type(law.sliding(1.0, load) / push, -law.sliding(-1.0, load) / push)
 
 
-def stretches(words: Words, low: float, high: float, points: int = POINTS) -> tuple[Stretch, ...]:
+def stretches(words: Words, low: float, high: float, points: int = POINTS, within: float = 0.0) -> tuple[Stretch, ...]:
     """The words along a number and the interval of each; one that holds for less than the distance of two points may be missed.
+
+    Ends are found to the last bit, or to the relative distance `within`.
 
     Examples
     --------
@@ -54,18 +59,20 @@ def stretches(words: Words, low: float, high: float, points: int = POINTS) -> tu
     """
     at = np.linspace(low, high, points)
     found = words(at)
-    changes = [change for i in np.flatnonzero(found[1:] != found[:-1]) for change in _between(words, at[i], at[i + 1], found[i : i + 2])]
+    changes = [
+        change for i in np.flatnonzero(found[1:] != found[:-1]) for change in _between(words, at[i], at[i + 1], found[i : i + 2], within)
+    ]
     ends = [low, *(value for value, _ in changes), high]
     names = [word.item() for word in (found[0], *(word for _, word in changes))]
     return tuple(Stretch(word, float(a), float(b)) for word, a, b in zip(names, ends[:-1], ends[1:], strict=True))
 
 
-def _between(words: Words, low: float, high: float, both: Any) -> Iterator[tuple[float, Any]]:
+def _between(words: Words, low: float, high: float, both: Any, within: float) -> Iterator[tuple[float, Any]]:
     """Each change between two points, by bisection, and the word after it."""
     word, last = both
     while word != last:
         inner, outer = low, high
-        while inner < (middle := 0.5 * (inner + outer)) < outer:
+        while inner < (middle := 0.5 * (inner + outer)) < outer and outer - inner > within * abs(outer):
             same = words(np.array([middle]))[0] == word
             inner, outer = (middle, outer) if same else (inner, middle)
         word, low = words(np.array([outer]))[0], outer

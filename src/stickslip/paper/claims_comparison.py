@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import comb
 from typing import Any
 
 import numpy as np
 
 from stickslip.paper.cases import EXPERIMENTS, rig
-from stickslip.paper.claims_page import Claim, Study, judged
+from stickslip.paper.claims_page import IN_PART, Claim, Study, judged, together
 from stickslip.paper.solved_runs import batch, scaled_velocity
 
 __all__ = [
@@ -45,7 +44,7 @@ def folding_coulomb(study: Study) -> Claim:
     """Folding an incline into friction, Coulomb."""
     tilt, A = np.array([e.tilt_deg for e in EXPERIMENTS]), np.array([e.amplitude for e in EXPERIMENTS])
     folded, gravity = (
-        batch(rig(EXPERIMENTS[0], tilt_deg=tilt, amplitude=A, law="coulomb", incline=i), periods=200).mean_velocity
+        batch(rig(EXPERIMENTS[0], tilt_deg=tilt, amplitude=A, law="coulomb-static", incline=i), periods=200).mean_velocity
         for i in ("folded", "gravity")
     )
     difference = abs(gravity / folded - 1).max()
@@ -75,21 +74,58 @@ def six_groups(study: Study) -> Claim:
 
 def closer_in_number(study: Study) -> Claim:
     """LuGre closer in number."""
-    parts = [(r.closer == "LuGre", {"r": r}) for r in study.table]
-    won, of = sum(holds for holds, _ in parts), len(parts)
-    chance = sum(comb(of, k) for k in range(won, of + 1)) / 2**of
-    numbers = {"closer": [r.closer for r in study.table], "won": won}
-    return judged("closer_in_number", won == of, numbers, parts, chance=chance, table=study.table)
+    e = [r.experiment for r in study.table]
+    measured = np.array([x.measured for x in e])
+    velocities = {
+        "printed": {"coulomb": [x.coulomb for x in e], "lugre": [x.lugre for x in e]},
+        "computed": {"coulomb": [r.coulomb for r in study.table], "lugre": [r.lugre for r in study.table]},
+    }
+    errors = {kind: {law: _errors(np.array(v), measured) for law, v in both.items()} for kind, both in velocities.items()}
+    parts = [
+        (
+            found["lugre"][measure] < found["coulomb"][measure],
+            {"label": f"{measure}, {kind} velocities", "found": found, "measure": measure},
+        )
+        for kind, found in errors.items()
+        for measure in found["lugre"]
+    ]
+    at = [(r.closer == "LuGre", {"label": f"{r.experiment.tilt_deg}°", "r": r, "measure": None}) for r in study.table]
+    away = [r.experiment.tilt_deg for r in study.table if r.closer != "LuGre"]
+    spread = {law: (np.array(v) / measured - 1).tolist() for law, v in velocities["computed"].items()}
+    holds = together(*(part for part, _ in [*parts, *at]))
+    return judged("closer_in_number", holds, {"errors": errors, "relative": spread}, [*parts, *at], away=away, table=study.table)
+
+
+def _errors(velocity: Any, measured: Any) -> dict[str, float]:
+    """Mean and root mean square of the relative error, and root mean square of the error [m/s]."""
+    relative = velocity / measured - 1
+    return {
+        "mean relative error": float(abs(relative).mean()),
+        "r.m.s. relative error": float(np.sqrt((relative**2).mean())),
+        "r.m.s. error": float(np.sqrt(((velocity - measured) ** 2).mean())),
+    }
 
 
 def closer_in_shape(study: Study) -> Claim:
     """LuGre closer in shape."""
-    found = {}
+    found, turns = {}, {}
     for e in EXPERIMENTS:
         _, lugre, rest = _curves(study, e)
         if rest.any():
             found[str(e.tilt_deg)] = float(abs(lugre[rest]).max()), float(abs(lugre).max())
-    return judged("closer_in_shape", None, {"velocity_at_rest_and_peak": found})
+            turns[str(e.tilt_deg)] = _turns(lugre, rest)
+    curved = all(sum(counts) > 0 for counts in turns.values())
+    numbers = {"velocity_at_rest_and_peak": found, "turning_points_in_each_rest": turns}
+    return judged("closer_in_shape", IN_PART if curved else None, numbers, [(curved, {}), (None, {})])
+
+
+def _turns(v: Any, rest: Any) -> list[int]:
+    """The number of maxima and minima of the LuGre velocity in each interval in which the Coulomb body rests."""
+    start = int(np.argmin(rest))  # begin in sliding: no rest is cut in two
+    v, rest = np.roll(v, -start), np.roll(rest, -start)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rest, [False]]).astype(int)))
+    signs = [np.sign(np.diff(v[a:b])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [int((s[1:] != s[:-1]).sum()) for s in signs]
 
 
 def _curves(study: Study, e: Any) -> tuple[Any, Any, Any]:

@@ -8,8 +8,10 @@ import numpy as np
 
 from stickslip.paper.borders import FOUR, exact_types, in_words, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
-from stickslip.paper.claims_page import Claim, Study, judged
+from stickslip.paper.claims_page import Claim, Study, judged, together
 from stickslip.paper.followed_motions import followed
+from stickslip.paper.one_amplitude import WANTED
+from stickslip.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.paper.solved_runs import scaled_velocity
 from stickslip.paper.words import millimetres
 
@@ -39,11 +41,22 @@ def harmonic(study: Study) -> Claim:
 
 def all_types_by_amplitude(study: Study) -> Claim:
     """All four types by the amplitude."""
-    rows = _figures(study, "5.1")[1:]
-    numbers = {"exact": [row["exact"] for row in rows], "lugre_word": [row["word"] for row in rows]}
-    borders = in_words(stretches(lambda A: exact_types(rig(CASES[1], amplitude=A, law="coulomb")), 2e-4, 8e-4), millimetres)
-    parts = [(row["exact"] in FOUR, row) for row in rows]
-    return judged("all_types_by_amplitude", set(numbers["exact"]) >= set(FOUR), numbers, parts, borders=borders)
+    rows, A = _figures(study, "5.1")[1:], np.array([c.amplitude for c in CASES if c.section == "5.1"][1:])
+    printed = exact_types(PRINTED_READING.coulomb(CASES[1], amplitude=A)).tolist()
+    numbers = {"exact": [row["exact"] for row in rows], "lugre_label": [row["word"] for row in rows], "as_printed": printed}
+    borders = [_borders(reading) for reading in (STATED, PRINTED_READING)]
+    hold = (set(numbers["exact"]) >= set(FOUR), not study.type_two.misses_all)
+    parts: list[tuple[Any, dict[str, Any]]] = [(part, {}) for part in hold]
+    return judged("all_types_by_amplitude", together(*hold), numbers, parts, borders=borders, rows=rows)
+
+
+def _borders(reading: Reading) -> str:
+    """The types along the amplitude at 1.7 degrees."""
+
+    def types(A: Any) -> Any:
+        return exact_types(reading.coulomb(CASES[1], amplitude=A))
+
+    return in_words(stretches(types, 2e-4, 8e-4, points=601, within=1e-9), millimetres)
 
 
 def always_periodic(study: Study) -> Claim:
@@ -58,11 +71,12 @@ def always_periodic(study: Study) -> Claim:
 def omega_as_amplitude(study: Study) -> Claim:
     """The frequency acts as the amplitude."""
     rows, omega = _figures(study, "5.2"), np.pi * np.linspace(30, 80, 26 if study.fast else 251)
-    gap = {law: _gap(omega, law) for law in ("coulomb", "lugre")}
-    parts = [(row["exact"] == want, row) for row, want in zip(rows, ("rest", "II", "I", "III", "IV"), strict=True)]
-    holds = gap["coulomb"] < 1e-9 and gap["lugre"] < 0.05 and all(part for part, _ in parts)
-    numbers = {"types": [row["exact"] for row in rows], **{f"{law}_gap": value for law, value in gap.items()}}
-    return judged("omega_as_amplitude", holds, numbers, parts, omega=omega)
+    gap = {law: _gap(omega, law) for law in ("coulomb-static", "lugre")}
+    types, search = [row["exact"] for row in rows], study.amplitudes.section5.stated
+    hold = (gap["coulomb-static"] < 1e-9 and gap["lugre"] < 0.05, types == list(WANTED), not study.type_two.misses_all)
+    numbers = {"types": types, "coulomb_gap": gap["coulomb-static"], "lugre_gap": gap["lugre"]}
+    values = {"omega": omega, "window": search.window("frequencies"), "A": AMPLITUDE_5, "rows": rows}
+    return judged("omega_as_amplitude", together(*hold), numbers, [(part, {}) for part in hold], **values)
 
 
 def _gap(omega: Any, law: str) -> float:

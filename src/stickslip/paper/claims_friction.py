@@ -7,16 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.amplitudes import KINETIC, overlap
-from stickslip.paper.borders import FOUR, all_four, exact_types, in_words, stretches
+from stickslip.paper.borders import FOUR, exact_types, in_words, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.paper.claims_page import Claim, Study, judged
+from stickslip.paper.claims_page import IN_PART, Claim, Study, judged, together
+from stickslip.paper.one_amplitude import KINETIC
+from stickslip.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.paper.solved_runs import batch
 
 __all__ = ["all_types_by_kinetic", "kinetic_range", "only_three_and_four", "ratios_above_one"]
 
 #: Relative distance of the start of the scan from the lower end of the range, where mu_plus is zero.
 ABOVE = 1e-9
+#: The round amplitude nearest to the one taken at which Eq. 2.4 satisfies most [m].
+ROUND = 6e-4
 
 
 def ratios_above_one(study: Study) -> Claim:
@@ -24,8 +27,12 @@ def ratios_above_one(study: Study) -> Claim:
     laws = {str(c.figure): rig(c).friction for c in CASES}
     k = {n: [law.f_plus / law.mu_plus, law.f_minus / law.mu_minus, law.mu_minus / law.mu_plus] for n, law in laws.items()}
     equal = [n for n, (k1, k2, _) in k.items() if not (k1 > 1 and k2 > 1)]
-    holds = all(min(values) > 1 for values in k.values())
-    return judged("ratios_above_one", holds, {"k": k}, equal=equal, first=k[equal[0]] if equal else None, thirds=[v[2] for v in k.values()])
+    thirds = all(values[2] > 1 for values in k.values())
+    holds = IN_PART if equal and thirds else thirds
+    parts: list[tuple[Any, dict[str, Any]]] = [(thirds, {}), (not equal, {})]
+    return judged(
+        "ratios_above_one", holds, {"k": k}, parts, equal=equal, first=k[equal[0]] if equal else None, thirds=[v[2] for v in k.values()]
+    )
 
 
 def kinetic_range(study: Study) -> Claim:
@@ -46,26 +53,31 @@ def kinetic_range(study: Study) -> Claim:
 
 def only_three_and_four(study: Study) -> Claim:
     """Only types three and four at larger mu0."""
-    window = study.amplitudes.section5.only_three_and_four
-    common = overlap(window, study.amplitudes.section5.frequencies)
-    amplitudes = [AMPLITUDE_5] + ([0.5 * (common[0] + common[1])] if common else [])
-    numbers = {f"{A:.4e}": _at_larger(A) for A in amplitudes}
-    parts = [
-        (set(found["exact"].values()) <= {"III", "IV"}, {**found, "A": A, "borders": in_words(stretches(_along_mu0(A), 0.05, 0.21), _six)})
-        for A, found in zip(amplitudes, numbers.values(), strict=True)
-    ]
-    return judged("only_three_and_four", parts[0][0], numbers, parts, window=window, common=common, A=AMPLITUDE_5)
+    section5 = study.amplitudes.section5
+    windows = {s.reading.breakaway: s.window("three_and_four") for s in section5.searches}
+    rows = [(s.reading, A) for s in section5.searches for A in (AMPLITUDE_5, ROUND)]
+    found: list[dict[str, Any]] = [{"exact": types_at(r, A), "A": A, "reading": r, "borders": _borders(r, A)} for r, A in rows]
+    parts = [(set(row["exact"].values()) <= {"III", "IV"}, row) for row in found]
+    words = batch(rig(CASES[-1], amplitude=AMPLITUDE_5, mu0=KINETIC, f0=0.21), periods=200).motion_type.tolist()
+    numbers = {
+        "types": [{"breakaway": row["reading"].breakaway, "A": row["A"], "exact": row["exact"]} for row in found],
+        "windows": windows,
+    }
+    return judged("only_three_and_four", parts[0][0], numbers, parts, A=AMPLITUDE_5, labels=words, search=section5.stated)
 
 
-def _at_larger(A: float) -> dict[str, Any]:
-    """Exact types and LuGre words at the printed coefficients."""
-    words = batch(rig(CASES[-1], amplitude=A, mu0=KINETIC, f0=0.21), periods=200).motion_type.tolist()
-    return {"exact": {float(m): str(t) for m, t in zip(KINETIC, _along_mu0(A)(KINETIC), strict=True)}, "lugre_word": words}
+def types_at(reading: Reading, A: float) -> dict[float, str]:
+    """Exact types at the printed coefficients of Figures 24 to 26."""
+    return {float(m): str(t) for m, t in zip(KINETIC, along_mu0(reading, A)(KINETIC), strict=True)}
 
 
-def _along_mu0(A: float) -> Any:
-    """Exact types over the kinetic coefficient at one amplitude, by the closed borders."""
-    return lambda mu0: exact_types(rig(CASES[-1], amplitude=A, mu0=mu0, f0=0.21, law="coulomb"))
+def along_mu0(reading: Reading, A: float) -> Any:
+    """Exact types over the kinetic coefficient at one amplitude."""
+    return lambda mu0: exact_types(reading.coulomb(CASES[-1], amplitude=A, mu0=mu0, f0=0.21))
+
+
+def _borders(reading: Reading, A: float) -> str:
+    return in_words(stretches(along_mu0(reading, A), 0.05, 0.21, points=401, within=1e-8), _six)
 
 
 def _six(mu0: float) -> str:
@@ -73,27 +85,27 @@ def _six(mu0: float) -> str:
 
 
 def all_types_by_kinetic(study: Study) -> Claim:
-    """All four types, but not by mu0."""
-    low, high, along = math.tan(math.radians(1.7)) * (1 + ABOVE), 0.21, _along_mu0(AMPLITUDE_5)
-    found = stretches(along, low, high)
-    dense = np.round(np.arange(0.03, 0.2101, 0.01 if study.fast else 0.001), 4)
-    solved, static, words = (
-        batch(rig(CASES[-1], amplitude=AMPLITUDE_5, mu0=dense, f0=0.21, law=law), **how).motion_type
-        for law, how in (("coulomb", {"settle": "auto"}), ("coulomb-static", {"settle": "auto"}), ("lugre", {"periods": 200}))
-    )
-    A = 1e-5 * np.arange(30, 151)
-    four = all_four(A, exact_types(rig(CASES[-1], amplitude=A[:, None], mu0=np.linspace(low, high, 2001), f0=0.21, law="coulomb")))
-    rows = {"Eq. 2.4": [s.word for s in found], "break-away at f₀ = 0.21": static.tolist(), "LuGre labels": words.tolist()}
-    kinds = {name: [t for t in FOUR if t in types] for name, types in rows.items()}
-    count = len(kinds["Eq. 2.4"])
+    """All four types by amplitude, frequency and static coefficient, but not by mu0."""
+    low, high = math.tan(math.radians(1.7)) * (1 + ABOVE), 0.21
+    section5, by_static = study.amplitudes.section5, _by_static(study)
+    by_mu0 = stretches(along_mu0(STATED, AMPLITUDE_5), low, high, points=401, within=1e-8)
+    by_printed = stretches(along_mu0(PRINTED_READING, AMPLITUDE_5), low, high)
+    at_round = stretches(along_mu0(PRINTED_READING, ROUND), low, high)
+    kinds = {name: {s.word for s in found} & set(FOUR) for name, found in (("f0", by_mu0), ("mu", by_printed), ("mu, 0.6 mm", at_round))}
+    hold = (True, bool(section5.stated.window("frequencies")), len(by_static) == 4, len(kinds["f0"]) < 4)
     numbers = {
-        "borders": [[str(s.word), s.low, s.high] for s in found],
-        "figures": [str(t) for t in along(np.array([c.changes["mu0"] for c in CASES if c.section == "5.3"]))],
-        "agree": int((solved == along(dense)).sum()),
-        "tried": len(dense),
-        "all_four_at": [float(four[0]), float(four[-1])] if len(four) else None,
-        "types": {name: sorted(types) for name, types in kinds.items()},
+        "borders": {name: [[str(s.word), s.low, s.high] for s in found] for name, found in (("f0", by_mu0), ("mu", by_printed))},
+        "types": {name: sorted(found) for name, found in kinds.items()},
+        "by_static": by_static,
+        "windows": {s.reading.breakaway: s.window("not_by_kinetic") for s in section5.searches},
     }
-    parts = [(len(types) < 4, {"name": name, "kinds": types}) for name, types in kinds.items()]
-    values = {"count": count, "order": in_words(found, _six), "low": low, "high": high, "amplitude": AMPLITUDE_5, "A": A, "all_four": four}
-    return judged("all_types_by_kinetic", count < 4, numbers, parts, **values)
+    values: dict[str, Any] = {"order": in_words(by_mu0, _six), "printed": in_words(by_printed, _six), "at_round": in_words(at_round, _six)}
+    values |= {"low": low, "A": AMPLITUDE_5, "round_A": ROUND}
+    return judged("all_types_by_kinetic", together(*hold), numbers, [(part, {}) for part in hold], **values)
+
+
+def _by_static(study: Study) -> list[str]:
+    """The types along 0.18 <= f0 <= 1 at the amplitude taken, with break-away at f0."""
+    found = study.static_map
+    row = int(np.argmin(abs(found["amplitude"] - AMPLITUDE_5)))
+    return [t for t in FOUR if t in found["exact"][row]]

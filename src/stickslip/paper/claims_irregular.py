@@ -5,7 +5,9 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from stickslip.paper.cases import CASES, rig
+import numpy as np
+
+from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
 from stickslip.paper.claims_page import Claim, Study, judged
 from stickslip.paper.followed_motions import followed
 from stickslip.paper.solved_runs import batch
@@ -19,6 +21,8 @@ STEPS = (500, 1000, 1500, 2000, 2500, 3000, 5000, 10_000, 20_000, 50_000)
 FAST_STEPS = (500, 1000, 2000, 3000, 5000)
 #: Further step counts, with the numbers of periods.
 LONG_STEPS = ((200_000, 200), (1_000_000, 40))
+#: Forward starting velocities at mu0 = 0.03, in units of A omega.
+STARTS = (0.05, 0.1, 0.3, 0.5)
 TOLERANCES = (1e-6, 1e-8, 1e-10)
 FIG22, FIG23 = (next(c for c in CASES if c.figure == n) for n in (22, 23))
 
@@ -44,6 +48,20 @@ def _converged(case: Any, method: str = "auto") -> list[tuple[float, float, int]
     return [(rtol, float(m.mean_velocity), int(m.period)) for rtol, m in many]
 
 
+def _forward_starts() -> dict[float, int]:
+    """Starting velocity over A omega -> drive periods until the strobe velocity stays within 1e-3 A mu omega of its last value."""
+    from stickslip.solvers import solve
+
+    robot, found = rig(FIG22), {}
+    scale = float(robot.velocity_scale)
+    for share in STARTS:
+        run = solve(robot, start={"v": share * scale}, periods=150, rtol=1e-6)
+        v = run.at(run.strobe_times)["v"]
+        far = np.flatnonzero(abs(v - v[-1]) > 1e-3 * scale * float(robot.mass_ratio))
+        found[share] = int(far[-1]) + 1 if len(far) else 0
+    return found
+
+
 def _steps(rows: list[dict[str, Any]]) -> str:
     """The steps per period in words."""
     return f"{listed(grouped(r['steps']) for r in rows)} steps" if rows else "none of the step sizes"
@@ -62,6 +80,7 @@ def quasi_periodic(study: Study) -> Claim:
         "period_one_from": wide.low.value,
         "period_one_to": wide.high.value,
         "largest_multiplier": wide.multiplier,
+        "periods_to_settle": _forward_starts(),
     }
     return judged(
         "quasi_periodic",
@@ -102,4 +121,5 @@ def period_two(study: Study) -> Claim:
         near=near,
         motion=study.motions[23],
         accuracy=max(known) if len(known) == 2 else None,
+        A=AMPLITUDE_5,
     )

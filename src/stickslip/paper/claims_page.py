@@ -10,16 +10,21 @@ from typing import Any
 from stickslip.paper.amplitudes import Amplitudes
 from stickslip.paper.beam import Beam
 from stickslip.paper.coexistence import Coexistence
+from stickslip.paper.omitted import Omitted
 from stickslip.paper.parameter_map import Around
 from stickslip.paper.section5_motions import Motion
 from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
+from stickslip.paper.type_two import TypeTwo
 
-__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "judged"]
+__all__ = ["CONFIRMED", "IN_PART", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "judged", "together"]
 
-CONFIRMED, NOT_CONFIRMED, UNDECIDED = "confirmed", "not confirmed", "cannot be decided from the text"
-VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
+CONFIRMED, IN_PART = "confirmed", "confirmed in part"
+NOT_CONFIRMED, UNDECIDED = "not confirmed", "cannot be decided from the text"
+VERDICTS = (CONFIRMED, IN_PART, NOT_CONFIRMED, UNDECIDED)
+#: The reading of a claim that depends on none.
+AS_PRINTED = "as printed"
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,8 @@ class Claim:
         One of `VERDICTS`.
     evidence : tuple of str
         Sentences with the numbers of this run.
+    reading : str
+        The reading of the text on which the verdict rests.
     certainty : str
         "high", "moderate" or "low", with the reason.
     numbers : dict
@@ -64,6 +71,7 @@ class Claim:
     verdict: str
     evidence: tuple[str, ...]
     certainty: str
+    reading: str = AS_PRINTED
     numbers: dict[str, Any] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
 
@@ -81,14 +89,16 @@ class Study:
     static_map: dict[str, Any]
     coexistence: Coexistence
     beam: Beam
+    type_two: TypeTwo
+    omitted: Omitted
     tell: Tell
 
 
 def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> Claim:
     """The claim of a key: its texts in ``sentences.toml``, filled with its numbers and other values.
 
-    `holds` is None if the claim cannot be decided. Each part is a pair of `holds` and its own values; the templates of parts are used
-    in turn, a single one for all of them.
+    `holds` is None if the claim cannot be decided, and `IN_PART` if a part of it holds. Each part is a pair of `holds` and its own
+    values; the templates of parts are used in turn, a single one for all of them.
     """
     told, values = dict(texts("claims")[key]), {**numbers, **values}
     found = tuple(_part(template, *part, values) for template, part in zip(cycle(told.pop("parts", ((),))), parts))
@@ -101,4 +111,16 @@ def _part(template: Sequence[str], holds: Any, own: dict[str, Any], values: dict
 
 
 def _verdict(holds: Any) -> str:
-    return UNDECIDED if holds is None else CONFIRMED if holds else NOT_CONFIRMED
+    return UNDECIDED if holds is None else IN_PART if holds is IN_PART else CONFIRMED if holds else NOT_CONFIRMED
+
+
+def together(*parts: Any) -> Any:
+    """Whether a claim of several parts holds: all of it, none of it, or a part; parts that cannot be decided do not count.
+
+    Examples
+    --------
+    >>> together(True, None), together(True, False), together(False, None), together(None)
+    (True, 'confirmed in part', False, None)
+    """
+    decided = {part if part is IN_PART else bool(part) for part in parts if part is not None}
+    return None if not decided else decided.pop() if len(decided) == 1 else IN_PART

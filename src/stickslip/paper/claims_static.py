@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.paper.borders import FOUR, all_four, kinds
 from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.paper.claims_page import Claim, Study, judged
+from stickslip.paper.claims_page import Claim, Study, judged, together
 from stickslip.paper.coexistence import STARTS
 from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import millimetres
@@ -46,6 +46,7 @@ def all_types_by_static(study: Study) -> Claim:
     wide = {name: all_four(A, types) for name, types in whole.items()}
     here = {name: [t for t in FOUR if t in types[chosen]] for name, types in whole.items()}
     hold = [False, shown["exact"] == 4, shown["lugre"] == 4, most == 4, len(here["exact"]) == 4, len(wide["exact"]) > 0]
+    figures_hold, range_holds = any(hold[1:4]), hold[4]
     numbers = {
         "most_types_in_the_figures": shown,
         "amplitudes": n,
@@ -54,7 +55,7 @@ def all_types_by_static(study: Study) -> Claim:
     }
     return judged(
         "all_types_by_static",
-        any(hold[:5]),
+        together(figures_hold, range_holds),
         numbers,
         [(part, {}) for part in hold],
         n=n,
@@ -68,6 +69,7 @@ def all_types_by_static(study: Study) -> Claim:
         here=here,
         chosen={name: types[chosen] for name, types in figures.items()},
         span=_span,
+        A_taken=AMPLITUDE_5,
     )
 
 

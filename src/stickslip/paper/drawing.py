@@ -33,8 +33,9 @@ class Picture:
     ----------
     key : str
         Name of its files.
-    title, caption, alt : str
-        Title, caption and text alternative.
+    title, caption : str
+    alts : tuple of str
+        A text alternative for each panel.
     section : str
         Section of the paper, or "evidence".
     files : tuple of Path
@@ -46,16 +47,20 @@ class Picture:
     key: str
     title: str
     caption: str
-    alt: str
+    alts: tuple[str, ...]
     section: str
     files: tuple[Path, ...]
     panels: tuple[str, ...]
 
 
 def render(
-    folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, text: str = "", **values: Any
-) -> Picture:
-    """Draw panels side by side into PNG and SVG files, and singly for the report; the texts are those of `key`, or of `text` if given."""
+    folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, text: str = "",
+    each: Sequence[dict[str, Any]] = (), **values: Any,
+) -> Picture:  # fmt: skip
+    """Draw panels side by side into PNG and SVG files, and singly for the report; the texts are those of `key`, or of `text` if given.
+
+    Its text alternatives are a list with one for each panel, or one that is filled with the values of `each` panel.
+    """
     from matplotlib.figure import Figure
 
     with publication():
@@ -73,7 +78,12 @@ def render(
             write_whole(file, drawn.getvalue(), unwritable("reproduce"))
             whole.set_layout_engine("none")  # the second file reuses the layout of the first, which halves the work
         alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
-        return Picture(key=key, files=files, panels=alone, **filled(texts("pictures")[text or key], values))
+        told = dict(texts("pictures")[text or key])
+        alt = told.pop("alt")
+        alts = alt if isinstance(alt, list) else [alt] * len(panels)
+        own = each or [{}] * len(panels)
+        alternatives = tuple(filled(one, values | mine) for one, mine in zip(alts, own, strict=True))
+        return Picture(key=key, files=files, panels=alone, alts=alternatives, **filled(told, values))
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:

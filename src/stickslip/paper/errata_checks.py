@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.amplitudes import ROUNDING
-from stickslip.paper.cases import CASES, EXPERIMENTS, rig
+from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, rig
 from stickslip.paper.claims_page import Study
 from stickslip.paper.errata import Erratum
+from stickslip.paper.readings import PRINTED_READING, STATED
 from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import batch
 
@@ -39,7 +40,15 @@ def beam_equation(study: Study) -> Check:
     """Eq. 3.1."""
     bending, inertia = NEWTON + 2 * METRE + METRE - 4 * METRE, KG - METRE + METRE - 2 * SECOND
     printed = KG - METRE + METRE - 2 * METRE
-    return (bending == inertia).all() and (bending != printed).any(), {}, {}
+    beam, static = study.beam.beam, study.beam.undamped(np.array([1e-3]))[0]
+    moment, arm = float(beam.moment_per_volt), float(beam.patch_length * (beam.length - beam.patch_length / 2) / beam.bending_stiffness)
+    return (bending == inertia).all() and (bending != printed).any(), {"tip_over_static": float(static / (moment * arm))}, {}
+
+
+def density(study: Study) -> Check:
+    """Eq. 3.1, its letters."""
+    per_length, per_volume, area = KG - METRE, KG - 3 * METRE, 2 * METRE
+    return (per_volume + area == per_length).all() and (per_length + area != per_length).any(), {}, {}
 
 
 def patch_moment(study: Study) -> Check:
@@ -68,29 +77,26 @@ def transient(study: Study) -> Check:
     return printed > 1e-3 and right < 1e-12, {"printed": printed, "right": right}, {}
 
 
+def break_away(study: Study) -> Check:
+    """Eq. 2.4."""
+    fits = {f.reading: f for f in study.amplitudes.fits}
+    ours, printed = fits[STATED], fits[PRINTED_READING]
+    complete = ours.velocities == 8 and ours.types == 4
+    missed = [f"{b.experiment.tilt_deg}°" for b in printed.brackets if b.joint is None]
+    return (
+        complete and bool(missed),
+        {"stated": ours.as_data(), "printed": printed.as_data()},
+        {"ours": ours, "other": printed, "missed": missed},
+    )
+
+
 def weight(study: Study) -> Check:
     """Eq. 3.8."""
-    robot = rig(EXPERIMENTS[0])
-    fits = {"Mg": _fits(robot.body_mass / robot.total_mass), "(M+m)g": _fits(1.0)}
-    lost, every = [tilt for tilt, count in fits["Mg"].items() if not count], all(fits["(M+m)g"].values())
-    return lost and every, {"amplitudes_that_fit": fits}, {"lost": lost, "every": every}
-
-
-def _fits(share: float) -> dict[str, int]:
-    """The number of amplitudes in a scan that give the printed type and velocities, for each angle, with friction scaled by `share`."""
-    A, found = np.arange(3e-4, 1.8e-3, 1e-6), {}
-    for e in EXPERIMENTS:
-        good = np.ones(len(A), bool)
-        for law, printed in (("coulomb", e.coulomb), ("lugre", e.lugre)):
-            robot = rig(e, amplitude=A, law=law)
-            names = [n for n in ("mu_plus", "mu_minus", "f_plus", "f_minus") if getattr(robot.friction, n) is not None]
-            friction = dataclasses.replace(robot.friction, **{n: share * getattr(robot.friction, n) for n in names})
-            many = batch(dataclasses.replace(robot, friction=friction), periods=60, settle=40, rtol=1e-5)
-            digit = 2 * ROUNDING if (e.name, law) == ("P1", "lugre") else ROUNDING
-            good &= abs(many.mean_velocity - printed) <= digit
-            good &= (many.motion_type == e.type) if law == "coulomb" else True
-        found[f"{e.tilt_deg}°"] = int(good.sum())
-    return found
+    fits = study.amplitudes.fits
+    heavy = {
+        f.reading.breakaway: [f"{b.experiment.tilt_deg}°" for b in f.brackets if b.joint is None] for f in fits if f.reading.weight == "M"
+    }
+    return all(heavy.values()), {"angles_without_amplitude": heavy}, {"heavy": heavy}
 
 
 def incline(study: Study) -> Check:
@@ -117,8 +123,10 @@ def steady_velocity(study: Study) -> Check:
 
 def missing_amplitudes(study: Study) -> Check:
     """The amplitudes."""
-    chosen, common = list(study.amplitudes.section5.chosen), study.amplitudes.common
-    return len(chosen) == 1 and common is None, {"chosen": chosen}, {"experiments": EXPERIMENTS, "common": common}
+    common, search = study.amplitudes.common, study.amplitudes.section5.stated
+    low, high = search.best
+    inside = all(b.inside for b in study.amplitudes.section4) and low <= AMPLITUDE_5 <= high
+    return inside and common is None, search.as_data(), {"experiments": EXPERIMENTS, "common": common, "A": AMPLITUDE_5, "search": search}
 
 
 def third_ratio(study: Study) -> Check:
@@ -132,9 +140,27 @@ def third_ratio(study: Study) -> Check:
     error = {name: abs(v / dimensional - 1) for name, v in velocity.items()}
     off = {name: abs(v - paper) > 2 * ROUNDING for name, v in velocity.items()}
     missed = [f"{e.tilt_deg}°" for e, far in zip(EXPERIMENTS, off["printed"], strict=True) if far]
-    numbers = {**{name: k.tolist() for name, k in k3.items()}, "relative_error": {name: e.tolist() for name, e in error.items()}}
+    periods = {name: _periods(f0) for name, f0 in (("printed", 0.21), ("right", 0.04))}
+    numbers = {
+        **{name: k.tolist() for name, k in k3.items()},
+        "relative_error": {name: e.tolist() for name, e in error.items()},
+        "periods": periods,
+    }
     rows = list(zip(EXPERIMENTS, velocity["printed"], velocity["right"], strict=True))
-    return max(error["right"]) < 1e-6 and missed and not off["right"].any(), numbers, {"rows": rows, "missed": missed}
+    section5 = 2 not in periods["printed"].values() and periods["right"][AMPLITUDE_5] == 2
+    holds = max(error["right"]) < 1e-6 and missed and not off["right"].any() and section5
+    return holds, numbers, {"rows": rows, "missed": missed, "A": AMPLITUDE_5}
+
+
+def _periods(numerator: float) -> dict[float, int]:
+    """Period numbers at mu0 = 0.04 (Figure 23) by amplitude, with k3 = (numerator + tan)/(0.04 - tan)."""
+    A = np.append(1e-4 * np.arange(3, 11), AMPLITUDE_5)
+    robot, tan = rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), np.tan(np.radians(1.7))
+    law, k3 = robot.friction, (numerator + tan) / (0.04 - tan)
+    mu_minus = k3 * law.mu_plus
+    other = dataclasses.replace(law, mu_minus=mu_minus, f_minus=law.f_minus / law.mu_minus * mu_minus)
+    many = batch(dataclasses.replace(robot, friction=other), periods=400, settle=300, rtol=1e-8)
+    return {round(float(a), 9): int(n) for a, n in zip(A, many.period, strict=True)}
 
 
 def _with_ratios(robot: Any, k2: Any, k3: Any) -> Any:
@@ -150,7 +176,8 @@ def ratios(study: Study) -> Check:
 
 
 CHECKS: tuple[Callable[[Study], Check], ...] = (
-    at_rest, beam_equation, patch_moment, transient, weight, incline, third_type, steady_velocity, missing_amplitudes, third_ratio, ratios,
+    break_away, at_rest, beam_equation, density, patch_moment, transient, weight, incline, third_type, steady_velocity,
+    missing_amplitudes, third_ratio, ratios,
 )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper import beam_figure
+from stickslip.paper import beam_figure, omitted
 from stickslip.paper.amplitudes import ROUNDING, Amplitudes, Bracket
 from stickslip.paper.cases import AMPLITUDE_5, CASES
 from stickslip.paper.claims_page import Claim, Study
@@ -34,6 +34,7 @@ def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture
         _ladder(next(c for c in claims if c.key == "quasi_periodic").numbers, folder),
         _around(study.around, folder),
         _static(study.static_map, study.coexistence, folder),
+        omitted.draw(study.omitted, folder),
     )
     study.tell("drawing the evidence", 5, 5)
     return pictures
@@ -41,7 +42,7 @@ def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture
 
 # ---- amplitudes of section 4 ----
 def _amplitudes(found: Amplitudes, folder: Path) -> Picture:
-    return render(folder, "evidence-amplitudes", [partial(_bracket, b) for b in found.section4], brackets=found.section4)
+    return render(folder, "evidence-amplitudes", [partial(_bracket, b) for b in found.section4], each=[{"b": b} for b in found.section4])
 
 
 def _bracket(b: Bracket, ax: Any) -> None:
@@ -49,8 +50,8 @@ def _bracket(b: Bracket, ax: Any) -> None:
     for printed, style, name, values in ((e.coulomb, COULOMB, "Coulomb", b.scan["coulomb"]), (e.lugre, LUGRE, "LuGre", b.scan["lugre"])):
         ax.axhspan(1e3 * (printed - ROUNDING), 1e3 * (printed + ROUNDING), color=style["color"], alpha=0.16, linewidth=0)
         ax.plot(A, 1e3 * values, **style, label=name)
-    if b.good:
-        ax.axvspan(1e3 * b.good[0], 1e3 * b.good[1], color="#999999", alpha=0.3, linewidth=0)
+    if b.joint:
+        ax.axvspan(1e3 * b.joint[0], 1e3 * b.joint[1], color="#999999", alpha=0.3, linewidth=0)
     ax.axvline(1e3 * e.amplitude, color=INK, linewidth=0.7)
     half = max(0.02 * e.amplitude, 1.5e-5) * 1e3
     low, high = min(e.coulomb, e.lugre), max(e.coulomb, e.lugre)

@@ -28,8 +28,7 @@ def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: 
     rows = {r.experiment.figure: r for r in table}
     jobs: dict[int, Any] = {6: partial(_four_types, runs, table)}
     jobs |= {e.figure: partial(_experiment, runs, rows[e.figure]) for e in EXPERIMENTS}
-    limits = {c.section: _limits(runs, c.section) for c in CASES}
-    jobs |= {c.figure: partial(_case, runs, c, judged[c.figure], limits[c.section]) for c in CASES}
+    jobs |= {c.figure: partial(_case, runs, c, judged[c.figure]) for c in CASES}
     wanted = [n for n in sorted(jobs) if not fast or n in FAST_FIGURES]
     found = []
     for i, number in enumerate(wanted):
@@ -42,7 +41,13 @@ def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: 
 # ---- Figure 6 ----
 def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
     order = sorted(table, key=lambda r: FOUR.index(r.type))
-    return render(folder, "figure-06", [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order], height=1.9, rows=order)
+    return render(
+        folder,
+        "figure-06",
+        [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order],
+        height=1.9,
+        each=[{"r": r} for r in order],
+    )
 
 
 def _exact_panel(run: Any, row: Row, ax: Any) -> None:
@@ -71,7 +76,7 @@ def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(bristles["phase"], 1e3 * bristles["v"], **LUGRE, label="LuGre", zorder=3)
     ax.plot(exact["phase"], 1e3 * exact["v"], **COULOMB, label="Coulomb", zorder=4)
-    ax.axhline(1e3 * e.measured, **MEASURED, label="measured mean, printed", zorder=2)
+    ax.plot([0.0, 0.09], [1e3 * e.measured] * 2, **{**MEASURED, "linewidth": 2.2}, label="measured mean, printed", zorder=5)
     _time_axis(ax, "velocity $v$ (mm/s)")
     handles, labels = ax.get_legend_handles_labels()
     order = [labels.index(n) for n in ("Coulomb", "LuGre", "measured mean, printed")]
@@ -117,26 +122,13 @@ def _scale(run: Any) -> tuple[float, float]:
     return float(run.model.drive.amplitude), float(run.model.velocity_scale)
 
 
-def _limits(runs: Runs, section: str) -> tuple[float, float, float]:
-    """Common limits of a section: smallest and largest v/(A omega), and half-width of the portraits in A; without presliding."""
-    found = []
-    for case in (c for c in CASES if c.section == section):
-        run = runs.figures[case.figure]
-        if not _presliding(run):
-            A, scale = _scale(run)
-            c = curve(run, 4)
-            found.append((c["v"].min() / scale, c["v"].max() / scale, abs(c["s"]).max() / A))
-    low, high, wide = min(f[0] for f in found), max(f[1] for f in found), max(f[2] for f in found)
-    return low - 0.06 * (high - low), high + 0.06 * (high - low), 1.08 * wide
-
-
 def _presliding(run: Any) -> bool:
     from stickslip.analysis.motion import motion
 
     return motion(run).type in ("rest", "presliding")
 
 
-def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, float], folder: Path) -> Picture:
+def _case(runs: Runs, case: Case, judged: Motion, folder: Path) -> Picture:
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
 
@@ -145,12 +137,10 @@ def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, fl
     periods = 4 if (told.period or 1) > 1 else PERIODS
     found = curve(run, periods)
     presliding, scale = _presliding(run), _scale(run)[1]
-    own = presliding or found["v"].max() / scale < 0.3 * limits[1]
-    limits_here = None if own else limits
     return render(
         folder,
         f"figure-{case.figure:02}",
-        [partial(_history, run, found, periods, limits_here), partial(_portrait, run, found, limits_here)],
+        [partial(_history, run, found, periods), partial(_portrait, run, found)],
         text="case",
         case=case,
         judged=judged,
@@ -158,7 +148,6 @@ def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, fl
         velocity=mean_velocity(run),
         twin=twin,
         presliding=presliding,
-        own=own,
         periods=periods,
         v=found["v"],
         scale=scale,
@@ -166,15 +155,12 @@ def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, fl
     )
 
 
-def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any) -> None:
+def _history(run: Any, found: dict[str, Any], periods: int, ax: Any) -> None:
     shade_rest(ax, found["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(found["phase"], found["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
     _time_axis(ax, "velocity $v/(A\\omega)$", periods)
-    if limits is None:
-        _powers(ax.yaxis)
-    else:
-        ax.set_ylim(limits[0], limits[1])
+    _powers(ax.yaxis)
 
 
 def _powers(axis: Any) -> None:
@@ -191,7 +177,7 @@ def _powers(axis: Any) -> None:
     axis.set_major_formatter(made)
 
 
-def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
+def _portrait(run: Any, found: dict[str, Any], ax: Any) -> None:
     A, scale = _scale(run)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(found["s"] / A, found["v"] / scale, color=LUGRE["color"], linewidth=1.1)
@@ -199,8 +185,5 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     ax.plot(found["strobe_s"] / A, found["strobe_v"] / scale, "o", zorder=5, **dots)
     ax.set(xlabel="displacement without drift $(x - Vt)/A$", ylabel="velocity $v/(A\\omega)$")
     ax.locator_params(axis="x", nbins=5)
-    if limits is None:
-        _powers(ax.xaxis)
-        _powers(ax.yaxis)
-    else:
-        ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])
+    _powers(ax.xaxis)
+    _powers(ax.yaxis)

@@ -11,22 +11,34 @@ from stickslip.paper import (
     claims_irregular,
     claims_laws,
     claims_static,
+    claims_untreated,
 )
 from stickslip.paper.amplitudes import Amplitudes
 from stickslip.paper.beam import Beam
 from stickslip.paper.claims_page import Claim, Study
 from stickslip.paper.claims_static import static_map
 from stickslip.paper.coexistence import coexistence
+from stickslip.paper.omitted import omitted
 from stickslip.paper.parameter_map import around
 from stickslip.paper.section5_motions import motions
 from stickslip.paper.sentences import texts
 from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
+from stickslip.paper.type_two import type_two
 
 __all__ = ["claims", "study_of"]
 
 #: The modules with a function for each claim, named as its text in ``sentences.toml``.
-JUDGES = (claims_beam, claims_comparison, claims_excitation, claims_friction, claims_irregular, claims_laws, claims_static)
+JUDGES = (
+    claims_beam,
+    claims_comparison,
+    claims_excitation,
+    claims_friction,
+    claims_irregular,
+    claims_laws,
+    claims_static,
+    claims_untreated,
+)
 
 
 def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
@@ -35,7 +47,9 @@ def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitu
     tell("scanning static friction", 0, 2)
     scanned = static_map(fast)
     tell("scanning static friction from several starts", 1, 2)
-    return Study(fast, runs, table, amplitudes, judged, near, scanned, coexistence(fast), Beam(PiezoBeam()), tell)
+    both = coexistence(fast)
+    tell("varying the parameters that the paper leaves out", 0, 1)
+    return Study(fast, runs, table, amplitudes, judged, near, scanned, both, Beam(PiezoBeam()), type_two(runs, fast), omitted(fast), tell)
 
 
 def claims(study: Study) -> tuple[Claim, ...]:

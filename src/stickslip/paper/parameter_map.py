@@ -36,7 +36,7 @@ class Around:
     grid : xarray.Dataset
         From `stickslip.chaos_map`, over mu0 and amplitude.
     flips : tuple of float
-        Values of mu0 at which the motion of period one doubles its period at 0.6 mm.
+        Values of mu0 at which the motion of period one doubles its period at the amplitude taken for section 5.3.
     curves : tuple of Curve
         The curve of these flips in (mu0, amplitude).
     accuracies : tuple of float
@@ -92,7 +92,8 @@ class Around:
         names = ("period", "exponent", "error", "mean_velocity")
         return {
             "mu0": self.grid.mu0.values, "amplitude": self.grid.amplitude.values, **{n: self.grid[n].values for n in names},
-            "shares": self.shares, "largest": self.largest, "flips_at_0.6_mm": self.flips, "flip_accuracies": self.accuracies,
+            "shares": self.shares, "largest": self.largest, "flips": self.flips, "flips_amplitude": AMPLITUDE_5,
+            "flip_accuracies": self.accuracies,
             "flip_curves": [{p: c.values[:, i] for i, p in enumerate(c.parameters)} for c in self.curves],
             "settle": self.grid.attrs["settle"], "periods": self.grid.attrs["periods"], "full_resolution": FULL,
         }  # fmt: skip

@@ -15,13 +15,14 @@ from stickslip.errors import InputError, as_path
 from stickslip.interruption import interruptible, look
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import infer
-from stickslip.paper.cases import CASES, EXPERIMENTS, rig
+from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, rig
 from stickslip.paper.claims_page import VERDICTS, Claim, Study
 from stickslip.paper.drawing import Picture
 from stickslip.paper.equations import Equation, equations
 from stickslip.paper.errata import Erratum
 from stickslip.paper.errata_checks import errata
 from stickslip.paper.judging import claims, study_of
+from stickslip.paper.readings import STATED
 from stickslip.paper.section5_motions import Motion
 from stickslip.paper.sentences import filled, texts
 from stickslip.paper.solved_runs import Runs, Tell, solve_all
@@ -30,7 +31,7 @@ from stickslip.paper.table import rows
 __all__ = ["FORMAT", "Reproduction", "reproduce"]
 
 #: Format of ``numbers.json``, which docs/paper-revisited.md describes.
-FORMAT = "stickslip-paper-3"
+FORMAT = "stickslip-paper-4"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,6 +81,11 @@ class Reproduction(Study):
     def report(self) -> Path:
         """The HTML page."""
         return self.folder / "report.html"
+
+    @property
+    def side_by_side(self) -> Path:
+        """The page of figures, one to a screen: what was printed, what we get, and why."""
+        return self.folder / "side-by-side.html"
 
     @property
     def numbers(self) -> Path:
@@ -206,13 +212,14 @@ def _provenance(runs: Runs, fast: bool) -> dict[str, str]:
 
 
 def _write(result: Reproduction, tell: Tell) -> None:
-    from stickslip.paper.content import content
+    from stickslip.paper.content import beside, content
     from stickslip.report import page, write
 
     tell("writing the report", 0, 1)
     text = json.dumps(result.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
     write(result.numbers, text + "\n")
     write(result.report, page("paper.html", **content(result, notes=rig(EXPERIMENTS[0]).notes)))
+    write(result.side_by_side, page("side_by_side.html", **beside(result)))
     tell("writing the report", 1, 1)
 
 
@@ -220,6 +227,7 @@ def as_dict(result: Reproduction) -> dict[str, Any]:
     """A reproduction as plain data."""
     a = result.amplitudes
     own = [{name: value for name, value in vars(b).items() if name not in ("scan", "experiment")} for b in a.section4]
+    section5 = a.section5
     taken = [{"tilt_deg": b.experiment.tilt_deg, "taken": b.experiment.amplitude} for b in a.section4]
     data = {
         "format": FORMAT,
@@ -229,16 +237,33 @@ def as_dict(result: Reproduction) -> dict[str, Any]:
         "around": result.around.as_data(),
         **{kind: [dataclasses.asdict(one) for one in getattr(result, kind)] for kind in ("claims", "errata", "equations")},
         "coexistence": result.coexistence.as_data(),
+        "type_two": result.type_two.as_data(),
+        "omitted": [one.as_data() for one in result.omitted.along],
         "amplitudes": {
             "section4": [one | rest for one, rest in zip(taken, own, strict=True)],
-            "section5": {**dataclasses.asdict(a.section5), "chosen": a.section5.chosen},
+            "reading": vars(STATED),
+            "readings": [f.as_data() for f in a.fits],
+            "section5": {
+                "taken": AMPLITUDE_5,
+                "searches": [s.as_data() for s in section5.searches],
+                "round_values": section5.round_values,
+                "period_two": dataclasses.asdict(section5.period_two),
+            },
             "common": a.common,
         },
         "figures": [
-            {"key": p.key, "section": p.section, "title": p.title, "caption": p.caption, "files": [f"figures/{f.name}" for f in p.files]}
+            {
+                "key": p.key,
+                "section": p.section,
+                "title": p.title,
+                "caption": p.caption,
+                "alts": p.alts,
+                "files": [f"figures/{f.name}" for f in p.files],
+            }
             for p in result.figures
         ],
         "report": result.report.name,
+        "side_by_side": result.side_by_side.name,
         "provenance": result.provenance,
         "seconds": result.seconds,
     }

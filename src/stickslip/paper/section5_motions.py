@@ -36,7 +36,7 @@ class Motion:
     residual : float or None
         Distance of the orbit's strobe state from its image, in the scales of its coordinates.
     twin : float or None
-        Largest multiplier of the same robot with exact Coulomb friction; 0 if it comes to rest.
+        Largest multiplier of the same robot with exact Coulomb friction that breaks away at f0; 0 if it comes to rest.
     why : str
         The evidence in a sentence.
     """
@@ -74,10 +74,14 @@ class Motion:
 
     @property
     def exponents(self) -> str:
-        """The largest exponent with its error as text."""
+        """The largest exponent as text, with its error where that is not below the last digit printed."""
         if not math.isfinite(self.exponent):
             return "−∞"
-        digits = 4 if self.error == 0 else max(1, min(6, 2 + math.floor(math.log10(max(abs(self.exponent), self.error) / self.error))))
+        if self.multipliers and abs(self.multipliers[0]) < ROUNDING:  # the orbit's matrix cannot resolve what is measured along the motion
+            return f"below {plain(math.log(ROUNDING), 2)}"
+        if self.error < 0.5e-5 * abs(self.exponent):
+            return plain(self.exponent, 6)
+        digits = max(1, min(6, 2 + math.floor(math.log10(max(abs(self.exponent), self.error) / self.error))))
         return f"{plain(self.exponent, digits)} ± {plain(self.error, 1)}"
 
     @property

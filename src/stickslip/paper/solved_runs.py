@@ -24,13 +24,13 @@ class Runs:
     Parameters
     ----------
     coulomb, lugre : dict
-        Name of the experiment -> run with exact Coulomb friction, and with LuGre friction and the folded incline.
+        Name of the experiment -> run with exact Coulomb friction (break-away at f0), and with LuGre friction; folded incline.
     gravity : dict
         Name of the experiment -> mean velocity with LuGre on a true incline [m/s].
     figures : dict
         Figure number -> run with LuGre friction.
     twins : dict
-        Figure number -> run of the same robot with exact Coulomb friction.
+        Figure number -> run of the same robot with exact Coulomb friction that breaks away at LuGre's own f0.
     """
 
     coulomb: dict[str, Any]
@@ -45,8 +45,9 @@ def solve_all(tell: Tell) -> Runs:
     from stickslip.solvers import solve
 
     total, runs = 2 * len(EXPERIMENTS) + 2 * len(CASES), Runs({}, {}, _true_incline(), {}, {})
-    jobs: list[tuple[str, Any, Any]] = [(law, e.name, rig(e, law=law)) for e in EXPERIMENTS for law in ("coulomb", "lugre")]
-    jobs += [(where, c.figure, rig(c, law=law)) for c in CASES for where, law in (("figures", "lugre"), ("twins", "coulomb"))]
+    laws = {"coulomb": "coulomb-static", "lugre": "lugre", "figures": "lugre", "twins": "coulomb-static"}
+    jobs: list[tuple[str, Any, Any]] = [(name, e.name, rig(e, law=laws[name])) for e in EXPERIMENTS for name in ("coulomb", "lugre")]
+    jobs += [(name, c.figure, rig(c, law=laws[name])) for c in CASES for name in ("figures", "twins")]
     for i, (where, key, robot) in enumerate(jobs):
         tell("solving the paper's cases", i, total)
         getattr(runs, where)[key] = solve(robot, rtol=1e-8)

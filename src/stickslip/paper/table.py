@@ -51,6 +51,11 @@ class Row:
     lugre_words: dict[str, int]
 
     @property
+    def rests(self) -> tuple[float, ...]:
+        """Lengths of the rests of the exact Coulomb body [drive periods]."""
+        return tuple(length for _, length, sign in self.intervals if sign == 0)
+
+    @property
     def signs(self) -> str:
         """The pattern with a true minus."""
         return self.pattern.replace("-", "−")

@@ -23,6 +23,26 @@ def svg_address(svg: str) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 
 
+_SIZE = re.compile(r'<svg\b[^>]*?\bviewBox="\S+ \S+ (?P<width>\S+) (?P<height>\S+)"')
+
+
+def image(svg: str, alt: str) -> Any:
+    """An SVG picture as an ``img`` element with its own size, so that a page does not move when its pictures appear.
+
+    Examples
+    --------
+    >>> print(image('<svg viewBox="0 0 302.4 158.4"/>', "a curve"))
+    <img src="data:image/svg+xml;base64,PHN2ZyB2aWV3Qm94PSIwIDAgMzAyLjQgMTU4LjQiLz4=" alt="a curve" width="302" height="158">
+    """
+    from markupsafe import Markup, escape
+
+    size = _SIZE.search(svg)
+    if size is None:
+        raise InputError("image", ["the picture has no viewBox; give an SVG picture with its size"])
+    width, height = (round(float(size[name])) for name in ("width", "height"))
+    return Markup(f'<img src="{svg_address(svg)}" alt="{escape(alt)}" width="{width}" height="{height}">')
+
+
 def grouped(number: int) -> str:
     """A whole number with its digits grouped in thousands by narrow no-break spaces."""
     return f"{number:,}".replace(",", "\u202f")
@@ -45,7 +65,7 @@ def environment(folder: str | Path) -> Any:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     made = Environment(loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed, "formula": _formula}
+    made.filters |= {"svg_address": svg_address, "image": image, "grouped": grouped, "fixed": fixed, "formula": _formula}
     return made
 
 
