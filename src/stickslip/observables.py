@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
+from stickslip.fingerprints import fingerprint
 
 #: Reductions of a function of the state over the last motion period, in words.
 REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest value", "max": "largest value", "last": "value at the end"}
@@ -44,8 +44,8 @@ class Observable:
 
     @property
     def fingerprint(self) -> str:
-        """An identifier that is the same in every process for the same function: from its code, constants and closure."""
-        return f"{self.reduce} [{self.unit}] {hashlib.sha256(repr(_content(self.function)).encode()).hexdigest()[:16]}"
+        """An identifier that is the same in every process for the same function, from its code and everything to which it refers."""
+        return f"{self.reduce} [{self.unit}] {fingerprint(self.function).digest[:16]}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,15 +77,6 @@ class Derived:
     def fingerprint(self) -> str:
         """An identifier that is the same in every process for the same derivative."""
         return f"derivative of {getattr(self.of, 'fingerprint', self.of)} by {self.by} [{self.unit}]"
-
-
-def _content(thing: Any) -> Any:
-    code = getattr(thing, "__code__", None) or (thing if hasattr(thing, "co_code") else None)
-    if code is None:
-        return repr(thing)
-    within = [_content(each) for each in code.co_consts]
-    closed = [repr(cell.cell_contents) for cell in getattr(thing, "__closure__", None) or ()]
-    return code.co_code, code.co_names, within, closed, repr(getattr(thing, "__defaults__", None))
 
 
 def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str = "1") -> Observable:

@@ -174,7 +174,7 @@ def test_the_folder_of_another_study_is_refused(whole, change, told):
     assert told in str(caught.value)
 
 
-def test_another_version_and_a_changed_maker_are_refused(tmp_path, monkeypatch):
+def test_another_version_and_other_models_are_refused(tmp_path, monkeypatch):
     axes = dict(amplitude=[4e-4, 5e-4], tilt_deg=1.7, law="coulomb")
 
     def maker(amplitude, tilt_deg, law):
@@ -183,7 +183,12 @@ def test_another_version_and_a_changed_maker_are_refused(tmp_path, monkeypatch):
     ss.sweep(maker, **axes, out=tmp_path / "study")
 
     def maker(amplitude, tilt_deg, law):
-        return RIG(amplitude=1.0 * amplitude, tilt_deg=tilt_deg, law=law)
+        return RIG(amplitude=1.0 * amplitude, tilt_deg=tilt_deg, law=law)  # other words for the same models
+
+    ss.sweep(maker, **axes, out=tmp_path / "study", resume=True)
+
+    def maker(amplitude, tilt_deg, law):
+        return RIG(amplitude=amplitude, tilt_deg=tilt_deg, law=law, mu0=0.2)
 
     with pytest.raises(ss.InputError, match="the robot has other numbers or another kind"):
         ss.sweep(maker, **axes, out=tmp_path / "study", resume=True)
@@ -243,14 +248,14 @@ WRITTEN = {"SLIDING": "self.mu * load", "DRIVEN": "-self.amplitude * self.omega*
 
 @pytest.mark.parametrize("changed", WRITTEN)
 @pytest.mark.parametrize("inside", [False, True], ids=["alone", "inside"])
-def test_another_text_of_a_part_of_ones_own_is_another_study(tmp_path, changed, inside):
-    """A law, a drive or a track, alone or inside one of ours, and what a class inherits."""
-    from stickslip.sweeps.manifest import identity
+def test_other_equations_of_a_part_of_ones_own_are_another_study(tmp_path, changed, inside):
+    """Of a law, a drive or a track, alone or inside one of ours, and of what a class inherits; other words for them are not."""
+    from stickslip.sweeps.model_identity import ModelIdentities
     from stickslip.sweeps.planning import SOLVER, planned
 
     def told(name, formulas):
         path = tmp_path / f"{name}.py"
-        text = OWN
+        text = OWN.replace("self.mu * load, self", "2 * self.mu * load, 2 * self")
         for place, formula in formulas.items():
             text = text.replace(place, formula)
         path.write_text(text)
@@ -262,12 +267,13 @@ def test_another_text_of_a_part_of_ones_own_is_another_study(tmp_path, changed, 
         if inside:
             law, drive, track = ss.Sum(law, ss.Viscous(0.1, 0.1)), ss.Reversed(drive), ss.VaryingFriction(track, depth=0.2)
         robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=drive, friction=law, track=track)
-        return identity(planned(robot, (), {"gravity": [9.8, 9.81]}, None, None, None, **SOLVER))["robot"]
+        return ModelIdentities(planned(robot, (), {"gravity": [9.8, 9.81]}, None, None, None, **SOLVER)).of_tiles([0])
 
     try:
         first = told("first", WRITTEN)
         assert told("again", WRITTEN) == first
-        assert told("other", WRITTEN | {changed: f"1.0 * {WRITTEN[changed]}"}) != first
+        assert told("same", WRITTEN | {changed: f"1.0 * {WRITTEN[changed]}"}) == first
+        assert told("other", WRITTEN | {changed: f"1.5 * {WRITTEN[changed]}"}) != first
     finally:
         sys.modules.pop("own_parts", None)
 
@@ -500,7 +506,7 @@ def test_a_tile_travels_as_names_and_numbers():
         plan = planned(RIG, (), axes, None, along, 7, **SOLVER)
         told = message(plan, 2)
         assert told["make"] == {"module": "stickslip.presets.robots", "name": "piezo_rig"}
-        assert set(map(type, told.values())) <= {dict, str, type(None)}
+        assert set(map(type, told.values())) <= {dict, str, int, type(None)}
         for name, values in solved(plan, 2)[0].items():
             np.testing.assert_array_equal(work(told)[0][name], values)
     with pytest.raises(ss.InputError, match="put it into a module"):

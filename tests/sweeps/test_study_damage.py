@@ -116,10 +116,12 @@ def old(study):
     return study
 
 
-def test_a_folder_of_format_1_opens_with_one_note(old, whole):
+def test_a_folder_of_format_1_opens_with_notes_on_what_is_unchecked(old, whole):
     grid = opened(old)
     notes = json.loads(grid.attrs.pop("notes"))
-    assert notes == {"kept by an earlier stickslip, without checksums: damage to the file may go unseen": 12}
+    damage, models = notes
+    assert damage == "kept by an earlier stickslip, without checksums: damage to the file may go unseen"
+    assert "whether all results are of one model is unchecked" in models and set(notes.values()) == {12}
     xr.testing.assert_identical(grid, opened(whole))
     tiles = sorted((old / "tiles").iterdir())
     tiles[0].write_bytes(tiles[1].read_bytes())

@@ -20,6 +20,7 @@ from stickslip.interruption import look
 from stickslip.jsontext import plain
 from stickslip.optional import library
 from stickslip.storage import from_text
+from stickslip.sweeps.model_identity import ModelIdentities
 from stickslip.sweeps.models_of_points import starts_at
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
@@ -41,8 +42,8 @@ def connected(address: str) -> Any:
         raise InputError("sweep", [f"no Dask scheduler answers at {address!r} ({error}); start one with `dask scheduler`"]) from None
 
 
-def message(plan: Plan, k: int) -> dict[str, Any]:
-    """A tile without its classes: names, plain values and the rows of its own cases."""
+def message(plan: Plan, k: int, every: int = 1) -> dict[str, Any]:
+    """A tile without its classes: names, plain values and the rows of its own cases; every so-many-th of its models is compared."""
     points = plan.points(k)
     dims = ("case",) if plan.along is None else ("line", plan.along)
     start = starts_at(plan.start, points)
@@ -54,6 +55,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
         "options": dict(plan.options),
         "start": {name: value if np.ndim(value) == 0 else value.ravel() for name, value in start.items()},
         "along": plan.along,
+        "every": every,
     }
 
 
@@ -99,19 +101,31 @@ def _found(make: dict[str, Any]) -> Any:
     return pkgutil.resolve_name(f"{make['module']}:{make['name']}")
 
 
-def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
-    """Compute one tile on a worker."""
-    from stickslip.sweeps.solving import solved
+def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int], str]:
+    """Compute one tile on a worker: its columns, its notes, and the identity of the models as they are there."""
+    from stickslip.sweeps.solving import solved_models
 
-    return solved(from_message(told), 0, 1)
+    plan = from_message(told)
+    return solved_models(plan, 0, 1, None, ModelIdentities(plan, told["every"]))
+
+
+def _check_models(k: int, mine: str, theirs: str) -> None:
+    """Raise an `InputError` if a worker has other models than this process."""
+    if mine != theirs:
+        what = f"a worker computed tile {k} with other models than the maker gives here"
+        why = "its module, or something that it uses, is another there"
+        raise InputError(
+            "sweep", [f"{what}: {why}; restart the workers with the module that you use, and type resume=True if out= is given"]
+        )
 
 
 def tiles_from(
-    plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch
-) -> Iterator[tuple[int, dict[str, Array], dict[str, int]]]:
+    plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch, identities: ModelIdentities
+) -> Iterator[tuple[int, dict[str, Array], dict[str, int], str]]:
     """The tiles in the order in which the cluster finishes them; up to twice as many as its threads, at least 4, are in progress.
 
-    A tile that failed, or whose result was lost with its worker, is submitted again, up to `retries` times.
+    The models of each are compared with those that the maker gives in this process. A tile that failed, or whose result was lost with
+    its worker, is submitted again, up to `retries` times.
     """
     rest, running, tries = iter(todo), dict[Any, int](), dict[int, int]()
     ready = _distributed().as_completed(with_results=False)
@@ -119,7 +133,7 @@ def tiles_from(
     def send(k: int) -> None:
         tries[k] = tries.get(k, 0) + 1
         key = f"stickslip-{secrets.token_hex(4)}-{k}"
-        future = client.submit(work, message(plan, k), retries=retries, pure=False, key=key)
+        future = client.submit(work, message(plan, k, identities.every), retries=retries, pure=False, key=key)
         running[future] = k
         ready.add(future)
 
@@ -141,7 +155,9 @@ def tiles_from(
                     send(k)
                 continue
             k = running.pop(future)
-            yield (k, *future.result())
+            columns, notes, models = future.result()
+            _check_models(k, identities.of_tiles([k])[0], models)
+            yield k, columns, notes, models
     finally:
         for future in running:
             future.cancel()

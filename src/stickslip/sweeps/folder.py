@@ -18,7 +18,7 @@ from typing import Any
 from stickslip.contracts import Array
 from stickslip.errors import InputError, StickslipError, as_path
 from stickslip.sweeps.labelling import labels_of
-from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
+from stickslip.sweeps.manifest import FORMAT, differences_between, flaw, manifest
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
@@ -167,9 +167,10 @@ class Study:
     def _check_same(self, theirs: dict[str, Any]) -> None:
         if theirs["stickslip_format"] != FORMAT:
             what = f"{str(self.folder)!r} was begun by an earlier stickslip (format {theirs['stickslip_format']}, today's is {FORMAT})"
-            raise InputError("sweep", [f"{what}: it can be opened and exported, but not gone on with; give another folder"])
+            why = "which did not record the models of each tile"
+            raise InputError("sweep", [f"{what}, {why}: it can be opened, merged and exported, but not gone on with; give another folder"])
         if theirs.get("study") != self.manifest["study"]:
-            told = differences(self.manifest["identity"], theirs.get("identity", {}))
+            told = differences_between(self.manifest, theirs)
             raise InputError("sweep", [f"{str(self.folder)!r} is the folder of another study: {reason}" for reason in told] or ["unknown"])
 
     def _sweep_up(self) -> None:
@@ -199,9 +200,19 @@ class Study:
         """Our tiles that are still to be computed."""
         return sorted(set(self.ours) - set(self.done))
 
-    def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
-        """Store a tile."""
+    def write(self, k: int, columns: dict[str, Array], notes: dict[str, int], models: str) -> None:
+        """Store a tile; `models` is the identity of the models with which it was computed."""
+        self.check_models(k, models)
         put(file_of(self.folder, k), tile_bytes(self.manifest, k, self.plan.bounds(k)[0], columns, notes))
+
+    def check_models(self, k: int, models: str) -> None:
+        """Raise an `InputError` if tile k was computed with other models than the study has."""
+        if models != self.manifest["models"][k]:
+            each = self.manifest["cases_per_tile"]
+            where = f"cases {k * each} to {min((k + 1) * each, self.manifest['cases']) - 1}"
+            what = f"{where} were computed with other models than those of the study in {str(self.folder)!r}, and are not kept"
+            why = "the maker gives other models from call to call, or on another machine; let it depend on its arguments only"
+            raise InputError("sweep", [f"{what}: {why}"])
 
     def finish(self) -> None:
         """Flush the folder, so that the file names are on the disk."""

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-import dataclasses
-import functools
 import hashlib
-import inspect
 import json
 import math
-import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from stickslip.fields import is_array, leaves
+from stickslip.fingerprints import fingerprint
 from stickslip.jsontext import plain
 from stickslip.sweeps.labelling import about, attributes_of, maker_of, provenance_of
+from stickslip.sweeps.model_identity import ModelIdentities, model_differences
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.result_columns import COLUMNS, kind_of, part_columns
 from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
 
-#: Version of the folder's layout: 2 has checksums.
-FORMAT = 2
-_DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit of a result
+#: Version of the folder's layout: 2 has checksums, 3 has the identities of the models of each tile.
+FORMAT = 3
+_LIBRARIES = ("numpy", "numba")  # of which another minor version may change the last bit of a result
+#: What is said of folders of formats 1 and 2.
+UNCHECKED = "kept by an earlier stickslip, which did not record the models of each tile: whether all results are of one model is unchecked"
 
 
 def digest(value: Any) -> str:
@@ -40,83 +39,32 @@ def _hashed(value: Any) -> Any:
     return [str(v) for v in array.ravel().tolist()] if array.ndim else str(value)
 
 
-def identity(plan: Plan) -> dict[str, str]:
-    """The parts that identify a study, each as text that can be compared and reported."""
+def identity(plan: Plan, every: int, models: list[str]) -> dict[str, str]:
+    """The parts that identify a study, each as text that can be compared and reported; `models` are the identities of its tiles' models.
+
+    If not `every` model is compared, the code of the maker is a part too.
+    """
     versions = provenance_of(plan)["versions"]
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
     parts |= {name: plain(value) for name, value in plan.space.fixed.items()}
     parts |= {f"option {name}": value for name, value in plan.options.items() if name != "observe"}
     parts |= {f"observe {name}": each.fingerprint for name, each in (plan.options.get("observe") or {}).items()}
-    parts |= {f"version of {name}": versions[name] for name in _DECISIVE}
-    parts |= {"maker": maker_of(plan.make), "robot": _robot(plan), "start": digest(plan.start)}
+    parts |= {"version of stickslip": versions["stickslip"]}
+    parts |= {f"version of {name}": ".".join(versions[name].split(".")[:2]) for name in _LIBRARIES}
+    parts |= {"maker": maker_of(plan.make), "robot": digest(models), "start": digest(plan.start)}
+    parts |= {} if every == 1 else {"compared models": f"every {every}th", "code of the maker": fingerprint(plan.make).digest}
     parts |= {"dimensions": " x ".join(f"{d} {n}" for d, n in zip(plan.dims, plan.shape, strict=True)) or "none"}
     parts |= {"continue_along": plan.along, "tile": plan.tile, "format": FORMAT, "columns": ", ".join(kept_columns(plan))}
     parts |= {f"names of dimension {dim}": ", ".join(names) for dim, names in plan.parts.items()}
     return {name: value if isinstance(value, str) else json.dumps(value, default=str) for name, value in parts.items()}
 
 
-def _robot(plan: Plan) -> str:
-    """Hash of the first robot's kinds and numbers, and of the source of all its classes and functions that are not ours."""
-    if plan.sample is None:
-        return "none"
-    parts = list(leaves(plan.sample, kinds=True))
-    told = [[name, _text(_first(value))] for name, value in parts]
-    things = [plan.make, *(thing for _, value in parts if not is_array(value) for thing in _within(value))]
-    foreign = dict.fromkeys(part for thing in things for part in _parts_of(thing) if not _known(part))
-    return digest(told + [_source(part) for part in foreign])
-
-
-def _within(value: Any) -> Iterator[Any]:
-    """A value and, for a list, its elements."""
-    yield value
-    for item in value if isinstance(value, (list, tuple)) else ():
-        if dataclasses.is_dataclass(item) and not isinstance(item, type):
-            yield from (thing for _, part in leaves(item, kinds=True) for thing in _within(part))
-        else:
-            yield from _within(item)
-
-
-def _first(value: Any) -> Any:
-    return np.asarray(value).ravel()[0] if is_array(value) else value
-
-
-def _text(value: Any) -> str:
-    """A value as text that is the same in every process."""
-    if isinstance(value, type) or inspect.isroutine(value):
-        return f"{value.__module__}.{value.__qualname__}"
-    if isinstance(value, (list, tuple)):
-        return str([_text(item) for item in value])
-    if type(value).__repr__ is object.__repr__:  # the default repr contains an address
-        return f"{_text(type(value))} {sorted(vars(value).items()) if hasattr(value, '__dict__') else ''}"
-    return str(value)
-
-
-def _parts_of(thing: Any) -> tuple[Any, ...]:
-    """The classes and functions whose source determines a thing: a function itself; otherwise its class and the base classes."""
-    if isinstance(thing, functools.partial):
-        return _parts_of(thing.func)
-    if inspect.isroutine(thing):
-        return (thing,)
-    return (thing if isinstance(thing, type) else type(thing)).__mro__
-
-
-def _known(part: Any) -> bool:
-    """Whether a class or function belongs to this package, NumPy or Python, whose versions are recorded."""
-    module = str(getattr(part, "__module__", None) or "builtins").partition(".")[0]
-    return module in ("stickslip", "numpy") or module in sys.stdlib_module_names
-
-
-def _source(part: Any) -> str:
-    try:
-        return inspect.getsource(part)
-    except (OSError, TypeError):
-        return ""
-
-
 def manifest(plan: Plan) -> dict[str, Any]:
     """The manifest of a study folder."""
-    parts = identity(plan)
+    compared = ModelIdentities(plan)
+    models = compared.of_tiles(range(plan.tiles))
+    parts = identity(plan, compared.every, models)
     made = {
         "stickslip_format": FORMAT,
         "content": "study",
@@ -127,6 +75,9 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "cases": plan.cases,
         "tiles": plan.tiles,
         "cases_per_tile": plan.bounds(0)[1] if plan.tiles else 0,
+        "models": models,
+        "compared": compared.every,
+        "unchecked": unchecked(compared),
         "columns": {each: kind_of(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
         **({"observed": about(plan)} if plan.observed else {}),
         **({"parts": {dim: list(names) for dim, names in plan.parts.items()}} if plan.parts else {}),
@@ -135,6 +86,20 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
     return {**made, SEAL: of_manifest(made)}
+
+
+def unchecked(compared: ModelIdentities) -> list[str]:
+    """What is not part of the identity of a study, in sentences."""
+    maker = () if compared.every == 1 else fingerprint(compared.plan.make).unchecked
+    return [f"{_NOT_SEEN}: {what}" for what in dict.fromkeys([*compared.unchecked, *maker])]
+
+
+_NOT_SEEN = "unchecked when this study is resumed or merged"
+
+
+def has_models(manifest: dict[str, Any]) -> bool:
+    """Whether the identities of the models of each tile are recorded."""
+    return int(manifest["stickslip_format"]) >= 3
 
 
 def has_checksums(manifest: dict[str, Any]) -> bool:
@@ -159,7 +124,17 @@ def flaw(found: Any) -> str | None:
         return f"parts is {parts!r}"
     allowed = {each for name in COLUMNS for each in (name, *part_columns(name, parts))}
     unknown = [name for name in found["columns"] if name not in allowed | set(found.get("observed", {}))]
-    return f"it has columns that are not known: {', '.join(unknown)}" if unknown else None
+    if unknown:
+        return f"it has columns that are not known: {', '.join(unknown)}"
+    return _flaw_of_models(found) if has_models(found) else None
+
+
+def _flaw_of_models(found: dict[str, Any]) -> str | None:
+    for name, count in (("models", found["tiles"]), ("unchecked", None)):
+        words = found.get(name)
+        if not isinstance(words, list) or not all(isinstance(word, str) for word in words) or count not in (None, len(words)):
+            return f"{name} cannot be read"
+    return None
 
 
 _KINDS = {
@@ -168,17 +143,31 @@ _KINDS = {
 }  # fmt: skip
 
 
-def differences(mine: dict[str, str], theirs: dict[str, str]) -> list[str]:
-    """The differences between two identities, in sentences."""
+def differences_between(mine: dict[str, Any], theirs: dict[str, Any]) -> list[str]:
+    """The differences between two studies that are given by their manifests, in sentences."""
+    return differences(mine["identity"], theirs.get("identity", {}), lambda: _model_differences(mine, theirs))
+
+
+def _model_differences(mine: dict[str, Any], theirs: dict[str, Any]) -> list[str]:
+    if "models" not in mine or "models" not in theirs or mine["cases_per_tile"] != theirs["cases_per_tile"]:
+        return []
+    return model_differences(mine["models"], theirs["models"], mine["cases_per_tile"])
+
+
+def differences(mine: dict[str, str], theirs: dict[str, str], of_models: Callable[[], list[str]] = list) -> list[str]:
+    """The differences between two identities, in sentences; `of_models` gives those between the models."""
     found = []
     for name in dict.fromkeys([*theirs, *mine]):
         a, b = theirs.get(name), mine.get(name)
         if a != b:
             if name.startswith("axis ") and a and b:
                 found.append(f"the values of {name[5:]} are others")
-            elif name in ("robot", "start") and a and b:
-                edited = ", or the text of a class or a function of your own is another" if name == "robot" else ""
-                found.append(f"the {name} has other numbers or another kind{edited}")
+            elif name == "robot" and a and b:
+                found += of_models() or ["the robot has other numbers or another kind"]
+            elif name == "start" and a and b:
+                found.append("the start has other numbers")
+            elif name == "code of the maker" and a and b:
+                found.append("the code of the maker, or what it refers to, is another")
             else:
                 found.append(f"{name} was {a or 'not there'}, now it is {b or 'not there'}")
     return found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.sweeps.folder import MANIFEST, make_folder, put, read_manifest
-from stickslip.sweeps.manifest import differences
+from stickslip.sweeps.manifest import differences_between
 from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.space_file import AXES, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
@@ -25,7 +25,8 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     Parameters
     ----------
     folders : list of paths
-        Study folders; all must be of the same study.
+        Study folders; all must be of the same study: the same axes and options, and in every tile models with the same equations and
+        numbers. Of folders that an earlier stickslip kept, the models are unchecked, and a note says so.
     out : path
         A new folder, or one of the same study.
     partial : bool
@@ -48,8 +49,9 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     sources = [as_path(f, "merge", "grid-1") for f in folders]
     if not sources:
         raise InputError("merge", ["no folders are given; type merge([shard1, shard2], out)"])
-    told, target = _checked(sources), as_path(out, "merge", "grid")
+    target = as_path(out, "merge", "grid")
     sources = [*sources, target] if (target / MANIFEST).exists() else sources
+    told = _checked(sources)
     found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told)) is not None}
     missing = [k for k in range(told["tiles"]) if k not in found]
     if missing and not partial:
@@ -77,7 +79,7 @@ def _checked(folders: list[Path]) -> dict[str, Any]:
     for folder in folders[1:]:
         other = read_manifest(folder)
         if other["study"] != first["study"]:
-            for reason in differences(other["identity"], first["identity"]):
+            for reason in differences_between(first, other):
                 problems.add(f"{str(folder)!r} is of another study than {str(folders[0])!r}: {reason}")
     problems.check()
     read_labels(folders[0], first)

@@ -16,7 +16,7 @@ from stickslip.contracts import Array
 from stickslip.errors import InputError, as_path
 from stickslip.sweeps.folder import read_manifest
 from stickslip.sweeps.labelling import assembled, labels_of_parts, with_units
-from stickslip.sweeps.manifest import has_checksums
+from stickslip.sweeps.manifest import UNCHECKED, has_checksums, has_models
 from stickslip.sweeps.result_columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
 from stickslip.sweeps.space import Column
 from stickslip.sweeps.space_file import read_labels
@@ -68,10 +68,16 @@ def open_study(folder: str | Path) -> xr.Dataset:
     grid.attrs["provenance"] = json.dumps(told["provenance"])
     with_units(grid, told.get("observed", {}))
     grid.attrs["study"] = told["study"]
-    notes = notes_of(folder, told) | ({} if has_checksums(told) else {_OLD: told["cases"]})
+    notes = notes_of(folder, told) | dict.fromkeys(_doubts(told), told["cases"])
     if notes:
         grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     return grid
+
+
+def _doubts(told: dict[str, Any]) -> list[str]:
+    """What the folder does not know of itself: its damage, or parts of its models."""
+    old = [*([] if has_checksums(told) else [_OLD]), *([] if has_models(told) else [UNCHECKED])]
+    return [*old, *told.get("unchecked", [])]
 
 
 def _open_file(path: Path) -> Any:

@@ -20,15 +20,16 @@ from stickslip.pool import shared
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.status import Status
 from stickslip.sweeps.labelling import dataset, provenance_of
+from stickslip.sweeps.model_identity import ModelIdentities
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
 from stickslip.sweeps.result_columns import all_failed, base_of, empty, vacant
-from stickslip.sweeps.solving import solved
+from stickslip.sweeps.solving import solved_models
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Done = tuple[int, dict[str, Array], dict[str, int]]
+Done = tuple[int, dict[str, Array], dict[str, int], str]  # index, columns, notes and identity of the models of a tile
 
 
 @explains_arguments
@@ -168,9 +169,10 @@ def carried_out(
     study = Study.begin(Path(out), plan, resume=resume, shard=shard)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
+    identities = ModelIdentities(plan, study.manifest["compared"])
     with partial_result() as ending:
-        for k, columns, notes in tiles_of(plan, todo, workers, client, retries, watch):
-            study.write(k, columns, notes)
+        for k, columns, notes, models in tiles_of(plan, todo, workers, client, retries, watch, identities):
+            study.write(k, columns, notes, models)
             watch.finished(k, columns["status"])
     study.finish()
     grid = open_study(out)
@@ -190,7 +192,7 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
         plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
     with partial_result() as ending, taking_some_cases():
-        for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+        for k, columns, told, _ in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
             _put(whole, plan.bounds(k), columns)
             notes.update(told)
             left.remove(k)
@@ -222,8 +224,13 @@ def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Ar
         whole[name][first:last] = values
 
 
-def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch) -> Iterator[Done]:
-    """Index, columns and notes of each tile, as they are finished."""
+def tiles_of(
+    plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch, identities: ModelIdentities | None = None
+) -> Iterator[Done]:
+    """Index, columns, notes and models of each tile, as they are finished.
+
+    The models are identified if the results are kept in a folder (`identities` is given) or come from a cluster.
+    """
     todo = list(todo)
     if client is not None:
         from stickslip.sweeps.cluster import tiles_from
@@ -231,12 +238,12 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
         if plan.observed:
             raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
 
-        yield from tiles_from(plan, todo, client, retries, watch)
+        yield from tiles_from(plan, todo, client, retries, watch, identities or ModelIdentities(plan))
         return
     several = workers > 1 and len(todo) > 1
 
-    def work(k: int) -> tuple[dict[str, Array], dict[str, int]]:
-        return solved(plan, k, 1 if several else workers, partial(watch.at_work, k))
+    def work(k: int) -> tuple[dict[str, Array], dict[str, int], str]:
+        return solved_models(plan, k, 1 if several else workers, partial(watch.at_work, k), identities)
 
-    for k, (columns, notes) in shared(work, todo, workers if several else 1):
-        yield k, columns, notes
+    for k, found in shared(work, todo, workers if several else 1):
+        yield (k, *found)

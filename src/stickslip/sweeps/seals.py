@@ -20,6 +20,8 @@ from stickslip.unpacking import Allowance
 #: The key of the checksum in a manifest.
 SEAL = "checksum"
 _BEFORE, _AFTER, _SIZE = b"\nstickslip checksum ", b"\n", 32
+#: Before the checksum stands the identity of the models whose results the file holds.
+_MODELS = b"\nstickslip models "
 #: Files that were found intact, with the properties that change when a file does: they are read column by column.
 _intact: set[tuple[Any, ...]] = set()
 
@@ -34,9 +36,19 @@ def of_manifest(manifest: dict[str, Any]) -> str:
     return _hash("manifest", json.dumps(json.loads(json.dumps(rest)), sort_keys=True).encode()).decode()
 
 
-def sealed(content: bytes, mark: str) -> bytes:
-    """The bytes of a file with their checksum; `mark` identifies the study and the part."""
+def sealed(content: bytes, mark: str, models: str = "") -> bytes:
+    """The bytes of a file with their checksum; `mark` identifies the study and the part, `models` the models of a tile."""
+    content += _MODELS + models.encode() if models else b""
     return content + _BEFORE + _hash(mark, content) + _AFTER
+
+
+def is_intact(path: Path, mark: str, models: str = "") -> bool:
+    """Whether a file exists, is as it was written, and holds results of these models; it is not opened with the HDF5 library."""
+    try:
+        _check_seal(path.read_bytes(), mark, models)
+    except (FileNotFoundError, Damaged):
+        return False
+    return True
 
 
 def _hash(mark: str, content: bytes) -> bytes:
@@ -50,14 +62,14 @@ def text_of(attribute: Any) -> str:
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
 
 
-def _check(path: Path, mark: str | None) -> None:
+def _check(path: Path, mark: str | None, models: str) -> None:
     """Check that a file is as it was written, and that it contains all its data; done once for each file."""
     about = path.stat()
-    key = (mark, str(path), about.st_ino, about.st_size, about.st_mtime_ns)
+    key = (mark, models, str(path), about.st_ino, about.st_size, about.st_mtime_ns)
     if key in _intact:
         return
     if mark is not None:
-        _check_seal(path.read_bytes(), mark)
+        _check_seal(path.read_bytes(), mark, models)
     with hdf5.opened(os.fspath(path), "study", Allowance("study", about.st_size), for_others=True):
         pass
     if len(_intact) > 100_000:
@@ -65,14 +77,18 @@ def _check(path: Path, mark: str | None) -> None:
     _intact.add(key)
 
 
-def _check_seal(content: bytes, mark: str) -> None:
+def _check_seal(content: bytes, mark: str, models: str) -> None:
     end = len(content) - len(_BEFORE) - _SIZE - len(_AFTER)
     if end < 0 or content[end:] != _BEFORE + _hash(mark, content[:end]) + _AFTER:
         raise Damaged("its checksum does not fit")
+    if models and not content[:end].endswith(_MODELS + models.encode()):
+        raise Damaged("it holds results of other models than the study")
 
 
-def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any:
+def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any], models: str = "") -> Any:
     """The result of `read` for an open HDF5 file with a valid checksum; without a mark the file has none.
+
+    If `models` is given, the file must be a tile with the results of these models.
 
     Raises
     ------
@@ -84,7 +100,7 @@ def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any
     import h5py
 
     try:
-        _check(path, mark)
+        _check(path, mark, models)
         with h5py.File(os.fspath(path), "r") as file:
             return read(file)
     except (FileNotFoundError, Damaged):

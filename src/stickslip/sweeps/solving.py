@@ -23,6 +23,7 @@ from stickslip.solvers.closed_arcs import handles, reduced
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
 from stickslip.status import Status
+from stickslip.sweeps.model_identity import ModelIdentities
 from stickslip.sweeps.models_of_points import Group, groups_of, starts_at
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.result_columns import COLUMNS, END, empty, filled, flattened, joined
@@ -41,19 +42,38 @@ _OURS = (MemoryError, OSError)  # errors that do not concern a single case
 
 def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tuple[dict[str, Array], dict[str, int]]:
     """The columns of tile k in the order of its results; and error messages with the number of cases that they concern."""
+    return solved_models(plan, k, workers, tell, None)[:2]
+
+
+def solved_models(
+    plan: Plan, k: int, workers: int, tell: Tell | None, identities: ModelIdentities | None
+) -> tuple[dict[str, Array], dict[str, int], str]:
+    """The same, with the identity of the models that were solved, or "" without `identities`."""
     if plan.along is not None:
         from stickslip.sweeps.following import followed
 
-        return followed(plan, k, workers, tell)
+        return *followed(plan, k, workers, tell), identities.of_tiles([k])[0] if identities else ""
     points = plan.points(k)
-    return solved_points(plan, points, starts_at(plan.start, points), workers, tell)
+    made = groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
+    if identities is None or identities.every > 1:
+        models = identities.of_tiles([k])[0] if identities else ""
+    else:
+        models = identities.of_groups(made[0], [len(points)])[0]
+    return *_solved_groups(plan, points, made, workers, tell), models
 
 
 def solved_points(
     plan: Plan, points: Array, start: dict[str, Any], workers: int = 1, tell: Tell | None = None
 ) -> tuple[dict[str, Array], Counter[str]]:
     """The columns at some points of the space."""
-    groups, refused = groups_of(plan.make, plan.space, points, start)
+    return _solved_groups(plan, points, groups_of(plan.make, plan.space, points, start), workers, tell)
+
+
+def _solved_groups(
+    plan: Plan, points: Array, made: tuple[list[Group], dict[int, str]], workers: int, tell: Tell | None
+) -> tuple[dict[str, Array], Counter[str]]:
+    """The columns of the models that were made for some points."""
+    groups, refused = made
     notes, before = Counter(refused.values()), 0
 
     def found(group: Group) -> dict[str, Array]:

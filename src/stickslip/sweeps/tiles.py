@@ -13,9 +13,9 @@ import numpy as np
 
 from stickslip.contracts import Array
 from stickslip.errors import InputError
-from stickslip.sweeps.manifest import has_checksums
+from stickslip.sweeps.manifest import has_checksums, has_models
 from stickslip.sweeps.result_columns import attributes_in_files, coded, empty, unwritten, words
-from stickslip.sweeps.seals import Damaged, read_sealed, sealed, text_of
+from stickslip.sweeps.seals import Damaged, is_intact, read_sealed, sealed, text_of
 
 TILES = "tiles"
 
@@ -48,6 +48,11 @@ def written(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]],
     return kept.getvalue()
 
 
+def models_of(manifest: dict[str, Any], k: int) -> str:
+    """The identity of the models of tile k; empty in a folder of format 1 or 2, which does not have it."""
+    return str(manifest["models"][k]) if has_models(manifest) else ""
+
+
 def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, Array], notes: dict[str, int]) -> bytes:
     """Tile k, whose first case has the index `first`, as a netCDF4 file."""
     import h5py
@@ -61,7 +66,7 @@ def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, 
         file.attrs["tile"] = k
         if notes:
             file.attrs["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
-    return sealed(kept.getvalue(), str(mark_of(manifest, f"tile {k}")))
+    return sealed(kept.getvalue(), str(mark_of(manifest, f"tile {k}")), models_of(manifest, k))
 
 
 @lru_cache(8)
@@ -86,7 +91,7 @@ def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> d
             raise Damaged(f"it is tile {int(file.attrs['tile'])} under the name of another")
         return {name: _decoded(name, file[name], last - first) for name in names}
 
-    return read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), columns)
+    return read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), columns, models_of(manifest, k))
 
 
 def _decoded(name: str, variable: Any, count: int) -> Array:
@@ -103,7 +108,10 @@ def _cases(manifest: dict[str, Any], k: int) -> tuple[int, int]:
 
 
 def tile_is_good(folder: Path, k: int, manifest: dict[str, Any]) -> bool:
-    """Whether tile k of this study exists undamaged."""
+    """Whether tile k of this study exists undamaged, with the results of its models."""
+    mark = mark_of(manifest, f"tile {k}")
+    if mark is not None:
+        return is_intact(file_of(folder, k), mark, models_of(manifest, k))
     try:
         _read(folder, manifest, k, [*manifest["columns"]])
     except (FileNotFoundError, Damaged):
@@ -128,9 +136,11 @@ def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
     notes = Counter[str]()
     for k in range(int(manifest["tiles"])):
         try:
-            notes.update(
-                read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), lambda file: json.loads(file.attrs.get("notes", "{}")))
-            )
+            notes.update(read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), _notes_in, models_of(manifest, k)))
         except (FileNotFoundError, Damaged):  # reported when its numbers are read
             continue
     return notes
+
+
+def _notes_in(file: Any) -> dict[str, int]:
+    return dict(json.loads(file.attrs.get("notes", "{}")))

@@ -8,17 +8,20 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Outcome, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.errors import InputError
 from stickslip.jsontext import plain
 from stickslip.sweeps.folder import COMMAND, MANIFEST, check_new, make_folder, put
-from stickslip.sweeps.manifest import differences, digest, identity
-from stickslip.sweeps.planning import SOLVER, planned
+from stickslip.sweeps.manifest import differences, digest, identity, unchecked
+from stickslip.sweeps.model_identity import ModelIdentities
+from stickslip.sweeps.planning import SOLVER, Plan, planned
 
 T = TypeVar("T")
-_FORMAT = 3
+_FORMAT = 4  # 4 has the identities of the models with each result
 _ANEW = "delete it, and it is computed again"
 _DRAWN = "others at each point, at four scales"  # how starts are drawn: those of earlier versions were others
 
@@ -38,8 +41,11 @@ class AtlasStudy:
 
     def __init__(self, path: str | Path | None, plane: Plane, look: Look, resume: bool = False):
         self.folder = None if path is None else Path(path).expanduser()
+        self._planes = [plane]
         if self.folder is not None:
-            self._begin(self.folder, _identity(plane, look), resume)
+            plan = _plan_of(plane, look)
+            self._models = ModelIdentities(plan, 1)
+            self._begin(self.folder, _identity(plan, self._models, plane, look), resume)
 
     def _begin(self, folder: Path, mine: dict[str, str], resume: bool) -> None:
         manifest = folder / MANIFEST
@@ -47,6 +53,9 @@ class AtlasStudy:
             theirs = _read(manifest, dict)
             if theirs.get("content") != "atlas":
                 raise InputError("atlas", [f"{str(folder)!r} is the folder of a sweep; give another folder"])
+            if theirs.get("stickslip_format") != _FORMAT:
+                why = "which did not record the models of each result"
+                raise InputError("atlas", [f"{str(folder)!r} was begun by an earlier stickslip, {why}; give another folder"])
             if told := differences(mine, theirs.get("identity", {})):
                 raise InputError("atlas", [f"{str(folder)!r} is the folder of another atlas: {reason}" for reason in told])
             if not resume:
@@ -55,45 +64,77 @@ class AtlasStudy:
             return
         check_new("atlas", folder, (COMMAND,), "the folder of an atlas")
         make_folder(folder)
-        made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine}
+        made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine, "unchecked": self.unchecked}
         put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
+
+    @property
+    def unchecked(self) -> list[str]:
+        """What is not compared when the atlas is resumed, in sentences."""
+        return [] if self.folder is None else unchecked(self._models)
 
     # ---- the grid ----
     def keep_points(self, first: int, points: dict[Cell, PointOfGrid], level: int = 0) -> None:
         """Keep a part of the grid, or of one of its finer levels."""
-        self._keep(f"points-{level}-{first:06d}.json", _rows_of(points))
+        self._keep(f"points-{level}-{first:06d}.json", _rows_of(points), self._places_of_rows(level))
 
     def points(self, level: int = 0) -> dict[Cell, PointOfGrid]:
         """The points of the grid, or of one of its finer levels, that are there."""
-        return {cell: point for points in self._all(f"points-{level}-*.json", _points_of) for cell, point in points.items()}
+        kept = self._all(f"points-{level}-*.json", _points_of, self._places_of_rows(level))
+        return {cell: point for points in kept for cell, point in points.items()}
 
     def keep_grid(self, grid: dict[Cell, PointOfGrid], missed: int, level: int = 0, asked: Iterable[Cell] = ()) -> None:
         """Keep a whole level after motions were taken over from neighbours, with the points that were asked for."""
-        self._keep(f"grid-{level}.json", {"missed": missed, "asked": sorted(asked), "points": _rows_of(grid)})
+        value = {"missed": missed, "asked": sorted(asked), "points": _rows_of(grid)}
+        self._keep(f"grid-{level}.json", value, lambda kept: self._places_of_rows(level)(kept["points"]))
 
     def grid(self, level: int = 0, asked: Iterable[Cell] = ()) -> tuple[dict[Cell, PointOfGrid], int] | None:
         """The whole level, if it is there and the same points were asked for."""
-        kept = next(self._all(f"grid-{level}.json", _level_of), None)
+        kept = next(self._all(f"grid-{level}.json", _level_of, lambda kept: self._places_of_rows(level)(kept["points"])), None)
         return kept[:2] if kept and kept[2] == sorted(asked) else None
+
+    def _places_of_rows(self, level: int) -> Callable[[Any], list[Any]]:
+        """The function that gives the two numbers at the points of a level as they stand in a file."""
+        while len(self._planes) <= level:
+            self._planes.append(self._planes[-1].halved)
+        return lambda rows: [self._planes[level].point((int(row["cell"][0]), int(row["cell"][1]))) for row in rows]
 
     # ---- what was followed ----
     def keep_outcome(self, name: str, outcome: Outcome) -> None:
         """Keep what came of a motion that was followed."""
-        self._keep(f"followed-{name}.json", asdict(outcome))
+        self._keep(f"followed-{name}.json", asdict(outcome), self._places_of_outcome)
 
     def outcome(self, name: str) -> Outcome | None:
         """The same, if it is there."""
-        return next(self._all(f"followed-{name}.json", _outcome_of), None)
+        return next(self._all(f"followed-{name}.json", _outcome_of, self._places_of_outcome), None)
 
-    def _keep(self, name: str, value: Any) -> None:
+    def _places_of_outcome(self, kept: Any) -> list[Any]:
+        """The two numbers at the points of the branch and of the borders in a file, in their order."""
+        branch, names = kept["branch"], self._planes[0].names
+        along = [] if branch is None else [(value, branch["other"]) for value in branch["values"]]
+        along = [pair if branch["parameter"] == names[0] else pair[::-1] for pair in along]
+        borders = [pair for border in kept["borders"] for pair in border["values"]]
+        return [*along, *borders, *(point["values"] for point in kept["points"])]
+
+    # ---- files ----
+    def _keep(self, name: str, value: Any, places: Callable[[Any], list[Any]]) -> None:
         if self.folder is not None:
-            put(self.folder / name, json.dumps(plain(value), ensure_ascii=False).encode())
+            value = plain(value)
+            kept = {"models": self._models_at(places(value)), "result": value}
+            put(self.folder / name, json.dumps(kept, ensure_ascii=False).encode())
 
-    def _all(self, names: str, made: Callable[[Any], T]) -> Iterator[T]:
-        """The values read from all files with such a name, in the order of the names."""
+    def _all(self, names: str, made: Callable[[Any], T], places: Callable[[Any], list[Any]]) -> Iterator[T]:
+        """The values read from all files with such a name, in the order of the names; their models must be those of today."""
         if self.folder is not None:
             for path in sorted(self.folder.glob(names)):
-                yield _read(path, made)
+                value, models, where = _read(path, lambda kept: (made(kept["result"]), kept["models"], places(kept["result"])))
+                if models != self._models_at(where):
+                    what = f"{str(path)!r} holds results of other models: the robot has other numbers or another kind there"
+                    raise InputError("atlas", [f"{what}; give another folder"])
+                yield value
+
+    def _models_at(self, places: list[Any]) -> str:
+        """The identity of the models at some points of the plane."""
+        return self._models.of_places(dict(zip(self._planes[0].names, np.array(places, float).reshape(-1, 2).T, strict=True)))
 
 
 def _read(path: Path, made: Callable[[Any], T]) -> T:
@@ -103,11 +144,16 @@ def _read(path: Path, made: Callable[[Any], T]) -> T:
         raise InputError("atlas", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
 
 
-def _identity(plane: Plane, look: Look) -> dict[str, str]:
-    """The identity of an atlas, which all of its results share: that of a sweep over the plane, and the starts."""
+def _plan_of(plane: Plane, look: Look) -> Plan:
+    """The sweep over the points of the grid."""
     axes = {name: axis.tolist() for name, axis in zip(plane.names, plane.axes, strict=True)}
     options = {**SOLVER, "periods": look.settle, "rtol": look.rtol}
-    sweep = identity(planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options))
+    return planned(plane.family.make, (), {**plane.family.fixed, **axes}, None, None, None, **options)
+
+
+def _identity(plan: Plan, models: ModelIdentities, plane: Plane, look: Look) -> dict[str, str]:
+    """The identity of an atlas, which all of its results share: that of a sweep over the plane, the starts, and how far they go."""
+    sweep = identity(plan, 1, models.of_tiles(range(plan.tiles)))
     return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)]), "limit": f"{look.limit} drive periods for what has not settled"}
 
 

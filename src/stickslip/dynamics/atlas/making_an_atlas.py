@@ -279,12 +279,13 @@ class _Making:
         told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
             why = f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)"
-            return (*told, why)
+            return (*told, *self.study.unchecked, why)
         if followed == most:
             told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.words for change in left)
         return (
             *told,
+            *self.study.unchecked,
             *(f"between {what} no border was located ({n} pair{'s' * (n != 1)} of neighbours)" for what, n in sorted(places.items())),
         )
 
