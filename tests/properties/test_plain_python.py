@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 import stickslip as ss
 from stickslip.maths import cos, maximum, pi, sin, sqrt, where
+from stickslip.tables import to_toml
 
 record = dataclasses.dataclass(frozen=True, eq=False)
 START = {"x": {"block": 0.3}, "v": {"block": 0.4}}
@@ -206,6 +207,11 @@ ALIKE = {
     "its own copy changed": lambda t, x, v: -functools.reduce(lambda a, b: a + b, [x, 0.5 * v]),
     "a cache of the same": functools.lru_cache(None)(lambda t, x, v: -x - 0.1 * v + cos(t)),
 }
+
+
+def test_a_machine_that_holds_a_function_is_not_written_to_a_file():
+    with pytest.raises(ss.InputError, match="a study file holds numbers"):
+        to_toml(Block(1.0, ALIKE["abs"]))
 
 
 @pytest.mark.slow
