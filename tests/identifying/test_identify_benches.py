@@ -88,11 +88,11 @@ def test_a_current_tells_all_but_one_factor_and_following_the_advice_gives_all()
 
 
 def test_counts_of_an_encoder_do_not_make_the_inertia_small():
-    """The noise of a second difference of counts of 1.5 mrad at 4 ms is nine times the acceleration: windows average it away."""
+    """The noise of a second difference of counts of 1.5 mrad at 4 ms is nine times the acceleration: the motion is smoothed."""
     count = 2 * np.pi / 4096
     fit = ss.identify(log(angle=lambda q: count * np.round(q / count)), START, free=FREE, sensor={}, starts=8)
     assert within(fit, TRUTH) == {} and abs(fit.values["inertia"] / INERTIA - 1) < 0.02
-    assert "averages over windows" in fit.report()
+    assert "the motion is smoothed to a bandwidth" in fit.report()
 
 
 def test_torque_and_angle_may_have_clocks_of_their_own():

@@ -12,6 +12,8 @@ from stickslip.errors import InputError
 from stickslip.friction.law_adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.law_forces import Stepped, law_force
+from stickslip.identifying.measured_motion import motion_behind, noise_of_velocity
+from stickslip.identifying.smoothing import Smooth
 from stickslip.identifying.targets import Compared
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
@@ -19,10 +21,12 @@ from stickslip.units import quantity_of
 
 #: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
 APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
-_SMALL = 0.02  # part of the acceleration that the noise of the motion may be: an inertia is too small by the square of that
-_TOLD = 0.05  # ... and above which it is said
-_FAINT = 1e-3  # ... and below which neighbouring values may share positions
+_SMALL = 0.1  # part of the acceleration that the noise of the motion may be: an inertia is too small by its square, which its error has
+_TOLD = 0.15  # ... and above which it is said
+_LOOKED = 6  # repetitions that tell the noise of an acceleration
 _REST = 4.0  # standard errors of the velocity within which a body is at rest
+_APART = 1.5  # times the usual distance between windows beyond which something is left out between them
+_STROKE, _LATE = 12, 5  # parts of the time between reversals, and samples at most, that are left out beside one
 _LONGEST = 64  # samples from the middle to the end of a window, at most
 
 _PUSH = 1e9  # of what is applied: no contact is held against as much
@@ -35,7 +39,8 @@ class Bench(Compared):
 
     A window is a triangle of W samples on either side: the mean acceleration over it is exactly
     :math:`(x_{j+W} - 2x_j + x_{j-W})/(Wh)^2`, so that averages over the same windows of what was applied obey the equation of motion
-    without the bias of a smoothed derivative. W is the smallest for which the noise of the position is a hundredth of the acceleration.
+    without the bias of a smoothed derivative. W is the smallest for which the noise of the motion, once that is smoothed, is a tenth of
+    the acceleration.
 
     Parameters
     ----------
@@ -73,6 +78,20 @@ class Bench(Compared):
     label: str
     cut: str | None = None
     given_sigma: bool = False
+    measured: Smooth | None = None  # the motion behind noisy sensors
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors would have shown another motion."""
+        return self.measured is not None
+
+    def redrawn(self, k: int) -> Bench:
+        """The same windows over the motion that other noise of its sensors, the k-th, would have shown."""
+        if self.measured is None:
+            return self
+        again = self.measured.again(k)
+        x, v = again.at(self.t), np.where(self.v == 0, 0.0, again.at(self.t, 1))
+        return dataclasses.replace(self, x=x, v=v, acceleration=_accelerations(x, self.at, self.half, self.step))
 
     @property
     def time(self) -> Any:
@@ -83,6 +102,18 @@ class Bench(Compared):
     def step(self) -> float:
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])
+
+    def delayed(self, h: Any, delay: float) -> Any:
+        """Values a little later: between windows, and beyond the last one before a reversal or a gap, they change evenly."""
+        t = self.time
+        if len(t) < 3:
+            return h
+        apart = np.concatenate([[True], np.diff(self.at) > _APART * np.median(np.diff(self.at)), [True]])
+        first = np.maximum.accumulate(np.where(apart[:-1], np.arange(len(t)), 0))
+        last = np.minimum.accumulate(np.where(apart[1:], np.arange(len(t)), len(t) - 1)[::-1])[::-1]
+        left = np.clip(np.searchsorted(t, t - delay) - 1, first, np.maximum(last - 1, first))
+        right = np.minimum(left + 1, last)
+        return h[left] + (h[right] - h[left]) * (t - delay - t[left]) / np.where(right > left, t[right] - t[left], 1.0)
 
     def every(self, step: int) -> Bench:
         """Every so many-th window."""
@@ -172,8 +203,9 @@ def bench_of(model: Any, rec: Any, label: str) -> Bench:
         raise InputError("identify", [f'{label} has no {_wanted(model)}; type roles={{"...": "force"}} or units={{...}} when reading'])
     _check_machine(model, label)
     clock = clock_of(rec, APPLIED[kind][0], label)
-    half, noisy = _half(clock)
-    return _made(kind, clock, half, noisy, label)
+    smooth, told = motion_behind(rec)
+    half, noisy = _half(clock, smooth)
+    return _made(kind, clock, smooth, half, noisy, label, told)
 
 
 def _wanted(model: Any) -> str:
@@ -193,14 +225,17 @@ def _check_machine(model: Any, label: str) -> None:
     )  # fmt: skip
 
 
-def _half(clock: Clock) -> tuple[int, float]:
+def _half(clock: Clock, smooth: Smooth | None) -> tuple[int, float]:
     """Samples from the middle to the end of a window, and the noise of the mean acceleration over its size."""
-    best, x, h = (1, np.inf), clock.x, clock.step
+    best, h = (1, np.inf), clock.step
+    x = clock.x if smooth is None else smooth.at(clock.t)
+    off = [] if smooth is None else [smooth.again(k).at(clock.t) - x for k in range(_LOOKED)]
     for half in sorted({*range(1, 9), *np.unique((8 * 2 ** (np.arange(1, 13) / 4)).astype(int)).tolist()}):
         if half > min(_LONGEST, len(x) // 20):
             break
-        a = (x[2 * half :] - 2 * x[half:-half] + x[: -2 * half]) / (half * h) ** 2
-        sigma = clock.noise_of_acceleration(half)
+        at = np.arange(half, len(x) - half)
+        a = _accelerations(x, at, half, h)
+        sigma = float(np.sqrt(np.mean([np.mean(_accelerations(e, at, half, h) ** 2) for e in off]))) if off else 0.0
         size = float(np.sqrt(max(np.mean(a**2) - sigma**2, 1e-300)))
         best = min(best, (half, sigma / size), key=lambda pair: pair[1])
         if best[1] <= _SMALL:
@@ -208,42 +243,51 @@ def _half(clock: Clock) -> tuple[int, float]:
     return best
 
 
-def _velocities(clock: Clock, most: int) -> Any:
-    """Velocities over as few samples as their noise allows; zero where the body rests."""
-    x, h = clock.x, clock.step
-    for lag in range(1, most + 1):
-        rate = np.zeros(len(x))
-        rate[lag:-lag] = (x[2 * lag :] - x[: -2 * lag]) / (2 * lag * h)
-        rate[:lag], rate[-lag:] = rate[lag], rate[-lag - 1]
-        sigma = clock.noise_of_velocity(lag)
-        if sigma <= _SMALL * float(np.std(rate)):
-            break
+def _accelerations(x: Any, at: Any, half: int, h: float) -> Any:
+    """Mean accelerations over windows."""
+    return (x[at + half] - 2 * x[at] + x[at - half]) / (half * h) ** 2
+
+
+def _velocities(clock: Clock, smooth: Smooth | None) -> Any:
+    """Velocities; zero where the body rests, or seems to within the noise."""
+    rate = np.gradient(clock.x, clock.step) if smooth is None else smooth.at(clock.t, 1)
+    sigma = 0.0 if smooth is None else noise_of_velocity(smooth, clock.t)
     return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
 
 
-def _made(kind: str, clock: Clock, half: int, noisy: float, label: str) -> Bench:
-    t, x, h = clock.t, clock.x, clock.step
-    rate = _velocities(clock, half)
-    apart = 2 * half + 1 if half > 1 or noisy > _FAINT else 1
+def _made(kind: str, clock: Clock, smooth: Smooth | None, half: int, noisy: float, label: str, told: list[str]) -> Bench:
+    t, h = clock.t, clock.step
+    x = clock.x if smooth is None else smooth.at(t)
+    rate = _velocities(clock, smooth)
+    apart = 2 * half + 1 if half > 1 else 1
     at = np.arange(half, len(t) - half, apart)
     turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
-    whole, even = clock.joined(at, half), turns[at + half] == turns[at - half]
+    beside = half + int(np.clip(len(t) / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
+    whole = clock.joined(at, half)
+    even = turns[np.minimum(at + beside, len(t) - 1)] == turns[np.maximum(at - beside, 0)]
     at = at[whole & even]
     if len(at) < 16:
-        raise InputError("identify", [f"{label} has {len(at)} values between reversals with motion and {kind}; allowed are 16 or more"])
+        raise InputError("identify", [_few(label, len(at), len(t), kind, half, smooth)])
     weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)
     still = rate[at] == 0
-    a = (x[at + half] - 2 * x[at] + x[at - half]) / (half * h) ** 2
-    cut = "; ".join([*clock.notes, *_said(half, noisy, int((whole & ~even).sum()))]) or None
-    return Bench(kind, t, x, rate, at, np.where(still, 0.0, a), _averaged(clock.y, at, half), weight, still, half, label, cut)
+    a = _accelerations(x, at, half, h)
+    cut = "; ".join([*clock.notes, *told, *_said(half, noisy, int((whole & ~even).sum()))]) or None
+    return Bench(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
+
+
+def _few(label: str, count: int, samples: int, kind: str, half: int, smooth: Smooth | None) -> str:
+    """Why so few values are left of a record, and what helps."""
+    found = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are 16 or more"
+    if half > 1:
+        found += f"; the noise of the motion asks for averages over {2 * half - 1} samples: "
+        found += "a longer log, faster or longer strokes, or a finer encoder"
+        found += " gives more" if smooth is None else f" than one of {max(smooth.noise.values()):.2g} gives more"
+    return found
 
 
 def _said(half: int, noisy: float, turned: int) -> list[str]:
     """Sentences on windows."""
     found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
     if noisy > _TOLD:
-        found.append(
-            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about "
-            f"{100 * noisy**2:.2g} %"
-        )
+        found.append(f"the noise of the motion is {noisy:.2g} of the acceleration, of which an inertia is told")
     return found + ([f"{turned} values about reversals are left out"] if turned else [])

@@ -118,7 +118,10 @@ def _resampled_problem(fit: Fit, rng: Any) -> Any:
 def _resampled_values(fit: Fit, rng: Any) -> Any:
     rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
     parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
-    return np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
+    found = np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
+    if fit.changes is None:
+        return found
+    return found - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
 
 
 def _resampled(rest: Any, rng: Any, sigma: float) -> Any:

@@ -9,11 +9,9 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.weighting import weights_at
-from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
-_COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
 
 
 @sealed
@@ -25,10 +23,6 @@ class Clock:
     ----------
     t, x, y, weight : array (n,)
         Weight is zero where something is missing.
-    x_noise : float
-        Standard deviation of the position, or of the velocity of which it is the integral.
-    integrated : bool
-        Whether it is the integral of a velocity.
     notes : tuple of str
     """
 
@@ -36,24 +30,12 @@ class Clock:
     x: Any
     y: Any
     weight: Any
-    x_noise: float
-    integrated: bool
     notes: tuple[str, ...] = ()
 
     @property
     def step(self) -> float:
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])
-
-    def noise_of_acceleration(self, half: int) -> float:
-        """Standard deviation of the second difference of positions `half` samples apart."""
-        if self.integrated:  # a difference of two means of `half` velocities
-            return float(np.sqrt(2.0 / half) * self.x_noise / (half * self.step))
-        return float(np.sqrt(6.0) * self.x_noise / (half * self.step) ** 2)
-
-    def noise_of_velocity(self, half: int) -> float:
-        """Standard deviation of the mean velocity from `half` samples before to as many after."""
-        return self.x_noise / np.sqrt(2.0 * half) if self.integrated else self.x_noise / (np.sqrt(2.0) * half * self.step)
 
     def joined(self, at: Any, half: int) -> Any:
         """Windows in which nothing is missing."""
@@ -69,28 +51,11 @@ def clock_of(rec: Any, applied: str, label: str) -> Clock:
     if len(t) < 40:
         raise InputError("identify", [f"{label} has {len(t)} samples with motion and {applied}; allowed are 40 or more"])
     t, x, y, weight = _even(t, x, y, weight, notes)
-    integrated = "position" not in rec
-    level = noise_of(x)
-    if integrated:
+    if "position" not in rec:
         h = t[1] - t[0]
         x = np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1])) * h])
         notes.append("the position is the integral of the velocity, from zero")
-    return Clock(t, x, y, weight, level, integrated, tuple(notes))
-
-
-def noise_of(x: Any) -> float:
-    """Standard deviation of noise, of rounding to counts too."""
-    values = np.unique(x)
-    counts = float(np.min(np.diff(values))) / np.sqrt(12) if 1 < len(values) < _COARSE * len(x) and not _rests(x) else 0.0
-    level = noise(x)
-    return max(level if np.isfinite(level) else 0.0, counts)
-
-
-def _rests(x: Any) -> bool:
-    """Whether equal values stand in long runs, so that they say nothing of counts."""
-    return float(np.mean(np.diff(x) == 0.0)) > 0.5 and float(np.median(abs(np.diff(x))[np.diff(x) != 0])) > 4 * float(
-        np.min(np.diff(np.unique(x)))
-    )
+    return Clock(t, x, y, weight, tuple(notes))
 
 
 def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:

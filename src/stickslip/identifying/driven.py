@@ -57,6 +57,15 @@ class DrivenProblem(OverParameters):
         """The same fit for other measured values."""
         return dataclasses.replace(self, values=y)
 
+    @property
+    def has_noise(self) -> bool:
+        """Whether the motion, or the load, of a record carries noise."""
+        return any(t.has_noise for t in self.targets)
+
+    def redrawn(self, k: int) -> DrivenProblem:
+        """The same fit over the motions that other noise of their sensors, the k-th, would have shown."""
+        return dataclasses.replace(self, targets=tuple(t.redrawn(k + 100 * i) if t.has_noise else t for i, t in enumerate(self.targets)))
+
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
         if self.thin <= 1 or self.values is not None:

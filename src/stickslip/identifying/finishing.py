@@ -110,7 +110,8 @@ def _chasing(problem: Sensed, best: Found) -> list[str]:
     off = problem.against_what_is_known(best.place)
     odd = {i for n in problem.numbers if n.name in off for i in n.records}
     odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
-    return [n.name for n in problem.numbers if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
+    cells = [n for n in problem.numbers if n.what != "start"]  # how bristles begin is of the contact
+    return [n.name for n in cells if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
 
 
 def spared_note(names: list[str]) -> list[str]:

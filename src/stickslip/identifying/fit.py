@@ -16,7 +16,7 @@ from stickslip.identifying import distribution, formulas, next_experiment, sampl
 from stickslip.identifying.bootstrapping import by_bootstrap
 from stickslip.identifying.fit_text import OVER_MOTION
 from stickslip.identifying.quality import quality
-from stickslip.identifying.spread import correlated, correlations_of, information_of
+from stickslip.identifying.spread import correlated, correlations_of, from_the_input, information_of, lost_to_the_input
 from stickslip.interruption import interruptible
 from stickslip.sealing import sealed
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from stickslip.information import Information
 
-PARTS = ("total", "statistical", "systematic")
+PARTS = ("total", "statistical", "systematic", "input")
 #: Ways to an interval, and the options of each.
 METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
 
@@ -60,6 +60,8 @@ class Fit(Face):
         Whether the search was interrupted.
     doubts : tuple of str
         What cannot be of one machine: other frequencies of record and drive, motions of other sizes, numbers in a mistaken unit.
+    changes : array or None
+        By how much other noise of the input (position, load) would change what is met, in standard deviations: (values, repetitions).
 
     Examples
     --------
@@ -88,6 +90,7 @@ class Fit(Face):
     penalty: float = 0.0
     stopped: bool = False
     doubts: tuple[str, ...] = ()
+    changes: NDArray[np.float64] | None = None
 
     # ---- how sure ----
     @property
@@ -146,6 +149,23 @@ class Fit(Face):
         steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
         return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
 
+    @cached_property
+    def input_spread(self) -> NDArray[np.float64]:
+        """Standard error of each parameter from noise of the motion, on the scale of the search: array (parameters,)."""
+        n = len(self.names)
+        found = from_the_input(self.problem, self.jacobian, self.changes)
+        return np.sqrt(np.diag(found)[:n]) if np.ndim(found) else np.zeros(n)
+
+    @property
+    def input_errors(self) -> dict[str, float]:
+        """Part of each standard error that comes from noise of the input: of the motion, or the load, over which a force was measured."""
+        return dict(zip(self.names, (self.input_spread * self.slopes).tolist(), strict=True))
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Parameters that noise of the input leaves undetermined."""
+        return tuple(self.names[k] for k in lost_to_the_input(self.problem, self.jacobian, self.changes))
+
     @property
     def combinations(self) -> list[tuple[str, float, float]]:
         """Combinations of undetermined parameters that the data do determine: (formula, value, standard error)."""
@@ -187,9 +207,10 @@ class Fit(Face):
             likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1``; the same numbers
             for any workers). "auto" uses the covariance if the sum of squares is parabolic within two standard errors and to the ends of
             the interval, otherwise the profile; also for a parameter that has no effect near its value but may have one farther away.
-        part : {"total", "statistical", "systematic"}
+        part : {"total", "statistical", "systematic", "input"}
             The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
-            is what these add. The squares of the lengths on either side add up to that of the total.
+            is what these add. The squares of the lengths on either side add up to that of the total. "input" is the part of either that
+            comes from noise of the motion, or of the load, over which a force was measured.
 
         Returns
         -------
@@ -210,6 +231,11 @@ class Fit(Face):
                 typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
                 problems.add(f"{option!r} is not an option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
         problems.check()
+        if part == "input":
+            return uncertainty.by_input(self, name, level)
+        if name in self.lost:
+            free = self.problem.parameters.free[self.names.index(name)]
+            return (free.low, free.high) if part == "total" else (float("nan"),) * 2
         method = ("profile" if name in self.bent else "covariance") if method == "auto" else method
         by: Any = {"covariance": uncertainty.by_covariance, "profile": uncertainty.by_profile, "bootstrap": by_bootstrap}[method]
         whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)

@@ -49,7 +49,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.fit_text import cost_lines, known_line, parameter_rows, sensor_lines
+    from stickslip.identifying.fit_text import cost_lines, input_lines, known_line, parameter_rows, sensor_lines
 
     free, lost = {f.name: f for f in fit.problem.parameters.free}, fit.undetermined
     none = {"low": "–", "high": "–"}
@@ -63,7 +63,7 @@ def _told(fit: Any) -> dict[str, Any]:
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,
-        "given": known_line(fit), "sensor": [*sensor_lines(fit), *cost_lines(fit)],
+        "given": known_line(fit), "sensor": [*sensor_lines(fit), *cost_lines(fit), *input_lines(fit)],
         "correlations": table, "count": fit.count, "starts": fit.starts, "agree": fit.agree, "provenance": fit.provenance,
     }  # fmt: skip
 

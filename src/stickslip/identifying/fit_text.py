@@ -138,6 +138,12 @@ def sensor_lines(fit: Any) -> list[str]:
     return [f"sensor: {', '.join(told)}"] if told else []
 
 
+def input_lines(fit: Any) -> list[str]:
+    """Standard errors from noise of the motion, where they are more than a twentieth of the whole."""
+    parts = {name: part for name, part in fit.input_errors.items() if name not in fit.undetermined and part > 0.05 * fit.errors[name]}
+    return [f"from the noise of the motion: {', '.join(f'{name} {sure(part)}' for name, part in parts.items())}"] if parts else []
+
+
 def cost_lines(fit: Any) -> list[str]:
     """The cost of sensor effects: standard errors with them, with all their numbers known, and with those of one effect known."""
     found, lines = fit.costs, []
@@ -173,7 +179,7 @@ def report_text(fit: Any) -> str:
             rows.append(f"  {name} {NOT_DETERMINED}: {fit.values[row['name']]:.3g}{unit} is one of many values that fit as well")
         else:
             rows.append(f"  {name} = {row['value']} {row['error']}{unit}   95 % {row['low']} to {row['high']}")
-    rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit)) if line]
+    rows += [f"  {line}" for line in (known_line(fit), *sensor_lines(fit), *cost_lines(fit), *input_lines(fit)) if line]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""

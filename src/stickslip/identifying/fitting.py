@@ -59,6 +59,7 @@ def identify(
     sensor: dict[str, Any] | None = None,
     weights: Any = None,
     loss: str = "squares",
+    body: str | None = None,
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
@@ -103,8 +104,8 @@ def identify(
         later ones by more than the noise, and a note says so.
     transient : bool
         Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
-        undeflected bristles. For forces over a motion that does not repeat, the bristle deflection at the first sample is fitted
-        (``fit.sensor["start[0]"]``, from -1, as after slow sliding backwards, to 1; 0 is undeflected); for logs of machines it always is.
+        undeflected bristles. For forces over a motion that does not repeat, and for logs of machines, the bristle deflection at the first
+        sample is always fitted (``fit.sensor["start[0]"]``, from -1, as after slow sliding backwards, to 1; 0 is undeflected).
     sensor : dict, optional
         Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
@@ -117,6 +118,8 @@ def identify(
         Loss function: the squares of the residuals, or one that grows less for large residuals, so that outliers do not dominate the fit
         ("huber": linearly beyond 1.3 standard deviations of the bulk; "bisquare": constant beyond 4.7). Intervals take the loss function
         into account.
+    body : str, optional
+        Whose motion the records are, of a machine of several bodies (a `Chain`) that names no principal one.
     starts : int
         Number of starting points of the search.
     seed : int
@@ -145,7 +148,9 @@ def identify(
     weigh = loss_of(loss)
     _check(records, using, noise, starts, seed)
     records = weighted(records, weights)
-    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
+    problem = problem_of(
+        records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor, body
+    )
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(nested_seeds, rough, starts, seed))
@@ -166,6 +171,7 @@ def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
     settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
+    body: str | None = None,
 ) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
@@ -176,9 +182,11 @@ def problem_of(
         model: Any = _moved(records, of, noise, first)
     elif using == "force" or (using == "auto" and not machines):
         _check_forces(records)
-        model = _driven(records, of, load, noise, first, transient)
+        model = _driven(records, of, load, noise, first)
     else:
+        own = _body(first[0], body)
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        targets = tuple(dataclasses.replace(t, body=own) for t in targets)
         if transient:
             alike = [t.kind == "mean" or moves_alike_anywhere(model) for t, model in zip(targets, first, strict=True)]
             targets = tuple(dataclasses.replace(t, placed=not same) for t, same in zip(targets, alike, strict=True))
@@ -187,6 +195,18 @@ def problem_of(
     numbers, held = sensors_of(sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
     return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
+
+
+def _body(model: Any, body: str | None) -> int | None:
+    """The number of the body whose motion was measured; None for a machine whose motion is that of one body."""
+    names = machine_of(model).part_names.get("body", ())
+    if body is None and len(names) < 2:
+        return None if not names else 0
+    if body not in names:
+        had = f"body = {body!r}" if body is not None else f"the {type(model).__name__} has {len(names)} bodies and no principal one"
+        allowed = f"allowed are {', '.join(map(repr, names))}; type body={names[0]!r}" if names else "this machine has one; leave it out"
+        raise InputError("identify", [f"{had}; {allowed}"])
+    return list(names).index(body)
 
 
 def _check_forces(records: list[Any]) -> None:
@@ -235,11 +255,10 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
     problems.check()
 
 
-def _driven(
-    records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
-) -> DrivenProblem:
+def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any]) -> DrivenProblem:
     motions = tuple(
-        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
+        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start=True), given_sigma=noise is not None)
+        for i, rec in enumerate(records)
     )
     return _over_motions(of, motions, noise, [adapted(law) for law in first])
 
@@ -286,6 +305,7 @@ def _fit(
         ]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
+    changes = None if best.stopped else problem.input_changes(best.place)
     from stickslip import __version__
 
     model = problem.parameters.model(values, 0)
@@ -299,7 +319,7 @@ def _fit(
     }
     return Fit(
         values,
-        spread_of(problem, best.jacobian, best.residuals, scale),
+        spread_of(problem, best.jacobian, best.residuals, scale, changes),
         problem,
         best.place,
         best.jacobian,
@@ -315,6 +335,7 @@ def _fit(
         penalty=float(best.residuals[count:] @ best.residuals[count:]),
         stopped=best.stopped,
         doubts=tuple(doubts(problem, values, best.place)),
+        changes=changes,
     )
 
 

@@ -47,7 +47,8 @@ def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, An
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
     measured = (motion.force if applied is None else np.full(len(motion.t), applied))[:, None]
-    return law_force(known, Stepped(motion.t, motion.v, motion.v), load, measured, cases, reading.get("start"))
+    at = motion.at if known.dynamic else np.where(motion.still, 0.0, motion.at)
+    return law_force(known, Stepped(motion.t, motion.v, at), load, measured, cases, reading.get("start"))
 
 
 def law_force(known: LawAdapter, motion: Stepped, load: Any, measured: Any, cases: int, start: Any = None) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.batch import stacked
 from stickslip.errors import InputError, SolveError
 from stickslip.identifying.parameters import OverParameters, Parameters
-from stickslip.identifying.targets import Target
+from stickslip.identifying.targets import Target, of_body
 from stickslip.solvers import solve
 
 _PERIODS = 400  # in which a motion should settle; most do in far fewer
@@ -58,12 +58,13 @@ class MeansProblem(OverParameters):
         return self._velocities(whole, len(made) * len(self.targets)).reshape(len(made), -1).T
 
     def _velocities(self, batch: Any, cases: int) -> Any:
+        """Mean velocities of a batch; of a machine of several bodies those of the one that was measured."""
         self.solves += cases
         try:
             run = solve(batch, periods=_PERIODS, settle="auto", rtol=self.rtol, keep="summary")
         except (InputError, SolveError):
             return np.full(cases, np.nan)
-        return np.broadcast_to(np.asarray(run.mean_velocity, float), (cases,))
+        return np.broadcast_to(of_body(run, "mean_velocity", self.targets[0].body), (cases,))
 
     def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
         """The least and the greatest values for many places, which are the same."""

@@ -12,13 +12,17 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.identifying.clocks import together
 from stickslip.identifying.law_forces import driven_force, slide
+from stickslip.identifying.measured_motion import motion_behind, noise_of_velocity
+from stickslip.identifying.smoothing import Smooth
 from stickslip.identifying.targets import Compared
 from stickslip.identifying.weighting import weights_at
+from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
 _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
+_REST = 4.0  # standard errors of the velocity within which its sign is open
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 
 
@@ -57,9 +61,27 @@ class Motion(Compared):
     weights: Any = 1.0  # of all samples
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
+    at: Any = None  # velocity at each sample, where that is known better than by the mean over the interval before
+    still: Any = False  # where the noise of the motion leaves its direction open
+    measured: Smooth | None = None  # the motion behind noisy sensors
+    load_noise: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
+        object.__setattr__(self, "still", np.broadcast_to(self.still, np.shape(self.t)))
+        object.__setattr__(self, "at", self.v if self.at is None else self.at)
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors would have shown another motion, or another load."""
+        return self.measured is not None or self.load_noise > 0
+
+    def redrawn(self, k: int) -> Motion:
+        """The motion and the load as other noise of their sensors, the k-th, would have shown them."""
+        load = self.load + self.load_noise * np.random.default_rng([11, k]).normal(size=len(self.t))
+        if self.measured is None:
+            return dataclasses.replace(self, load=load)
+        return dataclasses.replace(self, load=load, **_driven(self.measured.again(k), self.t, self.before))
 
     @property
     def y(self) -> Any:
@@ -128,6 +150,8 @@ class Motion(Compared):
         made = {
             "t": self.t[0] + np.cumsum(np.insert(steps, places, np.tile(durations, len(at)))),
             "v": np.insert(v, places, side * speed),
+            "at": np.insert(self.at, places, side * speed),
+            "still": np.insert(self.still, places, False),
             "load": np.insert(self.load, places, self.load[places]),
             "force": np.insert(self.force, places, np.nan),
             "weights": np.insert(self.weights, places, 0.0),
@@ -141,7 +165,8 @@ class Motion(Compared):
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights")}
+        kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights", "still")}
+        kept["at"] = v if self.measured is None else self.at[last]
         return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
 
@@ -171,6 +196,9 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
     t, x, F, N = t[good], x[good], F[good], N[good]
+    smooth, said = motion_behind(rec)
+    told += said
+    x = x if smooth is None else smooth.at(t)
     own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
@@ -186,7 +214,22 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
         side = np.sign(v)
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * own
-    return Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead)
+    level = noise(rec["load"].si) if load is None else 0.0
+    made = Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead,
+                  load_noise=level if np.isfinite(level) else 0.0)  # fmt: skip
+    if smooth is None:
+        return made
+    driven = _driven(smooth, t, lead)
+    still = abs(driven["at"]) <= _REST * noise_of_velocity(smooth, t)
+    return dataclasses.replace(made, **driven, still=still, measured=smooth)
+
+
+def _driven(smooth: Smooth, t: Any, before: int) -> dict[str, Any]:
+    """Mean velocities between samples of a smoothed motion, and the velocities at them; the first period stands there twice."""
+    later = t[before:]
+    x, at = smooth.at(later), smooth.at(later, 1)
+    x, at = (np.concatenate([a[:before], a]) for a in (x, at))
+    return {"v": np.concatenate([[0.0], np.diff(x) / np.diff(t)]), "at": at}
 
 
 def _fewer(rec: Any) -> tuple[Any, list[str]]:

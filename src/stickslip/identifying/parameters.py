@@ -293,6 +293,11 @@ class OverParameters:
         targets: tuple[Any, ...]
 
     @property
+    def has_noise(self) -> bool:
+        """Whether the input carries noise; a drive is known."""
+        return False
+
+    @property
     def y(self) -> Any:
         """All measured values."""
         return np.concatenate([t.y for t in self.targets])

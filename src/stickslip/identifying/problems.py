@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.errors import InputError, SolveError
 from stickslip.identifying.parameters import OverParameters, Parameters
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve, transient_curve
-from stickslip.identifying.targets import Target
+from stickslip.identifying.targets import Target, of_body
 from stickslip.solvers import solve
 
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
@@ -132,9 +132,9 @@ class SteadyProblem(OverParameters):
                 self.solves += 1
                 model = self.parameters.model(values, i)
                 if target.transient:
-                    found.append(transient_curve(model, starts[i], int(target.phase[-1]) + 3, self.rtol))
+                    found.append(transient_curve(model, starts[i], int(target.phase[-1]) + 3, self.rtol, target.body))
                     continue
-                motion = steady_curve(model, self._warm.get(i), self.rtol)
+                motion = steady_curve(model, self._warm.get(i), self.rtol, target.body)
                 self._warm[i] = motion.end
                 found.append(motion)
         except (InputError, SolveError):
@@ -222,7 +222,7 @@ class SteadyProblem(OverParameters):
         late = target.phase > 0.5 * target.phase[-1]
         tail = dataclasses.replace(target, phase=target.phase[late], y=target.y[late], weight=(target.weight * np.ones(target.count))[late])
         try:
-            steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol)
+            steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol, target.body)
         except (InputError, SolveError):
             return 0.0
         phase = best_phase(tail, steady) % 1.0
@@ -248,7 +248,7 @@ class SteadyProblem(OverParameters):
         for target, batch, offset in zip(self.targets, batches, offsets, strict=True):
             many = solve(batch, periods=100, settle="auto", rtol=1e-5, keep="summary")
             self.solves += len(total)
-            total = total + _distance(target, {name: np.asarray(getattr(many, name), float) for name in _FEATURES}, offset)
+            total = total + _distance(target, {name: of_body(many, name, target.body) for name in _FEATURES}, offset)
         score[good] = np.where(np.isfinite(total), total, np.inf)
         return score
 

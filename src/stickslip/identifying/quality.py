@@ -9,9 +9,13 @@ import numpy as np
 
 from stickslip.identifying.fit_text import unit_of_values
 from stickslip.identifying.spread import neighbours
+from stickslip.identifying.structure import structure
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
+
+
+_MORE = 2.0  # times the correlation that noise of the motion is expected to make, below which it explains what there is
 
 
 @dataclass(frozen=True)
@@ -45,12 +49,15 @@ class Quality:
     correlation: float
     coloured: bool = False
     unit: str = ""
+    structure: str = ""  # what of the residuals stands above noise where a wrong law or drive shows, in words
+    of_input: float = 0.0  # correlation of neighbours that the noise of the motion makes
 
     @property
     def excess(self) -> str:
         """The unexplained rest, in words."""
         beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
-        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}"
+        more = f", {self.structure}" if self.structure else ""
+        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}{more}"
 
     @property
     def suspicious(self) -> bool:
@@ -61,13 +68,28 @@ class Quality:
             and self.rms > 1.15 * self.noise
             and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
         )
-        return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
+        return bool(self.structure) or bool(
+            self.count > 20 and (abs(self.correlation) > max(white, 0.1) + _MORE * self.of_input or too_large)
+        )
+
+
+def _of_input(fit: Fit) -> list[float]:
+    """Correlation of neighbouring residuals of each record that noise of the input makes where the numbers follow as far as they can."""
+    if fit.changes is None:
+        return [0.0] * len(fit.problem.targets)
+    left = fit.changes - fit.jacobian[: fit.count] @ (fit.information.inverse[:, : fit.count] @ fit.changes)
+    found = []
+    for part, rest in zip(fit.problem.parts(left), fit.problem.parts(fit.residuals), strict=True):
+        size = float(np.mean(rest**2)) or 1.0
+        found.append(float(np.mean([max(neighbours(column), 0.0) * np.mean(column**2) for column in part.T])) / size)
+    return found
 
 
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """Goodness of fit of each record."""
     found = []
-    for target, curve, rest in zip(fit.problem.targets, fit.predicted, fit.problem.parts(fit.residuals * fit.problem.sigma), strict=True):
+    rests, inputs = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit)
+    for target, curve, rest, of_input in zip(fit.problem.targets, fit.predicted, rests, inputs, strict=True):
         y = curve - rest
         square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
         r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
@@ -88,6 +110,8 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
                 shape,
                 coloured,
                 unit_of_values(target),
+                structure(target, rest, fit.problem.rows),
+                of_input,
             )
         )
     return tuple(found)

@@ -14,6 +14,7 @@ from stickslip.faces import Drawn
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
+from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
 #: A difference of AICc below which data do not tell two laws apart (Burnham and Anderson 2002), here for corrected sample sizes.
@@ -208,9 +209,12 @@ def prediction_errors(
     transient = any(t.transient for t in fit.problem.targets)
     if not as_list(records):
         raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
+    body = fit.problem.targets[0].body if using in ("velocity", "position", "mean") else None
+    names = machine_of(fit.model()).part_names.get("body", ()) if body is not None else ()
     whole = problem_of(
-        as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor
-    )
+        as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor,
+        body=None if body is None else names[body],
+    )  # fmt: skip
     problem = whole.only(fit.values)
     found = polished_to_end(problem, problem.aligned(np.empty(0)))
     rest = problem.parts(found.residuals[: len(problem.y)] * problem.sigma)

@@ -101,7 +101,7 @@ def _check(draws: int, walkers: int, burn: int, size: int) -> None:
 
 def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     """Where walkers begin: about the best place as the covariance has it, over all of what the data do not determine."""
-    determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale)
+    determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes)
     places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
     for members, directions in fit.information.groups:
         for direction in directions:
@@ -112,6 +112,13 @@ def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     return np.clip(places, low + 1e-6 * room, high - 1e-6 * room) + 1e-9 * room * rng.uniform(-1, 1, places.shape)
 
 
+def _told_less(fit: Fit) -> float:
+    """The part of the information that noise of the input leaves, of the parameter that it costs most."""
+    whole, part = np.diag(fit.spread)[: len(fit.names)], fit.input_spread**2
+    known = np.isfinite(whole) & (whole > 0)
+    return float(np.min(1 - part[known] / whole[known], initial=1.0))
+
+
 class _Posterior:
     """Logarithm of the posterior at many places."""
 
@@ -119,6 +126,7 @@ class _Posterior:
         self.fit, self.low, self.high = fit, low, high
         rest = fit.problem.parts(fit.residuals)
         self.worth = np.concatenate([np.full(len(r), effective(r) / len(r)) for r in rest])
+        self.worth *= _told_less(fit)
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
 
@@ -209,7 +217,7 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
 
 def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
     """Places as the covariance spreads them; along what the data do not determine nothing measured changes."""
-    root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale))
+    root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes))
     return np.clip(fit.place + rng.normal(size=(draws, len(fit.place))) @ root.T, *fit.problem.bounds())
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from stickslip.distributions import Distribution
 from stickslip.identifying.sensor_readings import change_shown, of_records, shown_by_sensor
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
+from stickslip.identifying.smoothing import REDRAWS
 from stickslip.identifying.weak_directions import derivative_along, sharpened
 
 #: Residual of a value that a model cannot give, in standard deviations.
@@ -199,6 +200,17 @@ class Sensed:
     def _of_records(self, function: Any, whole: Any, readings: list[dict[str, Any]]) -> Any:
         """A function of (target, values, readings) for all records."""
         return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
+
+    def input_changes(self, place: Any, times: int = REDRAWS) -> Any:
+        """By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
+
+        None where the input has no noise.
+        """
+        here = self.predicted(place)
+        if not self.model.has_noise or here is None:
+            return None
+        each = (self._like(self.model.redrawn(k)).predicted(place) for k in range(times))
+        return np.stack([np.zeros(len(here)) if h is None else (h - here) / self.sigma for h in each], axis=1)
 
     # ---- residuals ----
     def rest(self, ends: Any, place: Any) -> Any:

@@ -30,7 +30,7 @@ def _delayed(target: Any, h: Any, delay: Any) -> Any:
     if delay is None or not np.any(delay) or h.size == 0:
         return h
     if h.ndim == 1:
-        return np.interp(target.time - delay, target.time, h)
+        return target.delayed(h, delay)
     return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
 
 

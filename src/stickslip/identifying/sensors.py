@@ -50,7 +50,7 @@ EFFECTS = {
     "offset": Effect(("velocity", "force", *_APPLIED), 0.0, None, True, ""),
     "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s"),
     "gain": Effect(("velocity", "position", "force", *_APPLIED), 1.0, Distribution("normal", 1.0, 0.02), True, None),
-    "delay": Effect(("force",), 0.0, None, True, None, "s"),
+    "delay": Effect(("force", *_APPLIED), 0.0, None, True, None, "s"),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1

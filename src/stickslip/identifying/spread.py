@@ -12,6 +12,8 @@ _ENOUGH = 60  # values of a record that tell its own noise
 _TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
 _SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
 _TOGETHER = 0.95  # correlation of two numbers above which they are named
+_LOST = 1 / 3  # of the distance between bounds
+_RARE = 1e-3  # chance below which a sum of squares is beyond the noise that was given
 _WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
 
 
@@ -22,10 +24,23 @@ def information_of(problem: Any, jacobian: Any) -> Information:
 
 
 def noise_scale(problem: Any, found: Any) -> float:
-    """The noise of the records over what the problem supposes, from all residuals; 1 where it was given, or nothing is left to tell it."""
+    """The noise of the records over what the problem supposes, from all residuals; 1 where it was given, or nothing is left to tell it.
+
+    Mean velocities whose sum of squares is beyond what their given noise allows (once in a thousand) are taken to be as noisy as they are
+    far off (Birge's ratio): single numbers have no shape by which a wrong law could be told.
+    """
     free = len(found.residuals) - len(problem.parameters.free) - problem.nuisances
     known = all(t.given_sigma for t in problem.targets)
-    return 1.0 if known or free < 1 else float(np.sqrt(found.cost / free))
+    if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(found.cost, free) > _RARE)):
+        return 1.0
+    return float(np.sqrt(found.cost / free))
+
+
+def _by_chance(cost: float, free: int) -> float:
+    """How often noise alone makes such a sum of squares."""
+    from scipy.stats import chi2
+
+    return float(chi2.sf(cost, free))
 
 
 def noise_sizes(problem: Any, found: Any) -> Any:
@@ -59,16 +74,42 @@ def with_noise_of(problem: Any, found: Any) -> Any:
     return problem.trusting(trust, sizes)
 
 
-def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:
-    """Covariance of the numbers of a place, infinite variance for those that are undetermined."""
-    return information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale))
+def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
+    """Covariance of the numbers of a place, infinite variance for those that are undetermined, also by noise of the input."""
+    found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes))
+    if changes is not None:
+        lost = lost_to_the_input(problem, jacobian, changes)
+        found[lost] = found[:, lost] = np.nan
+        found[lost, lost] = np.inf
+    return found
 
 
-def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:
+def lost_to_the_input(problem: Any, jacobian: Any, changes: Any) -> list[int]:
+    """Which parameters the noise of the input moves by a third of the distance between their bounds or more."""
+    if changes is None:
+        return []
+    moved = np.diag(from_the_input(problem, jacobian, changes))[: len(problem.parameters.free)]
+    return [int(k) for k in np.flatnonzero(moved > _LOST**2)]
+
+
+def from_the_input(problem: Any, jacobian: Any, changes: Any) -> Any:
+    r"""Covariance of the numbers of a place that the noise of the input (position, load) makes, by its changes of what is met.
+
+    A change :math:`\delta` of the model moves the place by :math:`-P\delta`, with the pseudo-inverse P of the derivatives. The mean square
+    over repetitions is taken and not the variance: a shift that all of them have is an error as well.
+    """
+    if changes is None:
+        return 0.0
+    moved = information_of(problem, jacobian).inverse[:, : len(changes)] @ changes
+    return moved @ moved.T / changes.shape[1]
+
+
+def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
     r"""Covariance of the numbers of a place with undetermined directions left out.
 
     With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
-    where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal.
+    where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal. Then
+    comes what the noise of the input moves (`from_the_input`).
     """
     info = information_of(problem, jacobian)
     found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
@@ -77,7 +118,7 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float)
         if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
             found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
         begin = end
-    return found
+    return found + from_the_input(problem, jacobian, changes)
 
 
 def correlations_of(covariance: Any) -> Any:

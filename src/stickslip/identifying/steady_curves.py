@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -28,9 +28,12 @@ class TransientCurve:
     Parameters
     ----------
     run : Trajectory
+    body : int, optional
+        Whose motion it is, of a machine whose columns have an axis for bodies.
     """
 
     run: Any
+    body: int | None = field(default=None, kw_only=True)
 
     def _times(self, phase: Any) -> Any:
         return np.asarray(phase) * self.run.period_time
@@ -38,7 +41,10 @@ class TransientCurve:
     def _state(self, phase: Any, which: int) -> Any:
         """x, v or z, those of the machine's principal body."""
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which])
+        return self._of_the_body(self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which]))
+
+    def _of_the_body(self, column: Any) -> Any:
+        return column if self.body is None or np.ndim(column) < 2 else column[..., self.body]
 
     def v(self, phase: Any) -> Any:
         """Velocity at phases counted in drive periods [m/s]."""
@@ -72,12 +78,13 @@ class SteadyCurve(TransientCurve):
     def x(self, phase: Any) -> Any:
         """Position at phases counted in drive periods, going on from period to period [m]."""
         whole = np.floor(np.asarray(phase) / self.period)
-        return super().x(phase) - self.run.strobe_x[-1 - self.period] + whole * self.step
+        return super().x(phase) - self._of_the_body(self.run.strobe_x)[-1 - self.period] + whole * self.step
 
     @property
     def step(self) -> float:
         """Displacement in one motion period [m]."""
-        return float(self.run.strobe_x[-1] - self.run.strobe_x[-1 - self.period])
+        x = self._of_the_body(self.run.strobe_x)
+        return float(x[-1] - x[-1 - self.period])
 
     @property
     def mean_velocity(self) -> float:
@@ -93,8 +100,8 @@ class SteadyCurve(TransientCurve):
         return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
 
 
-def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8) -> SteadyCurve:
-    """The steady motion of a robot; starts near it make it cheap.
+def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8, body: int | None = None) -> SteadyCurve:
+    """The steady motion of a robot, or of a body of a machine; starts near it make it cheap.
 
     Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
     """
@@ -113,7 +120,7 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
         v = run.strobe_v
         found = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
         if spent >= _MOST or (found is not None and not _still_nearing(v, found, _LEFT * tolerance)):
-            return SteadyCurve(run, found or 1, found is not None)
+            return SteadyCurve(run, found or 1, found is not None, body=body)
         start, periods = _nearer(run, v), periods if found else min(2 * periods, 100)
 
 
@@ -135,9 +142,9 @@ def _nearer(run: Any, v: Any) -> dict[str, Any]:
     return end
 
 
-def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8) -> TransientCurve:
+def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8, body: int | None = None) -> TransientCurve:
     """The motion of a robot from a velocity, and a position, at a strobe time on, its bristles unbent."""
-    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start=start))
+    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start=start), body=body)
 
 
 def moves_alike_anywhere(model: Any) -> bool:

@@ -20,8 +20,12 @@ from stickslip.records.settling import settled
 from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 from stickslip.units import SI, quantity_of
+from stickslip.variables import VARIABLES
 
 _ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
+
+
+_MOTION, _MOTION_UNITS = ("position", "velocity"), ("m (rad)", "m/s (rad/s)")
 
 
 class Compared:
@@ -30,15 +34,35 @@ class Compared:
     if TYPE_CHECKING:
         y: Any
         weight: Any
+        label: str
+        time: Any
     transient: bool = False
     remark: str | None = None
     unit: str = ""
     within: float = 0.0
 
     @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors of the input would have shown another one."""
+        return False
+
+    @property
     def count(self) -> int:
         """Number of values."""
         return len(self.y)
+
+    def better(self, part: float) -> str:
+        """The sensor of the motion that would have so small a part of the noise, in words."""
+        measured = getattr(self, "measured", None)
+        if measured is None:
+            return f"{self.label}: a load cell with {part:.2g} times the noise would do"
+        order = min(measured.noise)
+        unit = f"{_MOTION[order]} with a noise of {part * measured.noise[order]:.2g} {_MOTION_UNITS[order]}"
+        return f"{self.label}: a sensor of the {unit} or less would do, or one of the velocity beside it"
+
+    def delayed(self, h: Any, delay: float) -> Any:
+        """Values a little later; between samples they change evenly."""
+        return np.interp(self.time - delay, self.time, h)
 
     def mean_square(self, rest: Any) -> float:
         """Mean square of what is left of all samples, told from what is left of the values."""
@@ -81,6 +105,7 @@ class Target(Compared):
     cut: str | None = None  # what was left out of a very long record
     period: int = 1  # drive periods after which the motion repeats, as far as the record tells
     unit: str = ""  # of the values, where it is not that of the kind
+    body: int | None = None  # whose motion it is, of a machine whose columns have an axis for bodies
     within: float = 0.0  # mean square, over all samples, of what was lost where they were averaged
 
     @property
@@ -92,6 +117,12 @@ class Target(Compared):
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / self.frequency
+
+
+def of_body(summary: Any, name: str, body: int | None) -> Any:
+    """A column of a summary, of a machine of several bodies that of one."""
+    found = np.asarray(getattr(summary, name), float)
+    return found if body is None or "body" not in VARIABLES[name].dims else found[..., body]
 
 
 def target(

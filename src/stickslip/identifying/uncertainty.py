@@ -24,6 +24,7 @@ _WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
 _BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
 _FOLLOWS = 3  # places there, each with the other numbers nearer to their best
 _AT_BOUND = 1e-4  # on the scale of the search
+_WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
 _PROFILED = 24  # places that are tried for one end of a profile
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
@@ -44,7 +45,7 @@ def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
     jacobian = fit.jacobian[rows][:, kept]
     return dataclasses.replace(
         fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
-        spread=spread_of(problem, jacobian, fit.residuals, fit.scale), penalty=problem.penalty(fit.place[kept]),
+        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes), penalty=problem.penalty(fit.place[kept]),
     )  # fmt: skip
 
 
@@ -80,7 +81,18 @@ def by_covariance(fit: Fit, name: str, level: float) -> tuple[float, float]:
     free = fit.problem.parameters.free[k]
     if fit.information.undetermined[k]:
         return free.low, free.high
-    half = _quantile(fit, level) * _inner_error(fit, k)
+    return about(fit, k, _quantile(fit, level) * _inner_error(fit, k))
+
+
+def by_input(fit: Fit, name: str, level: float) -> tuple[float, float]:
+    """What the noise of the input (position, load) makes of an interval alone."""
+    k = fit.names.index(name)
+    return about(fit, k, _quantile(fit, level) * float(fit.input_spread[k]))
+
+
+def about(fit: Fit, k: int, half: float) -> tuple[float, float]:
+    """The interval so far on either side of a place, within the bounds."""
+    free = fit.problem.parameters.free[k]
     low, high = np.clip([fit.place[k] - half, fit.place[k] + half], 0.0, 1.0)
     return float(free.outer(low)), float(free.outer(high))
 
@@ -136,11 +148,31 @@ def faults(fit: Fit) -> list[str]:
     found = ["the search was interrupted"] if fit.stopped else []
     found += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
     found += _against_what_is_known(fit)
+    found += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
+    return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
+
+
+_AT_SENSOR = "type a wider range for it in sensor={...}, or the law or the motion is not that of the record"
+
+
+_WIDENED = "the law or the drive is not that of the record, or the noise is larger than given; the intervals are wider by that factor"
+
+
+def _misfit_of_means(fit: Fit) -> list[str]:
+    """A sentence on mean velocities whose misfit is beyond the noise that was given for them."""
+    if fit.scale <= 1.0 or not all(t.given_sigma for t in fit.problem.targets):
+        return []
+    return [f"the mean velocities are {fit.scale:.2g} times as far from the model as their noise allows"]
+
+
+def _sensors_at_bounds(fit: Fit) -> list[str]:
+    """Sentences on numbers of sensors that end at a bound."""
+    found = []
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
         if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
             found.append(f"{number.name} of the sensor ends at its bound {fit.place[k]:.5g}")
-    return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
+    return found
 
 
 def _against_what_is_known(fit: Fit) -> list[str]:
@@ -167,9 +199,12 @@ def _at_bound(fit: Fit, k: int) -> str:
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
     found = undetermined(fit)
+    found += lost_remarks(fit)
     curved = [name for name in fit.open if name not in fit.flat]
     found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
     found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
+    found += [f"{said}: {_WIDENED}" for said in _misfit_of_means(fit)]
+    found += [f"{said}: {_AT_SENSOR}" for said in _sensors_at_bounds(fit)]
     at_bounds = _at_bounds(fit)
     for k, free in enumerate(fit.problem.parameters.free):
         if free.name in fit.undetermined:
@@ -192,6 +227,16 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
         found.append("only one refined start ended here; type starts= with a larger number to look for a better place")
+    return found
+
+
+def lost_remarks(fit: Fit) -> list[str]:
+    """Sentences on parameters that the noise of the input leaves undetermined, with the sensor that would determine them."""
+    found, noisy = [], [t for t in fit.problem.targets if t.has_noise]
+    for name in fit.lost:
+        part = float(fit.input_spread[fit.names.index(name)])
+        helped = "; ".join(dict.fromkeys(t.better(_WANTED / part) for t in noisy))
+        found.append(f"{name} is not determined by this record: the noise of the motion moves it from bound to bound; {helped}")
     return found
 
 
@@ -275,7 +320,7 @@ def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
 def _why(q: Quality, rest: Any) -> str:
     """The interpretation of residuals that are not noise."""
     narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
-    if q.coloured:
+    if q.coloured and not q.structure:
         return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
     return (
         "the law or the drive is not that of the record; intervals suppose that it is, and are too narrow, "

@@ -1,0 +1,82 @@
+"""Coverage of intervals over many fits of records with a known truth, and how wide the intervals are beside the errors."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import stickslip as ss
+from stickslip.identifying.uncertainty import faults
+
+__all__ = ["run", "truth_and_intervals"]
+
+
+def truth_and_intervals(fit: ss.Fit, truth: dict[str, float]) -> dict[str, Any]:
+    """For each number: whether its interval holds the truth, and its error in standard errors; error and standard error over it."""
+    found = {}
+    for name, value in truth.items():
+        low, high = fit.interval(name)
+        error = fit.errors[name]
+        known = name not in fit.undetermined
+        off = (fit.values[name] - value) / error if known and error > 0 else 0.0
+        found[name] = [bool(low <= value <= high), off, abs(fit.values[name] - value) / abs(value), error / abs(value) if known else None]
+    return {"numbers": found, "faults": faults(fit)}
+
+
+def run(classes: dict[str, Callable[[np.random.Generator], dict[str, Any]]], words: list[str], file: Path) -> None:
+    """Do what is not done, and say how it came out: the number of fits, the first seed and the file are the words of the command."""
+    count, first = int(words[0]) if words else 1000, int(words[1]) if len(words) > 1 else 0
+    path = Path(words[2]) if len(words) > 2 else file
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    done = {line["seed"]: line for line in map(json.loads, lines)}
+    names = list(classes)
+    for seed in range(first, first + count):
+        if seed in done:
+            continue
+        name = names[seed % len(names)]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                found = classes[name](np.random.default_rng(seed))
+        except ss.StickslipError as error:
+            found = {"error": f"{type(error).__name__}: {str(error)[:200]}"}
+        done[seed] = {"seed": seed, "class": name, **found}
+        with path.open("a", encoding="utf-8") as out:
+            out.write(json.dumps(done[seed]) + "\n")
+    for name in names:
+        print(name, *_lines([done[s] for s in range(first, first + count) if done[s]["class"] == name]), sep="\n  ")
+
+
+def _lines(rows: list[dict[str, Any]]) -> list[str]:
+    good = [r for r in rows if "numbers" in r]
+    refused = [f"{len(rows) - len(good)} refused"] if len(good) < len(rows) else []
+    supported = [r for r in good if not r["faults"]]
+    said = [f"{len(rows)} fits, {len(supported)} without a fault", *refused]
+    for label, some in (("all", good), ("without a fault", supported)):
+        numbers = [n for r in some for n in r["numbers"].values()]
+        known = [n for n in numbers if n[3] is not None]
+        if not known:
+            continue
+        held, far = sum(n[0] for n in known), sum(abs(n[1]) > 3 for n in known)
+        low, high = _binomial(held, len(known))
+        said.append(
+            f"{label}: {100 * held / len(known):.1f} % of {len(known)} intervals hold ({100 * low:.1f} to {100 * high:.1f}), "
+            f"{far} beyond three standard errors, {len(numbers) - len(known)} not determined"
+        )
+        errors, widths = np.array([n[2] for n in known]), np.array([n[3] for n in known])
+        said.append(
+            f"  median standard error {np.median(widths):.2g} of the number, median error times 1.48 {1.48 * np.median(errors):.2g}"
+        )
+    return said
+
+
+def _binomial(held: int, count: int) -> tuple[float, float]:
+    from scipy.stats import beta
+
+    low = float(beta.ppf(0.025, held, count - held + 1)) if held else 0.0
+    return low, float(beta.ppf(0.975, held + 1, count - held)) if held < count else 1.0
