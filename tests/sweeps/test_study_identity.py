@@ -168,7 +168,7 @@ def law_class(name, coefficient, **attributes):
 
 
 def law_with_class_attribute(factor):
-    return of_law(law_class("Law", lambda self: self.scale, scale=factor)(0.2))
+    return of_law(law_class("Law", lambda self: self.strength, strength=factor)(0.2))
 
 
 def law_with_closure(factor):
@@ -181,8 +181,8 @@ def law_with_array(factor):
 
 
 def law_with_overridden_method(factor):
-    base = law_class("Base", lambda self: self.scale(), scale=lambda self: 1.0)
-    return of_law(base(0.2) if factor == 1.0 else type("Law", (base,), {"scale": lambda self: factor})(0.2))
+    base = law_class("Base", lambda self: self.strength(), strength=lambda self: 1.0)
+    return of_law(base(0.2) if factor == 1.0 else type("Law", (base,), {"strength": lambda self: factor})(0.2))
 
 
 def law_for_plain_numbers(factor):
