@@ -19,7 +19,7 @@ __all__ = ["all_types_by_amplitude", "always_periodic", "harmonic", "omega_as_am
 
 
 def _figures(study: Study, section: str) -> list[dict[str, Any]]:
-    """For each figure of a section: the case, the exact type, and the LuGre word."""
+    """For each figure of a section: the case, the exact type, and the LuGre label."""
     from stickslip.analysis.motion import motion
 
     cases = [c for c in CASES if c.section == section]

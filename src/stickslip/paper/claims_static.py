@@ -15,12 +15,12 @@ from stickslip.paper.words import millimetres
 
 __all__ = ["all_types_by_static", "static_map"]
 
-#: Pairs of thresholds (slip_ratio, dwell) for the LuGre words; the first is the default.
+#: Pairs of thresholds (slip_ratio, dwell) for the LuGre labels; the first is the default.
 RULES = ((0.75, 0.03), (0.5, 0.03), (0.9, 0.03), (0.75, 0.01), (0.75, 0.08))
 
 
 def static_map(fast: bool) -> dict[str, Any]:
-    """Motion types over static coefficient and amplitude: exact with break-away at f0, and the LuGre words for each pair of thresholds."""
+    """Motion types over static coefficient and amplitude: exact with break-away at f0, and the LuGre labels for each pair of thresholds."""
     printed = [c.changes["f0"] for c in CASES if c.section == "5.4"]
     f0 = np.unique(np.round(np.concatenate([np.linspace(0.18, 1.0, 22 if fast else 83), printed]), 6))
     A = np.round(np.arange(0.5e-3, 1.5001e-3, 5e-5 if fast else 1e-5), 9)

@@ -57,7 +57,7 @@ class Coexistence:
     fine : array
         Amplitudes of the finer scan at the printed f0.
     words : array (fine, printed, starts)
-        LuGre words there, at the default thresholds.
+        LuGre labels there, at the default thresholds.
     ranges : tuple of Range
         Ranges in which two motions coexist at a printed f0, by continuation.
     """

@@ -106,7 +106,7 @@ def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
 
 
 def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
-    """Intervals of rest of the body, in drive periods from the start of the curve: exact, or by the rule for LuGre words."""
+    """Intervals of rest of the body, in drive periods from the start of the curve: exact, or by the rule for LuGre labels."""
     from stickslip.analysis.motion import motion
 
     told = motion(run)
