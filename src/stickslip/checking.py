@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
-from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
+from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence, transient
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import reporting
@@ -80,7 +80,7 @@ class Check(Drawn):
     uncertainty : float
         Largest difference among the judges that count [m/s]; NaN if there is only one.
     digits : int
-        Number of certain digits of `mean_velocity`; if `period` is None, for a run of this length only.
+        Number of certain digits of `mean_velocity`; if `period` is None or `transient` says something, for a run of this length only.
     period : int or None
         Period number of the motion.
     energy : float
@@ -90,6 +90,8 @@ class Check(Drawn):
         Remarks on the robot's numbers.
     verdict : str
         Summary in one sentence.
+    transient : str
+        Of what transient `mean_velocity` is the mean; empty if the motion is steady.
     """
 
     mean_velocity: float
@@ -101,6 +103,7 @@ class Check(Drawn):
     judges: tuple[Judge, ...]
     notes: tuple[str, ...]
     verdict: str
+    transient: str = ""
 
     _drawn_by, _inches = "check", (4.4, 2.6)
 
@@ -117,7 +120,12 @@ class Check(Drawn):
         rows = self.rows()
         widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([*lines, "", self._balance(), self.verdict, *self._remarks()])
+        warned = (
+            [f"{self.transient[0].upper()}{self.transient[1:]}; its digits are for a run of this length only.", ""]
+            if self.transient
+            else []
+        )
+        return "\n".join([*warned, *lines, "", self._balance(), self.verdict, *self._remarks()])
 
     def _balance(self) -> str:
         of = "the drive's work in a period" if self.judges[0].periods else "the largest work of the run"
@@ -220,9 +228,10 @@ def check(
     alone = all(judge.remark == _REFERENCE for judge in counted) and answer != 0
     uncertainty = math.nan if alone else max([*(abs(judge.difference) for judge in counted), 2e-16 * abs(answer)])
     digits = certain_digits(answer, uncertainty)
-    verdict = sentence(answer, uncertainty, digits, period, counted, robot) + naive(answer, judges, robot)
+    of = transient(run.steadiness, uncertainty)
+    verdict = sentence(answer, uncertainty, digits, period, counted, robot, of) + naive(answer, judges, robot)
     early = [ending.note("some methods were not asked, so fewer digits may be certain than are given")] if ending.interrupted else []
-    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict)
+    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict, of)
 
 
 def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:

@@ -25,6 +25,9 @@ STEADINESS: dict[int, str] = {
 }
 
 
+_LONGEST_SEARCH = 2000  # drive periods that `periodic_mean_velocity` runs at most, if no others are given
+_MOST_SEARCHED = 10**6  # drive periods that are still recommended
+_DECAYED = 1e-12  # what is left of a transient that has decayed, relative to what the drive does to a free body in a period
 _ALIKE = 0.1  # bodies drift apart if their distance grows evenly, to this part
 
 
@@ -227,7 +230,7 @@ def of_run(run: Any) -> Steadiness:
     if known:
         return Steadiness(STEADY, period, mean, mean)
     code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
-    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, len(x) - 1, int(run.settle), period))
+    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, x, int(run.settle), period, limit))
 
 
 def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
@@ -313,9 +316,32 @@ def _change(x: Any, T: float) -> float:
     return float(abs(x[-1] - 2 * x[-3] + x[-5]) / (4 * T)) if len(x) > 4 else float("nan")
 
 
-def _advice(model: Any, periods: int, settle: int, period: int) -> str:
-    word = "robot" if machine_of(model).drive is not None else type(model).__name__.lower()
-    itself = f"ss.periodic_mean_velocity({word}) for the steady motion itself"
+def _advice(model: Any, way: Any, settle: int, period: int, limit: float) -> str:
+    """What to type for a steady mean, from the way at the strobe points and the displacement per period that it approaches [m].
+
+    The steady motion itself is recommended only where the transient decays, with as many periods as it needs for that.
+    """
+    periods, word = len(way) - 1, "robot" if machine_of(model).drive is not None else type(model).__name__.lower()
+    needed = _periods_needed(way, period, limit, float(machine_of(model).free_velocity) * float(model.period))
+    if needed is None:
+        itself = ""
+    else:
+        longer = f", periods={needed}" if needed > _LONGEST_SEARCH else ""
+        itself = f", or ss.periodic_mean_velocity({word}{longer}) for the steady motion itself"
     if period and settle < periods - 2 * period:
-        return f"type settle={periods - 2 * period}, or {itself}"
-    return f"type more periods, such as periods={10 * periods}, or {itself}"
+        return f"type settle={periods - 2 * period}{itself}"
+    return f"type more periods, such as periods={10 * periods}{itself}"
+
+
+def _periods_needed(way: Any, period: int, limit: float, size: float) -> int | None:
+    """Drive periods until a geometric transient has decayed, with a margin of two; None where it does not decay or takes too long."""
+    window = (len(way) - 1) // 3
+    window -= window % (period or 2)
+    if window < 2 or not np.isfinite(limit):
+        return None
+    earlier, later = (abs((way[-1 - k * window] - way[-1 - (k + 1) * window]) / window - limit) for k in (1, 0))
+    if not later < 0.9 * earlier:
+        return None if later > _DECAYED * size else len(way) - 1
+    decades = np.log(max(later / (_DECAYED * size), 1.0)) / np.log(earlier / max(later, 1e-300))
+    needed = 2 * (len(way) - 1 + window * float(decades))
+    return int(np.ceil(needed / 1000) * 1000) if needed < _MOST_SEARCHED else None

@@ -3,7 +3,9 @@
 import dataclasses
 import importlib
 import inspect
+import itertools
 import pkgutil
+import re
 
 import matplotlib
 import numpy as np
@@ -46,9 +48,24 @@ def test_every_mean_that_is_off_is_said_to_be(asked):
 
 def test_a_run_that_has_not_settled_says_so_and_what_to_type(weakly_damped):
     (note,) = weakly_damped.notes
-    assert "has not settled" in note and "ss.periodic_mean_velocity(robot)" in note and "type more periods" in note
+    assert "has not settled" in note and "ss.periodic_mean_velocity(robot, periods=" in note and "type more periods" in note
     true = float(ss.periodic_mean_velocity(weakly_damped.model))
     assert weakly_damped.steadiness.error == pytest.approx(abs(weakly_damped.steadiness.mean_velocity - true), rel=0.2)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "coulomb-static", "lugre"])
+def test_where_a_note_recommends_the_steady_motion_itself_there_is_one(law):
+    """Robots from little friction to much, after few periods and after many: what the note says is typed, and gives a number."""
+    recommended = 0
+    for mu, periods in itertools.product((2e-4, 2e-3, 2e-2, 0.2), (3, 12, 60, 200)):
+        rig = ss.presets.piezo_rig(tilt_deg=float(np.degrees(np.arctan(0.3 * mu))), amplitude=6e-4, mu0=mu, law=law)
+        note = ss.solve(rig, periods=periods).steadiness.note
+        typed = re.search(r"ss\.periodic_mean_velocity\(robot(?:, periods=(\d+))?\)", note)
+        if typed:
+            recommended += 1
+            assert np.isfinite(ss.periodic_mean_velocity(rig, **({"periods": int(typed[1])} if typed[1] else {}))), (mu, periods, note)
+        assert bool(note) == (ss.solve(rig, periods=periods).steadiness.code == UNSETTLED)
+    assert recommended > 0
 
 
 def test_a_run_and_its_batch_say_the_same_of_settling(weakly_damped):

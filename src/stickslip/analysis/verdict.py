@@ -6,9 +6,11 @@ import math
 from typing import Any
 
 from stickslip.machine_adapter import machine_of
+from stickslip.steadiness import UNSETTLED
 
 #: Name of the judge with fixed steps.
 RK4 = "RK4"
+_NO_TRANSIENT = 12  # digits from which what is left of a transient cannot be told from rounding
 
 
 def certain_digits(answer: float, uncertainty: float) -> int:
@@ -27,8 +29,33 @@ def _names(judges: list[Any]) -> str:
     return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
 
 
-def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any) -> str:
-    """The finding of the judges that count for this answer."""
+def transient(steadiness: Any, uncertainty: float) -> str:
+    """Of what transient the mean is, where it is not that of a steady motion to the digits on which the judges agree; empty where it is.
+
+    Parameters
+    ----------
+    steadiness : Steadiness
+        Of the run that is assessed.
+    uncertainty : float
+        Largest difference among the judges [m/s].
+    """
+    mean, error = steadiness.mean_velocity, steadiness.error
+    if steadiness.code == UNSETTLED:
+        far = f", about {error:.1e} m/s from its steady value" if math.isfinite(error) else ""
+        return f"this is the mean velocity of a transient{far}"
+    agreed = min(certain_digits(mean, uncertainty), _NO_TRANSIENT)
+    if steadiness.steady and certain_digits(mean, error) < agreed and error > 0:
+        return f"a transient of about {error:.1e} m/s is left in this mean velocity"
+    return ""
+
+
+def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any, of: str = "") -> str:
+    """The finding of the judges that count for this answer; `of` says of what transient it is the mean."""
+    finding = _finding(answer, uncertainty, digits, period, counted, robot)
+    return f"{of[0].upper()}{of[1:]}. {finding}" if of else finding
+
+
+def _finding(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any) -> str:
     late = " No motion period was found, so the mean still depends on the length of the run." if period is None else ""
     if math.isnan(uncertainty):
         return f"The mean velocity is {answer:.6e} m/s, but no other method could confirm it: no digit is certain.{late}"
