@@ -1,4 +1,4 @@
-"""Velocity records whose drive has harmonics, whose clock is off or jitters, with hum or clipping: do intervals hold, or is the law not supported?
+"""Velocity records with harmonics of the drive, a clock that is off, jitter, hum or clipping: do intervals hold, or is it said?
 
 Run: python verification/random_ripple.py [count] [first seed] [file]. The file (random_ripple.jsonl) has one line of JSON for each seed
 and is read again: what stands there is not done twice. A seed's class is its remainder by the number of classes.

@@ -230,7 +230,7 @@ def test_after_a_gap_a_record_says_nothing_until_the_contact_has_slid():
     record = shortened(whole, kept)
     free, known = {**BOTH, "sigma0": (1e4, 1e6, "log")}, dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
     problem = problem_of([record], ss.LuGre, free, None, "auto", None, None, None, 1e-8, known, sensor={})
-    unbent = np.append(problem.parameters.place({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5}), 0.0)
+    unbent = problem.parameters.place({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5})
     least, most = (end[:, 0] for end in problem.ends(unbent[None]))
     assert np.array_equal(least[:700], most[:700]) and most[700] - least[700] == pytest.approx(7.0, rel=0.05)
     assert (least <= record["F"].values + 1e-9).all() and (record["F"].values <= most + 1e-9).all() and (most - least)[1200:].max() < 1e-6

@@ -105,7 +105,8 @@ def identify(
     transient : bool
         Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
         undeflected bristles. For forces over a motion that does not repeat, and for logs of machines, the bristle deflection at the first
-        sample is always fitted (``fit.sensor["start[0]"]``, from -1, as after slow sliding backwards, to 1; 0 is undeflected).
+        sample is fitted, of forces also without `transient` where `sensor` is None (``fit.sensor["start[0]"]``, from -1, as after slow
+            sliding backwards, to 1; 0 is undeflected).
     sensor : dict, optional
         Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
@@ -182,7 +183,7 @@ def problem_of(
         model: Any = _moved(records, of, noise, first)
     elif using == "force" or (using == "auto" and not machines):
         _check_forces(records)
-        model = _driven(records, of, load, noise, first)
+        model = _driven(records, of, load, noise, first, transient or sensor is None)
     else:
         own = _body(first[0], body)
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
@@ -255,10 +256,11 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
     problems.check()
 
 
-def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any]) -> DrivenProblem:
+def _driven(
+    records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
+) -> DrivenProblem:
     motions = tuple(
-        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start=True), given_sigma=noise is not None)
-        for i, rec in enumerate(records)
+        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
     )
     return _over_motions(of, motions, noise, [adapted(law) for law in first])
 
