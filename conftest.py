@@ -65,7 +65,7 @@ def pytest_xdist_auto_num_workers(config):
 @pytest.fixture
 def every_report(monkeypatch):
     """Progress is reported however soon it comes after the last report: a test that says stop does not race a fast machine."""
-    monkeypatch.setattr("stickslip.sweeps.progress.PAUSE", 0.0)
+    monkeypatch.setattr("stickslip.studies.progress.PAUSE", 0.0)
 
 
 @pytest.fixture(autouse=True)

@@ -85,7 +85,7 @@ WORK = {
     "import": clocked("import stickslip"),
     "import and solve's module": clocked("import stickslip as ss; ss.solve; ss.Robot"),
     "stickslip --help": clocked(
-        "import contextlib, io\nfrom stickslip.cli import main\n"
+        "import contextlib, io\nfrom stickslip.show.cli import main\n"
         'with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):\n    main(["--help"])'
     ),
 }

@@ -127,7 +127,7 @@ def maps(port: int) -> dict[str, float]:
     """Milliseconds from the question to the answer of a map of 48 x 40 robots, each time of other robots."""
     from websockets.sync.client import connect
 
-    from stickslip.explorer.frames import read
+    from stickslip.show.explorer.frames import read
 
     axes = [{"name": "amplitude", "from": 0.0, "to": 1.6e-3, "cells": 48}, {"name": "tilt_deg", "from": -8.0, "to": 8.0, "cells": 40}]
     found = {}

@@ -15,8 +15,9 @@ from statistics import median
 from time import process_time
 from typing import Any
 
-import stickslip as ss
 from stickslip.maths import cos
+
+import stickslip as ss
 
 
 def den_hartog(F: float, r: float = 0.7) -> ss.SwitchingFlow:

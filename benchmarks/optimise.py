@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.optimising.candidates import Candidates
-from stickslip.optimising.constraints import checked_limits, scales_within
-from stickslip.optimising.unknowns import Unknowns, checked_over
+from stickslip.inverse.optimisation.candidates import Candidates
+from stickslip.inverse.optimisation.constraints import checked_limits, scales_within
+from stickslip.inverse.optimisation.unknowns import Unknowns, checked_over
 
 G, MU, UP, DOWN, L, W = 9.81, 0.1315, 0.15, 0.25, 0.01, 60.0
 _MOST = 20_000  # candidates of a rival

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, INK, publication
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 IMAGE = Path(__file__).parent.parent / "docs" / "images" / "capsule.png"
 

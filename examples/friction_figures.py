@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, INK, publication
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 RIG = ss.presets.piezo_rig

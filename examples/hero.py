@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import publication
+from stickslip.show.figures.style import publication
 
 TYPES = {"rest": "#999999", "II": "#56B4E9", "I": "#009E73", "III": "#E69F00", "IV": "#CC79A7"}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, INK, publication
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 TIME = 16.0
 

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import publication
+from stickslip.show.figures.style import publication
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, INK, publication
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 STATIC = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
 FALLING = ss.Stribeck(1.0, 1.0, f_plus=1.5, f_minus=1.5, v_s=0.1)

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, INK, publication
+from stickslip.show.figures.style import COLOURS, INK, publication
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
 NANO, MICRO, MILLI = 1e9, 1e6, 1e3

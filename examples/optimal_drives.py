@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, DASHES, INK, publication
+from stickslip.show.figures.style import COLOURS, DASHES, INK, publication
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
 MILLI = 1e3

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 import stickslip as ss
-from stickslip.paper.claims_page import VERDICTS
+from stickslip.show.paper.claims_page import VERDICTS
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "paper-revisited.md"
 HEAD = """\

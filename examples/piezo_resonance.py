@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, publication
+from stickslip.show.figures.style import COLOURS, publication
 
 VOLTAGE, TILT = 60.0, 1.7
 LAWS = (("coulomb", "Coulomb, exact", "-"), ("lugre", "LuGre", "--"))

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.plot.style import COLOURS, DASHES, INK, publication
+from stickslip.show.figures.style import COLOURS, DASHES, INK, publication
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
 MILLI = 1e3

@@ -27,7 +27,7 @@ document.documentElement.dataset.drawn = "yes";
 
 def page_of(robot: ss.Robot) -> str:
     """The page that shows the widget of a robot."""
-    assets, widget = resources.files("stickslip.explorer").joinpath("assets"), ss.widget(robot)
+    assets, widget = resources.files("stickslip.show.explorer").joinpath("assets"), ss.widget(robot)
     script, style = (assets.joinpath(f"widget.{ending}").read_text(encoding="utf-8") for ending in ("js", "css"))
     told, script = (json.dumps(of).replace("<", "\\u003c") for of in (_traits(widget), script))
     return PAGE % (style, told, script)

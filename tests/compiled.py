@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.friction.law_adapter import adapted
+from stickslip.models.friction.law_adapter import adapted
 
 __all__ = ["CC", "OCTAVE", "CompiledLaw", "compiled_laws", "octave_steps"]
 

@@ -66,7 +66,7 @@ def bases(folder):
 
 
 def _run(path):
-    from stickslip.dense_output import HarmonicArcs
+    from stickslip.results.dense_output import HarmonicArcs
 
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     still = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)

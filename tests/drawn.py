@@ -8,7 +8,7 @@ import numpy as np
 
 import stickslip as ss
 from registries import examples
-from stickslip.friction.law_adapter import adapted
+from stickslip.models.friction.law_adapter import adapted
 
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
 DRIVES = tuple(ss.DRIVES)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from stickslip.maths import cos, pi, sin
 
 import stickslip as ss
-from stickslip.flow import is_flow
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import cos, pi, sin
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 SHAKEN = ss.Robot(
     body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
@@ -346,7 +346,7 @@ def _csv(c):
 
 
 def _report(c):
-    from stickslip.report import run_page
+    from stickslip.show.reports import run_page
 
     assert "<h1>It moves</h1>" in run_page(c.run(), "It moves")
 
@@ -400,7 +400,7 @@ def _mirrored(c):
 
 
 def _explorer(c):
-    from stickslip.explorer.machines import Shown, picture
+    from stickslip.show.explorer.machines import Shown, picture
 
     found = picture(Shown(c.machine, options=c.length), True, c.machine, lambda done, whole: None)
     assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().bodies)
@@ -412,7 +412,7 @@ def _command(c):
     import contextlib
     import io
 
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
     own = isinstance(c.machine, OWN)

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.sync.client import connect
 
-from stickslip.explorer.frames import read
+from stickslip.show.explorer.frames import read
 
 #: Seconds that a first kernel may take to compile on a slow machine.
 PATIENCE = 240

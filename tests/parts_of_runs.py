@@ -7,8 +7,8 @@ the same motion. Here its last motion period is looked at densely, and no line o
 import numpy as np
 
 import stickslip as ss
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import machine_of
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.models.machine_adapter import machine_of
 
 SAMPLES, NODES = 4001, 12
 

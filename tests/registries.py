@@ -11,19 +11,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
+from stickslip.mechanisms import MECHANISMS
 
 import stickslip as ss
 from house import ROOT
-from stickslip import drives, friction, machines, mechanisms
-from stickslip.drives.drive import Drive
-from stickslip.fields import is_number_field, is_tuple_field
-from stickslip.friction.law import Law
-from stickslip.mechanisms import MECHANISMS
-from stickslip.mechanisms.mechanism import Mechanism
+from stickslip import drives, friction, machines
+from stickslip.basics.fields import is_number_field, is_tuple_field
+from stickslip.models.drives.drive import Drive
+from stickslip.models.friction.law import Law
+from stickslip.models.machines.mechanism import Mechanism
 
 #: Classes that only help others, and records that are made of others and never typed: in a registry they are not.
 OF_OTHERS = {
-    "BodyAndMass", "DynamicSum", "LawAdapter", "ModalSum", "Shifted", "SlidingSum", "Sum", "Together", "Turned",
+    "BodyAndMass", "DynamicSum", "LawAdapter", "ModalSum", "PeriodicRecord", "Rigid", "Shifted", "SlidingSum", "Sum", "Together", "Turned",
 }  # fmt: skip
 
 
@@ -38,12 +38,12 @@ class Folder:
     place: str
 
 
-_OF_MACHINES = "MECHANISMS in src/stickslip/mechanisms/__init__.py"
+_OF_MACHINES = "MECHANISMS in src/stickslip/models/machines/__init__.py"
 FOLDERS = (
-    Folder(friction, Law, ss.LAWS, ("rate", "force", "sliding", "breakaway"), "_ALL in src/stickslip/friction/__init__.py"),
-    Folder(drives, Drive, ss.DRIVES, ("position", "velocity", "acceleration"), "_ALL in src/stickslip/drives/__init__.py"),
+    Folder(friction, Law, ss.LAWS, ("rate", "force", "sliding", "breakaway"), "_ALL in src/stickslip/models/friction/__init__.py"),
+    Folder(drives, Drive, ss.DRIVES, ("position", "velocity", "acceleration"), "_ALL in src/stickslip/models/drives/__init__.py"),
     Folder(machines, ss.Machine, MECHANISMS, ("bodies",), _OF_MACHINES),
-    Folder(mechanisms, Mechanism, MECHANISMS, ("acceleration",), _OF_MACHINES),
+    Folder(machines, Mechanism, MECHANISMS, ("acceleration",), _OF_MACHINES),
 )
 
 

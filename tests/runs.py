@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import stickslip as ss
-from stickslip.dense_output import HarmonicArcs, PolynomialPieces
-from stickslip.trajectory import Trajectory
+from stickslip.results.dense_output import HarmonicArcs, PolynomialPieces
+from stickslip.results.trajectory import Trajectory
 
 
 def unit_robot(alpha_plus, alpha_minus, static=(None, None)):

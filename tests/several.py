@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.dense_output import PolynomialPieces
-from stickslip.layout import BodyStates, ContactStates, StateLayout
-from stickslip.trajectory import Trajectory
+from stickslip.models.state_layout import BodyStates, ContactStates, StateLayout
+from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.trajectory import Trajectory
 
 T = np.array([0.0, 0.5, 0.75, 1.0])
 #: v.head, v.tail, l.tail, z.head.0, z.head.1, z.tail.0

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from stickslip.mechanisms import MECHANISMS
 
 import stickslip as ss
-from stickslip.fields import replace_leaf
-from stickslip.mechanics import lists_parts
-from stickslip.mechanisms import MECHANISMS
+from stickslip.basics.fields import replace_leaf
+from stickslip.models.mechanics import lists_parts
 
 Array = Any  # numpy.ndarray
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.sweeps.progress import Lines
+from stickslip.studies.progress import Lines
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 #: Figure or sentence of section 5 -> arguments of the preset; amplitudes are inferred (the paper prints none).

@@ -16,7 +16,7 @@ import numpy as np
 from traced_judge import TracedRun, trace_differs
 
 import stickslip as ss
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 __all__ = ["judged", "span", "unit_of_way"]
 

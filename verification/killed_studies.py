@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.sweeps.folder import Study
+from stickslip.studies.folder import Study
 
 KILLS, SPAN = 200, 0.25  # how many, and the longest time after the first new tile [s]
 AXES: dict[str, Any] = dict(amplitude=np.linspace(3e-4, 9e-4, 120), mu=np.linspace(0.1, 0.2, 50), tile=10)

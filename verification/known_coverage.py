@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.identifying.uncertainty import faults
+from stickslip.inverse.identification.uncertainty import faults
 
 __all__ = ["run", "truth_and_intervals"]
 

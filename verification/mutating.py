@@ -12,7 +12,9 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "stickslip"
-FORMULAS = ("friction/*.py", "drives/*.py", "mechanisms/*.py", "forces.py", "robot.py", "tracks.py")
+FORMULAS = tuple(
+    f"models/{part}.py" for part in ("friction/*", "drives/*", "machines/*_*", "machines/mechanism", "forces", "robot", "tracks/*")
+)
 WORDS = (
     "notes",
     "_check",

@@ -21,8 +21,8 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 import stickslip as ss
-from stickslip.identifying.law_forces import driven_force
-from stickslip.identifying.motions import Motion
+from stickslip.inverse.identification.law_forces import driven_force
+from stickslip.inverse.identification.motions import Motion
 
 Random = np.random.Generator
 STARTS = 16

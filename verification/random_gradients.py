@@ -29,14 +29,14 @@ from drawn_models import kinds, model_of
 from machine_draws.kinds import SORTS, kinds as machine_kinds
 
 import stickslip as ss
-from stickslip.batch import some_of
+from stickslip.basics.batch import some_of
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.sensitivity import directions_of
 from stickslip.dynamics.periodic.steady_motions import Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import machine_of
-from stickslip.optimising.gradients import steady_motion
-from stickslip.optimising.results import moved_by
+from stickslip.inverse.optimisation.gradients import steady_motion
+from stickslip.inverse.optimisation.results import moved_by
+from stickslip.models.machine_adapter import machine_of
 
 EXACT, LANES = 1e-7, 1e-5
 STEPS = np.array([2e-4, 1e-4, 4e-5, 2e-5])  # of the number

@@ -19,8 +19,8 @@ import numpy as np
 from known_coverage import run, truth_and_intervals
 
 import stickslip as ss
-from stickslip.friction.law_adapter import adapted
-from stickslip.identifying.law_forces import Stepped, law_force
+from stickslip.inverse.identification.law_forces import Stepped, law_force
+from stickslip.models.friction.law_adapter import adapted
 
 Random = np.random.Generator
 FINE, STARTS, LOAD = 40, 16, 40.0

@@ -35,8 +35,8 @@ from judging import judged, span, unit_of_way
 from machine_draws.drawing import Cases, Kind, drawn
 from machine_draws.kinds import SORTS, kinds
 
+from stickslip.basics.status import Status
 from stickslip.solvers.methods import method_for
-from stickslip.status import Status
 
 PERIODS = 10
 SLOW_CASES = 4  # of a kind that no compiled method takes

@@ -30,10 +30,10 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.batch import rows_of
-from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import machine_of
+from stickslip.basics.batch import rows_of
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from drawn_models import Kind, kinds, model_of

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import stickslip as ss
-from stickslip.paper.claims_irregular import LONG_STEPS, STEPS
+from stickslip.show.paper.claims_irregular import LONG_STEPS, STEPS
 
 
 def row(name: str, periods: int, found: Any) -> str:

@@ -16,12 +16,12 @@ import numpy as np
 import scipy.integrate
 import scipy.optimize
 
-from stickslip.batch import numbers_by_name
+from stickslip.basics.batch import numbers_by_name
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.trace import trace
 from stickslip.engine.values import needed_by
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 __all__ = ["TracedRun", "trace_differs"]
 

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import stickslip as ss
 from stickslip.maths import sin
+
+import stickslip as ss
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,9 +26,9 @@ class Commands(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """The sections."""
-        from stickslip.cli import COMMANDS
-        from stickslip.cli.arguments import parser
-        from stickslip.cli.transcripts import transcript
+        from stickslip.show.cli import COMMANDS
+        from stickslip.show.cli.arguments import parser
+        from stickslip.show.cli.transcripts import transcript
 
         return [section(name, about, parser(name), transcript(name)) for name, (_, about) in COMMANDS.items()]
 

@@ -4,7 +4,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
-from stickslip.report.mathml import mathml
+from stickslip.show.reports.mathml import mathml
 
 
 def inline(translator: HTML5Translator, node: nodes.math) -> None:

@@ -18,7 +18,7 @@ BEGIN, END = "<!-- the table begins -->", "<!-- the table ends -->"
 
 def cell(door, case):
     """What becomes of a machine at a door: yes, or the first sentence of the reason, without the numbers given."""
-    from stickslip.errors import InputError
+    from stickslip.basics.errors import InputError
 
     try:
         door(case)
@@ -68,7 +68,7 @@ def unknown(names, machines):
 
 
 def _allowed(name, machines):
-    from stickslip.errors import did_you_mean
+    from stickslip.basics.errors import did_you_mean
 
     near = did_you_mean(name, machines)
     if near.startswith("did"):

@@ -1,6 +1,13 @@
 """Vibration-driven robots and stick-slip friction: the public names of `__init__.pyi`, loaded when they are first used."""
 
+import importlib
+import importlib.abc
+import importlib.machinery
+import sys
+
 import lazy_loader
+
+from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0.dev0"
 
@@ -8,15 +15,14 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
+    if name in PUBLIC_MODULES:
+        return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
     if name not in __all__:
-        from stickslip.errors import did_you_mean
+        from stickslip.basics.errors import did_you_mean
 
         hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
         raise AttributeError(f"stickslip has no {name!r}; {hint}")
-    from stickslip.interruption import held_together
-
-    with held_together():  # an import that Ctrl-C ends half done, such as that of Numba, fails until the process is started anew
-        return _load(name)
+    return _load(name)
 
 
 #: Names that other packages use for some of our functions.
@@ -26,3 +32,40 @@ _ELSEWHERE = {
     **dict.fromkeys(("read_csv", "open", "import_record"), "read"),
     **dict.fromkeys(("minimize", "minimise", "maximize", "maximise"), "optimise"),
 }
+
+#: Modules that users import by a short name, such as ``stickslip.maths``, and where they are.
+PUBLIC_MODULES = {
+    "designs": "studies.designs",
+    "drives": "models.drives",
+    "friction": "models.friction",
+    "machines": "models.machines",
+    "maths": "basics.maths",
+    "mechanisms": "models.machines",
+    "paper": "show.paper",
+    "plot": "show.figures",
+    "presets": "models.presets",
+    "testing": "analysis.law_claims",
+    "tracks": "models.tracks",
+    "variables": "basics.variables",
+}
+
+
+class _PublicModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Import ``stickslip.plot`` as the module that it stands for, so that there is one module under both names."""
+
+    def find_spec(self, fullname, path=None, target=None):  # type: ignore[no-untyped-def]
+        package, _, rest = fullname.partition(".")
+        first, dot, more = rest.partition(".")
+        if package != __name__ or first not in PUBLIC_MODULES:
+            return None
+        return importlib.machinery.ModuleSpec(fullname, self, origin=f"{__name__}.{PUBLIC_MODULES[first]}{dot}{more}")
+
+    def create_module(self, spec):  # type: ignore[no-untyped-def]
+        return None
+
+    def exec_module(self, module):  # type: ignore[no-untyped-def]
+        sys.modules[module.__spec__.name] = importlib.import_module(module.__spec__.origin)
+
+
+sys.meta_path.insert(0, _PublicModules())
+on_demand(lambda: importlib.import_module(f"{__name__}.show"))  # results are drawn by a package above them

@@ -1,19 +1,11 @@
 """The public names: read by type checkers, and by `__init__.py`, which loads each when it is first used."""
 
-from . import (
-    designs as designs,
-    drives as drives,
-    friction as friction,
-    machines as machines,
-    maths as maths,
-    mechanisms as mechanisms,
-    paper as paper,
-    plot as plot,
-    presets as presets,
-    testing as testing,
-    tracks as tracks,
-    variables as variables,
+from .analysis.bench import (
+    Bench as Bench,
+    Benches as Benches,
+    bench as bench,
 )
+from .analysis.checking import check as check
 from .analysis.coulomb_borders import coulomb_borders as coulomb_borders
 from .analysis.energy import energy as energy
 from .analysis.motion import (
@@ -30,38 +22,19 @@ from .analysis.steady import (
     mean_velocity as mean_velocity,
     periodic_mean_velocity as periodic_mean_velocity,
 )
-from .benching import (
-    Bench as Bench,
-    Benches as Benches,
-    bench as bench,
+from .basics import maths as maths, variables as variables
+from .basics.errors import (
+    InputError as InputError,
+    SolveError as SolveError,
+    StickslipError as StickslipError,
 )
-from .checking import check as check
-from .drives import (
-    DRIVES as DRIVES,
-    BangBang as BangBang,
-    ForceSum as ForceSum,
-    Harmonic as Harmonic,
-    HarmonicForce as HarmonicForce,
-    MultiHarmonic as MultiHarmonic,
-    Pieces as Pieces,
-    PiezoBeam as PiezoBeam,
-    Pulses as Pulses,
-    Recorded as Recorded,
-    RecordedForce as RecordedForce,
-    Reversed as Reversed,
-    Sawtooth as Sawtooth,
-    ThreePhase as ThreePhase,
-    Trapezoid as Trapezoid,
-    TwoPhase as TwoPhase,
-    VerticalVibration as VerticalVibration,
-    cantilever_eigenvalues as cantilever_eigenvalues,
-)
-from .dynamics.atlas.atlas_result import Atlas as Atlas
-from .dynamics.atlas.making_an_atlas import (
+from .basics.quantities import quantity as quantity
+from .dynamics.atlas.atlas import (
     AtlasTime as AtlasTime,
     atlas as atlas,
     atlas_time as atlas_time,
 )
+from .dynamics.atlas.atlas_result import Atlas as Atlas
 from .dynamics.attractors.attractor_continuation import attractors as attractors
 from .dynamics.attractors.basins import (
     Basins as Basins,
@@ -112,7 +85,7 @@ from .dynamics.flows.flow_orbits import (
     switching_flow as switching_flow,
 )
 from .dynamics.flows.flow_stretches import passage as passage
-from .dynamics.periodic.balls import Enclosure as Enclosure
+from .dynamics.periodic.ball_arithmetic import Enclosure as Enclosure
 from .dynamics.periodic.certify import (
     Certificate as Certificate,
     certify as certify,
@@ -127,22 +100,54 @@ from .dynamics.stroboscopic.sections import (
     strobe as strobe,
 )
 from .engine.latex import latex as latex
-from .errors import (
-    InputError as InputError,
-    SolveError as SolveError,
-    StickslipError as StickslipError,
+from .inverse.identification import (
+    Fit as Fit,
+    compare as compare,
+    design as design,
+    identify as identify,
+    prediction_errors as prediction_errors,
+    rank as rank,
+    virtual_rig as virtual_rig,
 )
-from .explorer.widget import widget as widget
-from .exporting import (
-    ExportedLaw as ExportedLaw,
-    export_law as export_law,
+from .inverse.optimisation import (
+    Gradient as Gradient,
+    Optimum as Optimum,
+    Propagated as Propagated,
+    Waveform as Waveform,
+    derivative as derivative,
+    gradient as gradient,
+    optimise as optimise,
+    pareto as pareto,
+    propagate as propagate,
+    waveform as waveform,
 )
-from .flow import (
-    Switch as Switch,
-    SwitchingFlow as SwitchingFlow,
+from .models import (
+    drives as drives,
+    friction as friction,
+    presets as presets,
+    tracks as tracks,
 )
-from .flow_run import FlowRun as FlowRun
-from .friction import (
+from .models.drives import (
+    DRIVES as DRIVES,
+    BangBang as BangBang,
+    ForceSum as ForceSum,
+    Harmonic as Harmonic,
+    HarmonicForce as HarmonicForce,
+    MultiHarmonic as MultiHarmonic,
+    Pieces as Pieces,
+    PiezoBeam as PiezoBeam,
+    Pulses as Pulses,
+    Recorded as Recorded,
+    RecordedForce as RecordedForce,
+    Reversed as Reversed,
+    Sawtooth as Sawtooth,
+    ThreePhase as ThreePhase,
+    Trapezoid as Trapezoid,
+    TwoPhase as TwoPhase,
+    VerticalVibration as VerticalVibration,
+    cantilever_eigenvalues as cantilever_eigenvalues,
+)
+from .models.friction import (
     GMS as GMS,
     LAWS as LAWS,
     Bristle as Bristle,
@@ -161,82 +166,70 @@ from .friction import (
     TanhCoulomb as TanhCoulomb,
     Viscous as Viscous,
 )
-from .identifying import (
-    Fit as Fit,
-    compare as compare,
-    design as design,
-    identify as identify,
-    prediction_errors as prediction_errors,
-    rank as rank,
-    virtual_rig as virtual_rig,
-)
-from .io import load as load
-from .machines import (
+from .models.machines import (
     PID as PID,
+    BlockOnBelt as BlockOnBelt,
     Bodies as Bodies,
     Body as Body,
     Chain as Chain,
     Contact as Contact,
     Forced as Forced,
+    ForcedOscillator as ForcedOscillator,
     Gait as Gait,
     Joint as Joint,
     Machine as Machine,
     MovingTrack as MovingTrack,
+    PulledMass as PulledMass,
     Rigid as Rigid,
     Spring as Spring,
     Stop as Stop,
 )
-from .mechanisms import (
-    BlockOnBelt as BlockOnBelt,
-    ForcedOscillator as ForcedOscillator,
-    PulledMass as PulledMass,
-)
-from .mirroring import mirrored as mirrored
-from .nondimensional import (
+from .models.mirroring import mirrored as mirrored
+from .models.nondimensional import (
     DimensionlessRobot as DimensionlessRobot,
     dimensionless as dimensionless,
 )
-from .observables import (
+from .models.observables import (
     Observable as Observable,
     observable as observable,
 )
-from .optimising import (
-    Gradient as Gradient,
-    Optimum as Optimum,
-    Propagated as Propagated,
-    Waveform as Waveform,
-    derivative as derivative,
-    gradient as gradient,
-    optimise as optimise,
-    pareto as pareto,
-    propagate as propagate,
-    waveform as waveform,
+from .models.robot import Robot as Robot
+from .models.switching_flow import (
+    Switch as Switch,
+    SwitchingFlow as SwitchingFlow,
 )
-from .quantities import quantity as quantity
+from .models.tracks import (
+    Incline as Incline,
+    Level as Level,
+    VaryingFriction as VaryingFriction,
+)
+from .models.tracks.profiles import (
+    FrictionPatches as FrictionPatches,
+    FrictionProfile as FrictionProfile,
+    FrictionWave as FrictionWave,
+)
 from .records import (
     Record as Record,
     read as read,
 )
-from .robot import Robot as Robot
+from .results.flow_run import FlowRun as FlowRun
+from .results.loading import load as load
+from .results.trajectory import Trajectory as Trajectory
+from .show import paper as paper
+from .show.explorer.widget import widget as widget
+from .show.export import (
+    ExportedLaw as ExportedLaw,
+    export_law as export_law,
+)
 from .solvers import solve as solve
-from .sweeps import (
+from .studies import (
     Progress as Progress,
+    designs as designs,
     export as export,
     map as map,
     merge as merge,
     open_study as open_study,
     sweep as sweep,
 )
-from .track_profiles import (
-    FrictionPatches as FrictionPatches,
-    FrictionProfile as FrictionProfile,
-    FrictionWave as FrictionWave,
-)
-from .tracks import (
-    Incline as Incline,
-    Level as Level,
-    VaryingFriction as VaryingFriction,
-)
-from .trajectory import Trajectory as Trajectory
 
 __version__: str

@@ -10,7 +10,7 @@ import pytest
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.steady import velocity_range
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 ALPHAS = [(0.5, 1.2), (0.7, 0.9), (0.4, 0.8), (0.4, 0.5)]
 

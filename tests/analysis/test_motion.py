@@ -12,9 +12,9 @@ import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.steady import period_number
-from stickslip.layout import StateLayout
-from stickslip.segments import intervals_of, type_of
-from stickslip.steadiness import of_run
+from stickslip.models.state_layout import StateLayout
+from stickslip.results.segments import intervals_of, type_of
+from stickslip.results.steadiness import of_run
 
 TRUTH = {  # TRUTH section 2: (alpha+, alpha-) -> type, pattern, mean of w, lengths in the order of the pattern
     "T7": ((0.5, 1.2), "II", "+0", 0.201452203333669, (0.5241295584, 0.4758704416)),

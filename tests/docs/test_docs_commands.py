@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from house import PAGES, ROOT, blocks
-from stickslip.cli import main
+from stickslip.show.cli import main
 
 #: Tested by themselves: the explorer serves until it is stopped, the paper takes minutes.
 ELSEWHERE = ("stickslip explore", "stickslip paper")

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from house import ROOT
-from stickslip.fields import is_number_field, is_tuple_field
+from stickslip.basics.fields import is_number_field, is_tuple_field
 
 PAGE = ROOT / "docs" / "notation.md"
 
@@ -25,10 +25,11 @@ def rows():
 
 def parts():
     """(prefix, class) of every record that a study file or `replace` can reach into."""
-    import stickslip as ss
     from stickslip.drives import DRIVES
     from stickslip.friction import LAWS
     from stickslip.tracks import TRACKS
+
+    import stickslip as ss
 
     yield "", ss.Robot
     for prefix, registry in (("drive.", DRIVES), ("friction.", LAWS), ("track.", TRACKS)):

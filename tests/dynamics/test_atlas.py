@@ -8,13 +8,13 @@ import pytest
 import stickslip as ss
 from every import DEN_HARTOG
 from stickslip.analysis.closed_form import coulomb_type
-from stickslip.dynamics.atlas import making_an_atlas
+from stickslip.dynamics.atlas import atlas as making_an_atlas
 from stickslip.dynamics.atlas.borders_followed import Border
-from stickslip.dynamics.atlas.doubts import Doubts
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, with_more
 from stickslip.dynamics.atlas.parameter_plane import plane_over
-from stickslip.report import atlas_page
+from stickslip.dynamics.atlas.uncertain_places import Doubts
+from stickslip.show.reports import atlas_page
 
 RIG = {"tilt_deg": 1.7, "law": "coulomb"}
 OVER = {"amplitude": [3.3e-4, 3.5e-4, 3.7e-4, 3.9e-4], "mu0": [0.165, 0.175, 0.185]}
@@ -109,7 +109,7 @@ def ctrl_c():
 @pytest.mark.parametrize("how", [lambda: False, ctrl_c], ids=["False", "Ctrl-C"])
 def test_an_interrupted_atlas_keeps_what_is_there_and_goes_on(found, tmp_path, how, monkeypatch):
     monkeypatch.setattr(making_an_atlas, "_TILE", 4)
-    monkeypatch.setattr("stickslip.sweeps.progress.PAUSE", 0.0)
+    monkeypatch.setattr("stickslip.studies.progress.PAUSE", 0.0)
     part = ss.atlas(ss.presets.piezo_rig, over=OVER, out=tmp_path, progress=stopping(8, how), branches=0, **RIG)
     assert 0 < len(part.points) < 12 and part.notes[0].startswith(("interrupted", "stopped by progress"))
     assert (part.map["count"] == -1).sum() == 12 - len(part.points)

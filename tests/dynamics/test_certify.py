@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.dynamics.periodic.balls import above_zero, flint_for, krawczyk
+from stickslip.dynamics.periodic.ball_arithmetic import above_zero, flint_for, krawczyk
 
 flint = pytest.importorskip("flint")
 arb = flint.arb

@@ -12,19 +12,19 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from stickslip.maths import where, within
 
 import kinds
 import stickslip as ss
 from kinds import DRIVES, TRACKS
 from problems import velocity_unit
 from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_iii_iv, periodic
-from stickslip.cli import main
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, strobe_map
-from stickslip.maths import where, within
+from stickslip.show.cli import main
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 #: w of the Coulomb robot at (alpha+, alpha-), its type, and the fraction of the period: T7 to T10.

@@ -109,7 +109,7 @@ def test_no_digit_beyond_the_accuracy_is_told():
 
 
 def test_the_table_of_a_branch_and_the_command_line_carry_it_too(capsys):
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")
     (told,) = json.loads(b.points.attrs["special"])

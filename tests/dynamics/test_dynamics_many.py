@@ -17,10 +17,10 @@ import xarray as xr
 
 import stickslip as ss
 from stickslip.analysis.closed_form import border_iii_iv
-from stickslip.cli import main
 from stickslip.dynamics.attractors.settled_motions import periods_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
-from stickslip.identifying.parameters import parameters
+from stickslip.inverse.identification.parameters import parameters
+from stickslip.show.cli import main
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 FLIP = 0.0468108467  # mu0 of the upper flip at 0.6 mm
@@ -316,7 +316,7 @@ def test_ranges_by_a_factor_need_numbers_of_one_sign(capsys):
 
 def test_commands_tell_how_far_they_are(capsys, monkeypatch):
     """A line now and then where nobody watches; a bar on a terminal."""
-    from stickslip.callbacks import Line
+    from stickslip.basics.progress import Line
 
     shown = []
     monkeypatch.setattr(Line, "__call__", lambda self, now: shown.append(now.line()))

@@ -76,7 +76,7 @@ def test_what_to_type():
 
 
 def test_the_command(capsys, tmp_path):
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     out = tmp_path / "tracked.csv"
     words = ["basins", "piezo_rig", "tilt_deg=1.7", "law=coulomb", "amplitude=5e-4..6e-4:3", "v=0,0.01", "settle=20", "--out", str(out)]

@@ -222,7 +222,7 @@ def test_axes_are_logarithmic_where_values_are_spaced_so(plane):
 def test_each_drawn_region_has_the_colour_of_its_type(plane):
     from matplotlib.colors import to_rgba
 
-    from stickslip.plot.maps import TYPE_COLOURS
+    from stickslip.show.figures.maps import TYPE_COLOURS
 
     mesh = ss.plot.motion_map(plane).collections[0]
     mesh.update_scalarmappable()
@@ -234,7 +234,7 @@ def test_each_drawn_region_has_the_colour_of_its_type(plane):
 def test_neighbouring_types_differ_in_grey_too():
     from matplotlib.colors import to_rgb
 
-    from stickslip.plot.maps import TYPE_COLOURS
+    from stickslip.show.figures.maps import TYPE_COLOURS
 
     grey = {name: float(np.dot(to_rgb(c), (0.2126, 0.7152, 0.0722))) for name, c in TYPE_COLOURS.items()}
     for one, other in (("rest", "II"), ("presliding", "II"), ("II", "I"), ("I", "III"), ("III", "IV"), ("II", "III")):

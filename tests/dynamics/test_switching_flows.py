@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from stickslip.maths import atan, cos, sqrt
 
 import stickslip as ss
-from stickslip.maths import atan, cos, sqrt
 
 
 def ball(restitution=0.8):

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stickslip.maths import exp, sqrt, where
 
 import stickslip as ss
 from problems import paper_batch
 from stickslip.engine import lanes, tableaux, trace
-from stickslip.maths import exp, sqrt, where
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def test_the_jacobian_is_the_derivative_of_the_equations():
 
 
 def rows(robot, eq):
-    from stickslip.batch import rows_of
+    from stickslip.basics.batch import rows_of
 
     return rows_of(robot, eq.names)[0].tolist()
 
@@ -265,7 +265,7 @@ def test_slices_do_not_matter():
     """A kernel that returns after every few steps gives the same bits as one that does not."""
     robots = paper_batch(40)
     eq = trace.trace(robots)
-    from stickslip.batch import rows_of
+    from stickslip.basics.batch import rows_of
 
     kernel, table = lanes.kernel_of(robots, tableaux.RODAS5P, record=False), rows_of(robots, eq.names)
     job = lanes.Job(6, 3, False, 1e-6, 0.75, 1e9)

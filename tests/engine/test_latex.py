@@ -6,22 +6,22 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+from machines.test_mirrored_machines import WORM, Everything, Prescribed
 from matplotlib.mathtext import MathTextParser
+from stickslip.friction import LAWS
+from stickslip.maths import sin
 
 import stickslip as ss
 from every import DRY, SHAKEN, with_bodies
 from latex_values import value
-from machines.test_mirrored_machines import WORM, Everything, Prescribed
 from registries import examples
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.letters import formula, spread, symbol
 from stickslip.engine.tex import indices, letters_of, text_of
-from stickslip.fields import leaves, replace_leaf
-from stickslip.friction import LAWS
-from stickslip.friction.law_adapter import adapted
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import sin
-from stickslip.report.mathml import mathml
+from stickslip.models.friction.law_adapter import adapted
+from stickslip.models.machine_adapter import machine_of
+from stickslip.show.reports.mathml import mathml
 
 DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.Rigid())
 MACHINES = {

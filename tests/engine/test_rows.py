@@ -13,7 +13,7 @@ import drawn
 import stickslip as ss
 from engine.test_emit import plain
 from problems import chain
-from stickslip.batch import rows_of
+from stickslip.basics.batch import rows_of
 from stickslip.engine import lanes, taylor, trace
 from stickslip.engine.symbols import TraceError
 from stickslip.engine.values import values_of

@@ -11,18 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from stickslip.maths import sin
 
 import problems
 import stickslip as ss
 from problems import chain, module
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flow_map, strobe_map
 from stickslip.engine import taylor
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
-from stickslip.fields import leaves, replace_leaf
-from stickslip.maths import sin
 
 slow = pytest.mark.slow
 STEP = 2e-5

@@ -14,7 +14,7 @@ from stickslip.engine import lanes, tableaux
 from stickslip.engine.tangent import with_observables
 from stickslip.engine.trace import trace
 from stickslip.engine.transforms import mirrored, shifted
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers.lane_tables import CaseTable
 
 

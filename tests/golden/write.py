@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.storage import FORMAT
+from stickslip.results.storage import FORMAT
 
 HERE = Path(__file__).parent
 

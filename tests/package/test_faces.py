@@ -11,8 +11,8 @@ import pytest
 
 import every
 import stickslip as ss
-from stickslip.faces import Face, Text, rounded
-from stickslip.report.of_optimum import optimum_page
+from stickslip.basics.notebook_display import Face, Text, rounded
+from stickslip.show.reports.optimum import optimum_page
 
 ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
 

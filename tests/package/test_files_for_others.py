@@ -8,7 +8,7 @@ import pytest
 from scipy.io import loadmat
 
 import stickslip as ss
-from stickslip.cli import main
+from stickslip.show.cli import main
 
 DIGITS = 1e-15  # openpyxl writes 16 digits: the last may be off by a half
 ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
@@ -94,7 +94,7 @@ def test_points_of_a_branch_have_units_and_the_branch_itself_is_refused_with_the
 
 
 def test_a_sheet_that_is_too_long_says_what_to_type(run, tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip.workbooks._ROWS", 50)
+    monkeypatch.setattr("stickslip.basics.workbooks._ROWS", 50)
     with pytest.raises(ss.InputError, match=r"a sheet of Excel holds 49 rows .* type a .csv"):
         run.to_excel(tmp_path / "run.xlsx")
     assert not list(tmp_path.iterdir())

@@ -19,7 +19,7 @@ def test_a_run_of_an_earlier_version_is_loaded_with_its_numbers(name):
 
 
 def test_every_format_of_runs_from_2_on_has_a_golden_file():
-    from stickslip.storage import FORMAT
+    from stickslip.results.storage import FORMAT
 
     kept = {int(name.rpartition("-")[2].removesuffix(".nc")) for name in NUMBERS if name.startswith("run-")}
     assert kept == set(range(2, FORMAT + 1)), "run tests/golden/write.py with the version that introduces a format"

@@ -45,7 +45,7 @@ def test_readme_begins_with_two_commands_of_one_line_each():
 
 def test_every_command_in_the_docs_exists():
     shown = {m[1] for page in PAGES for block in blocks(page, "bash") for m in re.finditer(r"\bstickslip ([a-z]+)", block.text)}
-    told = python("from stickslip.cli import main; main()", "--help")
+    told = python("from stickslip.show.cli import main; main()", "--help")
     missing = [command for command in sorted(shown) if not re.search(rf"\b{command}\b", told)]
     assert shown and not missing, f"`stickslip --help` does not know {missing}"
 
@@ -76,13 +76,50 @@ def test_the_import_contracts_hold():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+PACKAGES = ["show", "inverse", "dynamics", "studies", "analysis", "solvers", "engine", "records", "results", "models", "basics"]
+
+
+def test_the_packages_are_the_contract_and_the_first_line_of_the_architecture():
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]["layers"]
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    here = [p.name for p in (ROOT / "src" / "stickslip").iterdir() if not p.name.startswith("__") and p.name != "py.typed"]
+    assert contract == PACKAGES and sorted(here) == sorted(PACKAGES)
+    assert page.splitlines()[2].strip() == " > ".join(PACKAGES) and len(page.split()) <= 1200
+
+
+def test_nothing_is_imported_by_a_string_that_lies_above():
+    below = {name: PACKAGES[: PACKAGES.index(name)] for name in PACKAGES}
+    texts = {p: p.read_text(encoding="utf-8") for p in SOURCES}
+    upward = [
+        f"{id_of(p)}: {called}"
+        for p, text in texts.items()
+        for called in re.findall(r"""(?:import_module|__import__|files)\(f?["'](stickslip[\w.{}]*)""", text)
+        if len(parts := p.relative_to(ROOT / "src" / "stickslip").parts) > 1
+        and called.split(".")[1:2]
+        and called.split(".")[1] in below[parts[0]]
+    ]
+    assert not upward
+
+
+def test_public_modules_are_the_same_under_their_short_and_their_long_name():
+    import stickslip
+
+    stubs = {p.stem: p.read_text(encoding="utf-8") for p in (ROOT / "src" / "stickslip-stubs").glob("*.pyi")}
+    assert stubs == {short: f"from stickslip.{long} import *\n" for short, long in stickslip.PUBLIC_MODULES.items()}
+    for short, long in stickslip.PUBLIC_MODULES.items():
+        code = f"import stickslip.{short}, stickslip as ss; import stickslip.{long}; import sys; m = sys.modules"
+        print_same = f"print(m['stickslip.{short}'] is m['stickslip.{long}'] is ss.{short}, m['stickslip.{long}'].__spec__.name)"
+        assert python(f"{code}; {print_same}").split() == ["True", f"stickslip.{long}"]
+    assert python("from stickslip.friction.lugre import LuGre; import stickslip as ss; print(LuGre is ss.LuGre)").strip() == "True"
+
+
 #: Modules that still import one another, all inside functions: what adds up to a sum, and what chooses among all methods.
 CIRCLES = [
-    {"drives.force", "drives.harmonic_force"},
-    {"friction.law", "friction.stribeck", "friction.sum", "friction.two_sided", "friction.viscous"},
-    {"identifying.fit", "identifying.uncertainty"},
-    {"machines.machine", "machines.mirrored"},
-    {"sweeps.following", "sweeps.planning", "sweeps.solving"},
+    {"models.drives.force", "models.drives.harmonic_force"},
+    {f"models.friction.{name}" for name in ("law", "stribeck", "sum", "two_sided", "viscous")},
+    {"inverse.identification.fit", "inverse.identification.uncertainty"},
+    {"models.machines.machine", "models.machines.mirrored"},
+    {"studies.following", "studies.planning", "studies.solving"},
 ]
 
 
@@ -101,28 +138,6 @@ def test_no_modules_import_one_another_but_those_that_are_named():
     assert not new, f"these modules import one another: {new}; move what they share into a file of its own"
 
 
-def test_architecture_has_the_floors_of_the_contract():
-    floors = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]["layers"]
-    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    rows = [row.split("|")[2] for row in page.splitlines() if row.count("|") == 4][2:]
-    named = {name.rstrip("/") for row in rows for name in re.findall(r"`([a-z0-9_]+/?)`", row)} - {"plain"}  # a folder of solvers/
-    assert named == {name for floor in floors for name in re.findall(r"\w+", floor)}
-
-
-def test_files_named_by_those_who_explain_the_sources_are_there():
-    pages = "".join((ROOT / name).read_text(encoding="utf-8") for name in ("ARCHITECTURE.md", "CONTRIBUTING.md"))
-    named = set(re.findall(r"`+([a-z0-9_/]+\.(?:py|pyi|js))`", pages))
-    here = [p.as_posix() for folder in ("src", "tests") for p in (ROOT / folder).rglob("*")]
-    missing = sorted(name for name in named if not any(p.endswith(f"/{name}") for p in here))
-    assert len(named) > 40 and not missing
-
-
-def modules_and_texts():
-    """All files of Python in the package but the commands, which are named for what people type, and what opens a folder."""
-    found = (ROOT / "src" / "stickslip").rglob("*.py")
-    return [p for p in found if p.parent.name != "cli" and not p.name.startswith("__")]
-
-
 def test_nobody_imports_what_another_module_keeps_to_itself():
     trees = {p: ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES}
     imports = [
@@ -137,19 +152,12 @@ def test_nobody_imports_what_another_module_keeps_to_itself():
     assert len(imports) > 1000 and not private, f"{private}: give it a name without an underscore, and a docstring"
 
 
-def test_no_file_name_means_two_things():
-    paths = sorted(modules_and_texts())
-    named = {p.stem: [id_of(q) for q in paths if q.stem == p.stem] for p in paths}
-    twins = [" and ".join(found) for found in named.values() if len(found) > 1]
-    assert len(named) > 300 and not twins, f"{'; '.join(twins)}: rename one to what somebody who looks for it expects"
-
-
 def test_importing_the_package_loads_nothing_heavy():
     assert loaded((*HEAVY, "numpy"), "import stickslip") == []
 
 
 def test_asking_for_help_loads_neither_numpy_nor_a_compiler():
-    code = "import stickslip.cli\ntry:\n    stickslip.cli.main()\nexcept SystemExit:\n    pass"
+    code = "import stickslip.show.cli\ntry:\n    stickslip.show.cli.main()\nexcept SystemExit:\n    pass"
     assert loaded(("numpy", *HEAVY), code, "--help") == []
 
 

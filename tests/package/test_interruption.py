@@ -15,8 +15,8 @@ import pytest
 from tests import interrupted_calls
 
 import stickslip as ss
-from stickslip import interruption
-from stickslip.interruption import PROGRESS, held_together, interruptible, look, partial_result, stop_call
+from stickslip.basics import interruption
+from stickslip.basics.interruption import PROGRESS, held_together, interruptible, look, partial_result, stop_call
 
 HARNESS = Path(interrupted_calls.__file__)
 QUICK = ("solve, batch", "sweep, in memory", "lyapunov", "optimise")
@@ -279,7 +279,7 @@ def test_an_interrupted_sweep_on_the_command_line_exits_with_130_and_goes_on_lat
 
 
 def interruption_code():
-    from stickslip.cli import INTERRUPTED
+    from stickslip.show.cli import INTERRUPTED
 
     return INTERRUPTED
 

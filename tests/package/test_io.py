@@ -10,8 +10,8 @@ import pytest
 
 import stickslip as ss
 from runs import coulomb_run, unit_robot
-from stickslip.dense_output import PolynomialPieces
-from stickslip.trajectory import Trajectory
+from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -141,9 +141,9 @@ def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypa
     """Runs, datasets, pages and figures: where the last step fails the old file is there as it was."""
     from matplotlib.figure import Figure
 
-    from stickslip.cli.show import draw_to
-    from stickslip.report import write
-    from stickslip.storage import to_csv
+    from stickslip.results.storage import to_csv
+    from stickslip.show.cli.show import draw_to
+    from stickslip.show.reports import write
 
     data = run.to_xarray()
     writers = {
@@ -168,7 +168,7 @@ def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypa
 
 
 def test_the_columns_of_a_run_as_text(run, tmp_path):
-    from stickslip.storage import to_csv
+    from stickslip.results.storage import to_csv
 
     lines = to_csv(run, tmp_path / "run.csv").read_text().splitlines()
     assert lines[0].startswith("t [s],x [m],v [m/s]") and len(lines) == len(run.t) + 1

@@ -10,10 +10,10 @@ import xarray as xr
 
 import stickslip as ss
 from house import ROOT
-from stickslip.dynamics.periodic.balls import flint_for
-from stickslip.explorer.widget import _widget_class
-from stickslip.identifying.sampling import sample
-from stickslip.sweeps.cluster import connected
+from stickslip.dynamics.periodic.ball_arithmetic import flint_for
+from stickslip.inverse.identification.sampling import sample
+from stickslip.show.explorer.widget import _widget_class
+from stickslip.studies.cluster import connected
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 
@@ -70,8 +70,8 @@ def test_every_extra_that_is_told_of_exists():
 
 
 def test_nobody_else_says_what_to_install():
-    """`stickslip.optional.library` is the one place that turns a failed import into an error; files of users are another matter."""
+    """`stickslip.basics.optional.library` is the one place that turns a failed import into an error; files of users are another matter."""
     asking = re.compile(r"except (ImportError|ModuleNotFoundError)[^\n]*:\n\s+raise")
     paths = (ROOT / "src" / "stickslip").rglob("*.py")
     others = [p.name for p in paths if p.name != "optional.py" and asking.search(p.read_text(encoding="utf-8"))]
-    assert not others, f"{others}: ask stickslip.optional.library"
+    assert not others, f"{others}: ask stickslip.basics.optional.library"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from stickslip.interruption import PROGRESS, Interrupted, interruptible, is_stopped, look, partial_result, stop_call
-from stickslip.pool import shared
+from stickslip.basics.interruption import PROGRESS, Interrupted, interruptible, is_stopped, look, partial_result, stop_call
+from stickslip.basics.pool import shared
 
 
 def test_one_worker_keeps_the_order_and_works_only_when_it_is_asked():

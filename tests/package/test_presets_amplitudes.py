@@ -6,7 +6,7 @@ import pytest
 
 import stickslip as ss
 from house import PAGES, ROOT
-from stickslip.quantities import AMPLITUDE
+from stickslip.basics.quantities import AMPLITUDE
 
 PRESET = re.compile(r"tilt_deg=(1\.7|2\.7|4\.7|5\.7)[ ,]+amplitude=([0-9.]+e-[0-9]+)(?=[ ,)\n`])")
 #: Amplitudes that the paper prints for figures of section 5, and others of our own examples.

@@ -5,11 +5,11 @@ import sys
 from dataclasses import dataclass, field
 
 import pytest
+from stickslip.friction import LAWS
 
 import stickslip as ss
-from stickslip.explorer.machines import numbers_of
-from stickslip.friction import LAWS
-from stickslip.quantities import positive
+from stickslip.basics.quantities import positive
+from stickslip.show.explorer.machines import numbers_of
 
 GRIP = ss.quantity("grip of the pad", "1", r"\gamma_{p}", example=0.2, rule=positive, range=(0.05, 0.5))
 
@@ -55,8 +55,8 @@ class Odd(ss.Viscous):
     a: float = field(default=1.0, metadata=ss.quantity("another a", "N", example=2.0))
     plain: float = field(default=3.0, metadata={"example": 3.0})
 LAWS["odd"] = Odd
-from stickslip.explorer.requests import State
-from stickslip.explorer.sliders import PARAMETERS
+from stickslip.show.explorer.requests import State
+from stickslip.show.explorer.sliders import PARAMETERS
 assert PARAMETERS["odd_a"].label == "another a" and PARAMETERS["a"].label == "direct effect of the speed"
 assert PARAMETERS["plain"].label == "plain" and PARAMETERS["plain"].low < 3.0 < PARAMETERS["plain"].high
 assert State(law="odd").robot().friction.a == 2.0

@@ -9,6 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from stickslip.mechanisms import MECHANISMS
+from stickslip.tracks import TRACKS
+from stickslip.variables import VARIABLES
 
 import stickslip as ss
 from every import every_machine, without_line
@@ -33,30 +36,27 @@ from registries import (
     wordless,
 )
 from stickslip import presets, records
-from stickslip.cli import COMMANDS
 from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
-from stickslip.machines import parts
-from stickslip.machines.parts import LINKS
-from stickslip.mechanisms import MECHANISMS
+from stickslip.models.machines import parts
+from stickslip.models.machines.parts import LINKS
 from stickslip.records import formats
 from stickslip.records.raw import Column, Raw
+from stickslip.results.storage import from_text
+from stickslip.show.cli import COMMANDS
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.part_results import OF_SEVERAL
-from stickslip.storage import from_text
-from stickslip.sweeps import solving
-from stickslip.sweeps.result_columns import COLUMNS, END, filled
-from stickslip.tracks import TRACKS
-from stickslip.variables import VARIABLES
+from stickslip.studies import solving
+from stickslip.studies.result_columns import COLUMNS, END, filled
 
 RIG = {"amplitude": [6e-4], "tilt_deg": 1.7, "law": "coulomb"}
-OF_ONE_BODY = "compute it in columns_of in src/stickslip/sweeps/solving.py"
+OF_ONE_BODY = "compute it in columns_of in src/stickslip/studies/solving.py"
 OR_SEVERAL = "or add it to OF_SEVERAL in src/stickslip/solvers/part_results.py, if only machines of several parts have it"
 OF_SEVERAL_BODIES = "compute it in columns_of_parts in src/stickslip/solvers/part_results.py"
-OR_ONE = "or add it to OF_ONE in src/stickslip/sweeps/solving.py, if only one body on one contact has it"
+OR_ONE = "or add it to OF_ONE in src/stickslip/studies/solving.py, if only one body on one contact has it"
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.package.__name__)
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: f"{folder.package.__name__}-{folder.base.__name__}")
 def test_what_is_written_is_registered(folder):
     tell(unregistered(folder))
 
@@ -70,13 +70,13 @@ def test_every_preset_is_registered():
     modules = [importlib.import_module(f"stickslip.presets.{found.name}") for found in pkgutil.iter_modules(presets.__path__)]
     names = [function.__name__ for module in modules for function in own(module, types.FunctionType)]
     left = [name for name in names if not (name.startswith("_") or (name in presets.PRESETS and name in presets.__all__))]
-    assert not left, f"{', '.join(left)}: add to _ALL and to __all__ in src/stickslip/presets/__init__.py"
+    assert not left, f"{', '.join(left)}: add to _ALL and to __all__ in src/stickslip/models/presets/__init__.py"
 
 
 def test_every_link_is_registered():
     names = [cls.__name__ for cls in own(parts, type) if cls not in (*LINKS.values(), ss.Body, ss.Contact, ss.Stop)]
     left = [name for name in names if not name.startswith("_")]
-    assert not left, f'{", ".join(left)}: add a line such as "spring": Spring to LINKS at the end of src/stickslip/machines/parts.py'
+    assert not left, f'{", ".join(left)}: add a line such as "spring": Spring to LINKS at the end of src/stickslip/models/machines/parts.py'
 
 
 @pytest.mark.parametrize("folder", ["laws", "drives", "machines"])
@@ -181,7 +181,9 @@ def test_a_tableau_is_a_method(name):
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_has_its_example(name):
-    assert (ROOT / "src" / "stickslip" / "cli" / "examples" / f"{name}.txt").exists(), f"write src/stickslip/cli/examples/{name}.txt"
+    assert (ROOT / "src" / "stickslip" / "show" / "cli" / "examples" / f"{name}.txt").exists(), (
+        f"write src/stickslip/show/cli/examples/{name}.txt"
+    )
 
 
 @pytest.mark.parametrize("name", VARIABLES)
@@ -207,7 +209,7 @@ def test_a_column_that_only_one_body_has_is_not_one_of_a_chain():
 
 def test_what_is_said_of_columns_is_said_of_columns_that_are():
     left = sorted({*solving.OF_ONE, *OF_SEVERAL} - set(COLUMNS))
-    assert not left, f"{', '.join(left)}: in OF_ONE or OF_SEVERAL, and no column; add a line to src/stickslip/variables.py"
+    assert not left, f"{', '.join(left)}: in OF_ONE or OF_SEVERAL, and no column; add a line to src/stickslip/basics/variables.py"
 
 
 def test_a_column_that_is_computed_is_declared(monkeypatch):
@@ -220,7 +222,7 @@ def test_a_column_that_is_computed_is_declared(monkeypatch):
     monkeypatch.setattr(solving, "filled", spied)
     ss.sweep(ss.presets.piezo_rig, **RIG)
     left = sorted(name for name in computed if name not in COLUMNS and not name.startswith(END))
-    assert computed and not left, f"{', '.join(left)}: add a line to src/stickslip/variables.py"
+    assert computed and not left, f"{', '.join(left)}: add a line to src/stickslip/basics/variables.py"
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +233,7 @@ class Stranger:
         return 0.2 * load
 
 
-Stranger.__module__ = "stickslip.friction.stranger"
+Stranger.__module__ = "stickslip.models.friction.stranger"
 
 
 def test_a_law_without_the_base_class_is_found_in_its_folder(monkeypatch):
@@ -240,8 +242,10 @@ def test_a_law_without_the_base_class_is_found_in_its_folder(monkeypatch):
     monkeypatch.setitem(sys.modules, module.__name__, module)
     monkeypatch.setattr(pkgutil, "iter_modules", lambda path: [pkgutil.ModuleInfo(None, "stranger", False)])
     (told,) = unregistered(FOLDERS[0])
-    assert told.startswith("Stranger in src/stickslip/friction/stranger.py: write from stickslip.friction.law import Law, and class ")
-    assert "class Stranger(Law); add it to _ALL in src/stickslip/friction/__init__.py" in told
+    assert told.startswith(
+        "Stranger in src/stickslip/models/friction/stranger.py: write from stickslip.models.friction.law import Law, and class "
+    )
+    assert "class Stranger(Law); add it to _ALL in src/stickslip/models/friction/__init__.py" in told
 
 
 def test_a_drive_without_words_is_told_where_to_write_them():
@@ -269,7 +273,7 @@ def test_what_a_law_forgets_is_told_in_sentences_and_hides_no_other(monkeypatch)
 
 def test_a_law_in_the_registry_without_the_base_class_is_told_what_to_write(monkeypatch):
     monkeypatch.setitem(ss.LAWS, "stranger", Stranger)
-    assert "Stranger: write from stickslip.friction.law import Law, and class Stranger(Law)" in law_lacks("stranger")
+    assert "Stranger: write from stickslip.models.friction.law import Law, and class Stranger(Law)" in law_lacks("stranger")
 
 
 def test_a_class_that_is_no_dataclass_is_told_what_to_write():

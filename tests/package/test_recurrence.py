@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip import recurrence
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.engine.texts import recurrence as compiled
+from stickslip.results import recurrence
 
 RIG = dict(tilt_deg=1.7, mu0=0.04)
 #: Where period two begins and ends along the amplitude at mu0 = 0.04, by continuation of the orbit of period two [m].

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.steadiness import IRREGULAR, STEADY, UNKNOWN, UNSETTLED
+from stickslip.results.steadiness import IRREGULAR, STEADY, UNKNOWN, UNSETTLED
 
 #: What counts as steady: an error below this, relative to the steady mean.
 CLOSE = 1e-6

@@ -6,15 +6,15 @@ import re
 
 import numpy as np
 import pytest
+from stickslip.variables import VARIABLES
 
 import stickslip as ss
 from runs import coulomb_run, unit_robot
-from stickslip.batch import Labels
-from stickslip.datasets import COLUMNS
-from stickslip.dense_output import HarmonicArcs, PolynomialPieces, pieces_from_arrays
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
-from stickslip.variables import VARIABLES
+from stickslip.basics.batch import Labels
+from stickslip.results.datasets import COLUMNS
+from stickslip.results.dense_output import HarmonicArcs, PolynomialPieces, pieces_from_arrays
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")

@@ -8,17 +8,17 @@ from itertools import chain as joined
 
 import numpy as np
 import pytest
-
-import stickslip as ss
-from stickslip.arguments import described_arguments
-from stickslip.cli.arguments import subject
 from stickslip.drives import DRIVES
 from stickslip.friction import LAWS
-from stickslip.machine_adapter import machine_of
 from stickslip.mechanisms import MECHANISMS
 from stickslip.presets import PRESETS
 from stickslip.tracks import TRACKS
-from stickslip.typed_numbers import in_unit
+
+import stickslip as ss
+from stickslip.basics.arguments import described_arguments
+from stickslip.basics.typed_numbers import in_unit
+from stickslip.models.machine_adapter import machine_of
+from stickslip.show.cli.arguments import subject
 
 TYPED = dict(tilt_deg="1.7 deg", amplitude="0.5525 mm", omega="32.7 Hz", mu0="18 %", body_mass="62.59 g")
 PLAIN = dict(tilt_deg=1.7, amplitude=5.525e-4, omega=65.4 * math.pi, mu0=0.18, body_mass=62.59e-3)
@@ -141,7 +141,7 @@ def test_a_number_without_its_part_is_told_with_its_part():
 
 def test_one_robot_is_read_from_the_shell_without_loading_data_frames():
     typed = "'tilt_deg=1.7deg', 'amplitude=0.5mm', 'law=coulomb'"
-    code = f"import sys; from stickslip.cli.arguments import subject; subject('piezo_rig', [{typed}]).robot(); "
+    code = f"import sys; from stickslip.show.cli.arguments import subject; subject('piezo_rig', [{typed}]).robot(); "
     code += "print({'xarray', 'pandas'} & set(sys.modules))"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout == "set()\n"  # they take longer to load than such a robot to run

@@ -92,7 +92,7 @@ def writers_past_the_door(text):
 def test_every_file_is_written_through_one_door():
     found = {p.relative_to(ROOT).as_posix(): writers_past_the_door(p.read_text(encoding="utf-8")) for p in SOURCES if p.name != DOOR}
     found = {name: lines for name, lines in found.items() if lines}
-    assert not found, f"write it through stickslip.whole_files: {found}"
+    assert not found, f"write it through stickslip.basics.whole_files: {found}"
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def a_grid():
 def _picture(path):
     from matplotlib.figure import Figure
 
-    from stickslip.cli.show import draw_to
+    from stickslip.show.cli.show import draw_to
 
     figure = Figure()
     figure.subplots().plot(np.random.default_rng(1).normal(size=300))
@@ -138,20 +138,20 @@ def _picture(path):
 
 
 def _init(path):
-    from stickslip.cli.init import act
+    from stickslip.show.cli.init import act
 
     act(Namespace(file=str(path), force=True, law=None, drive=None, preset="piezo_rig", set=["tilt_deg=1.7", "amplitude=5e-4"]))
 
 
 def _command(path):
-    from stickslip.cli.resuming import _write
+    from stickslip.show.cli.resuming import _write
 
     path.unlink()
     _write(path, "sweep", ["piezo_rig"] * 200)
 
 
 def _optimum(path):
-    from stickslip.report import write
+    from stickslip.show.reports import write
 
     write(path, "<html>" * 3000)
 
@@ -172,7 +172,7 @@ WRITERS = {
 
 
 def _put(path):
-    from stickslip.sweeps.folder import put
+    from stickslip.studies.folder import put
 
     put(path, b"{}" * 3000)
 

@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from kinds import DRIVES, LAWS, TRACKS, robot
-from stickslip.mirroring import mirrored
+from stickslip.models.mirroring import mirrored
 
 #: Stretches whose force jumps inside them (Karnopp's band, dead band) or bends (tables) are integrated across, to about the tolerance.
 ROUGH = {"karnopp": 1e-2, "deadband": 1e-3, "tabulated": 1e-3}

@@ -11,9 +11,9 @@ import pytest
 
 import stickslip as ss
 from hostile import Outcome, damaged, limits, warm
-from stickslip.cli import COMMANDS, identify, main, study_files
-from stickslip.cli.arguments import parser
-from stickslip.tables import PARTS
+from stickslip.models.tables import PARTS
+from stickslip.show.cli import COMMANDS, identify, main, study_files
+from stickslip.show.cli.arguments import parser
 
 #: A time limit may strike in a finalizer, which cannot pass it on.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")

@@ -9,9 +9,9 @@ import pytest
 
 import stickslip as ss
 from kinds import DRIVES, LAWS, TRACKS, robot
-from stickslip.batch import rows_of
+from stickslip.basics.batch import rows_of
 from stickslip.engine import lanes, tableaux, trace
-from stickslip.friction.law_adapter import adapted
+from stickslip.models.friction.law_adapter import adapted
 
 COMPILED = [law for law in LAWS if not getattr(LAWS[law], "scalar_only", False)]
 #: Those whose example runs are sensitive to what is special about them, whatever is drawn.

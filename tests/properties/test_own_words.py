@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from stickslip.maths import exp, where
 
 import stickslip as ss
-from stickslip.callbacks import Line
-from stickslip.maths import exp, where
-from stickslip.sweeps import folder
-from stickslip.tables import document_of
+from stickslip.basics.progress import Line
+from stickslip.models.tables import document_of
+from stickslip.studies import folder
 
 
 def rig(**more):
@@ -325,7 +325,7 @@ def test_a_mechanism_on_the_virtual_rig_shows_what_it_has():
 
 
 def test_correlations_beside_an_undetermined_parameter_are_none():
-    from stickslip.identifying.fit import Fit
+    from stickslip.inverse.identification.fit import Fit
 
     class Known:
         covariance = np.array([[1.0, 0.5, np.inf], [0.5, 1.0, 0.0], [np.inf, 0.0, np.inf]])

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from stickslip.maths import cos, maximum, pi, sin, sqrt, where
 
 import stickslip as ss
-from stickslip.maths import cos, maximum, pi, sin, sqrt, where
-from stickslip.tables import to_toml
+from stickslip.models.tables import to_toml
 
 record = dataclasses.dataclass(frozen=True, eq=False)
 START = {"x": {"block": 0.3}, "v": {"block": 0.4}}
@@ -395,7 +395,7 @@ class CartPole(ss.Machine):
 
     @property
     def mechanics(self):
-        from stickslip.several_bodies import SeveralBodies
+        from stickslip.models.several_bodies import SeveralBodies
 
         class Coupled(SeveralBodies):
             def accelerations(self, t, q, u, R, z=None):

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from stickslip.maths import cos, pi, sin, where
 
 import stickslip as ss
 from stickslip import maths
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
-from stickslip.maths import cos, pi, sin, where
-from stickslip.position import knows_position
+from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.closed_arcs import handles, reduced
 
 OMEGA = 65.4 * np.pi
@@ -341,7 +341,7 @@ def test_harmonics_are_not_put_on_a_drive_that_is_harmonic_in_name_only():
 
 
 def test_the_explorer_shows_no_robot_that_is_another_one():
-    from stickslip.explorer.from_robot import state_of
+    from stickslip.show.explorer.from_robot import state_of
 
     for robot in (Changed(**PARTS), RIG.replace(friction=Rubbing(0.15, 0.2))):
         with pytest.raises(ss.InputError, match="the page has no control"):
@@ -412,7 +412,7 @@ def test_thirty_robots_of_random_methods_move_as_plain_python_says(seed):
 
 @record
 class Sled:
-    """A pushed mass of a user's own, with nothing but what the contract asks for (`stickslip.contracts.Machine`)."""
+    """A pushed mass of a user's own, with nothing but what the contract asks for (`stickslip.basics.contracts.Machine`)."""
 
     mass: float
     push: float

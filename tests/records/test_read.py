@@ -8,8 +8,8 @@ import pytest
 
 import stickslip as ss
 from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, MODE, needs_data, path
-from stickslip.errors import InputError
-from stickslip.units import heading, unit_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import heading, unit_of
 
 T = np.arange(400) / 1000
 V = np.round(5 * np.sin(2 * np.pi * 20 * T) + 1, 6)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.basics.units import heading
 from stickslip.records.text_lines import MOST_COLUMNS, Lines
-from stickslip.units import heading
 
 BIG = 400_000
 HOSTILE = {

@@ -19,7 +19,7 @@ import damage
 import stickslip as ss
 from measured import FOLDER, needs_data
 from records.test_read import T, V, rows, uff
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 from stickslip.records.formats import FORMATS, format_of
 
 #: No single file may take longer: the whole ones take 0.3 s at most; a hang takes for ever.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 
 
 def read(folder, text, **options):
@@ -99,7 +99,7 @@ def test_what_is_decided_without_proof_is_told(tmp_path):
 
 
 def test_the_command_takes_marks_too(tmp_path, capsys):
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     (tmp_path / "run.csv").write_text("1,2\n2,3\n3,5\n")
     assert main(["read", str(tmp_path / "run.csv")]) == 2 and 'type --separator "," or --decimal ","' in capsys.readouterr().err

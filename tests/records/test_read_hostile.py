@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip import hdf5
-from stickslip.dense_output import HarmonicArcs
-from stickslip.sweeps.seals import Damaged, read_sealed
+from stickslip.basics import hdf5
+from stickslip.results.dense_output import HarmonicArcs
+from stickslip.studies.seals import Damaged, read_sealed
 
 V = np.arange(10.0)
 SECRET = "not for a record " * 20

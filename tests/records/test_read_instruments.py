@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import stickslip as ss
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 
 N = 60
 V = np.round(np.sin(np.arange(N) / 5), 3)

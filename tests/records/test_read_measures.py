@@ -5,7 +5,7 @@ import pytest
 
 import stickslip as ss
 from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, needs_data, path
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 from stickslip.records.measures import loop_friction, mean_velocity
 from stickslip.records.overview import clipped, noise
 from stickslip.records.tones import drive_frequency
@@ -177,7 +177,7 @@ def test_a_callers_array_stays_the_callers():
 
 @pytest.mark.parametrize("kind", ["noise", "step", "chirp", "one period"])
 def test_no_drive_is_invented_where_nothing_repeats(kind, tmp_path, capsys):
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     t = np.arange(5000) / 1000
     noise = np.random.default_rng(0).normal(size=5000)
@@ -229,7 +229,7 @@ def test_no_channel_is_proposed_for_what_its_unit_is_not(tmp_path):
 
 
 def test_a_figure_that_cannot_be_drawn_costs_no_summary(tmp_path, capsys):
-    from stickslip.cli import main
+    from stickslip.show.cli import main
 
     place, figure = str(loops().save(tmp_path / "loops.csv")), tmp_path / "f.png"
     assert main(["read", place, "--figure", str(figure)]) == 0

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.cli import main
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.show.cli import main
 
 ROBOT = ["piezo_rig", "tilt_deg=1.7", "amplitude=5.525e-4", "law=coulomb"]
 
@@ -48,8 +48,8 @@ def test_the_commands_take_our_own_files(files, capsys):
 
 
 def test_the_explorers_file_is_a_record_too(tmp_path):
-    from stickslip.explorer.exports import export
-    from stickslip.explorer.requests import State
+    from stickslip.show.explorer.exports import export
+    from stickslip.show.explorer.requests import State
 
     (tmp_path / "run.csv").write_bytes(export("run.csv", State(law="coulomb")))
     rec = ss.read(tmp_path / "run.csv")

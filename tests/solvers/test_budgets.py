@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stickslip.maths import maximum, minimum, where
 
 import stickslip as ss
-from stickslip.maths import maximum, minimum, where
+from stickslip.basics.status import STATUS, Status
 from stickslip.solvers import stepping
 from stickslip.solvers.stopped import place
-from stickslip.status import STATUS, Status
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +185,7 @@ def test_the_judge_has_a_budget_of_steps_too(monkeypatch):
 
 
 def test_the_contact_that_switches_most_is_named():
-    from stickslip.machine_adapter import machine_of
+    from stickslip.models.machine_adapter import machine_of
 
     mechanics = machine_of(ServoJoint(ss.Coulomb(0.1, 0.1), ss.Coulomb(0.1, 0.1))).mechanics
     told = place(mechanics, 0.5, [0.1, 0.2], np.array([[1, 0], [1, -1], [1, 0], [0, -1]]))

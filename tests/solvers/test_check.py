@@ -9,8 +9,8 @@ import pytest
 
 import kinds
 import stickslip as ss
-from stickslip import checking
-from stickslip.checking import check
+from stickslip.analysis import checking
+from stickslip.analysis.checking import check
 
 
 @pytest.fixture(scope="module")

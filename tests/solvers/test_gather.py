@@ -10,8 +10,8 @@ import pytest
 
 import stickslip as ss
 from stickslip.engine.remembered import OfFrozen
+from stickslip.results.summary import Columns
 from stickslip.solvers import gather as gathering
-from stickslip.summary import Columns
 
 
 def coulomb(**numbers):

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from stickslip.maths import where
 
 import stickslip as ss
-from stickslip.maths import where
 
 COULOMB = ss.Coulomb(0.2, 0.2)
 

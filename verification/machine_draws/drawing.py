@@ -10,10 +10,10 @@ import numpy as np
 from drawn_models import LAW_NAMES, Draw, law_of
 
 import stickslip as ss
-from stickslip.batch import rows_of
-from stickslip.drives.shifted import Shifted
-from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.law_adapter import adapted
+from stickslip.basics.batch import rows_of
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.models.drives.shifted import Shifted
+from stickslip.models.friction.law_adapter import adapted
 
 #: Bonds that form again by chance are plain Python, which is the judge itself: there is nothing to hold it against.
 LAWS = tuple(sorted(set(LAW_NAMES) - {"bristle"}))

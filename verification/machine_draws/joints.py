@@ -10,7 +10,7 @@ from drawn_models import Draw
 
 import stickslip as ss
 from machine_draws.drawing import friction, sized
-from stickslip.machines.periodic_record import PeriodicRecord
+from stickslip.models.machines.periodic_record import PeriodicRecord
 
 
 def joint(law: str, d: Draw) -> Any:

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.analysis.phases import three_phase as three_phase, two_phase as two_phase
-from stickslip.errors import InputError
-from stickslip.maths import Array, bisected
-from stickslip.sealing import sealed
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.maths import Array, bisected
 
 _PERIODS = 100_000  # at most; only with static friction, or next to frictionless, are more than ten needed
 _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory
@@ -243,7 +243,7 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
 
 def _by_arcs(rows: Array, workers: int) -> dict[str, Array]:
     """Periodic motions from the mode machine, started at rest."""
-    from stickslip.segments import type_of
+    from stickslip.results.segments import type_of
     from stickslip.solvers.set_valued import solve_rows
 
     parts = []

@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import Array, bisected
+from stickslip.basics.maths import Array, bisected
+from stickslip.models.machine_adapter import machine_of
 
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip import forces
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import is_run, needs_run
-from stickslip.arguments import Run, explains_arguments
-from stickslip.dense_output import HarmonicArcs
-from stickslip.faces import Drawn
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import Array
-from stickslip.sealing import sealed
+from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.maths import Array
+from stickslip.basics.notebook_display import Drawn
+from stickslip.models import forces
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.dense_output import HarmonicArcs
 
 #: Gauss-Legendre nodes on a piece. An arc may last a whole drive period: there 24 nodes integrate products of sines to rounding
 #: (error below (2 pi)^48 / 48! = 2e-23); a step of an integrator is far shorter than a period.
@@ -111,7 +111,7 @@ def energy(run: Run) -> Energy:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.trajectory import Trajectory
+    >>> from stickslip.results.trajectory import Trajectory
     >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     >>> at_rest = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()

@@ -13,15 +13,15 @@ import numpy as np
 
 from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
-from stickslip.arguments import Run, explains_arguments
-from stickslip.errors import InputError
-from stickslip.faces import Drawn
-from stickslip.fields import everywhere
-from stickslip.friction import Coulomb
-from stickslip.friction.law_adapter import adapted, law_of
-from stickslip.machine_adapter import machine_of
-from stickslip.segments import intervals_of, type_of
-from stickslip.summary import Summary
+from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import everywhere
+from stickslip.basics.notebook_display import Drawn
+from stickslip.models.friction import Coulomb
+from stickslip.models.friction.law_adapter import adapted, law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.segments import intervals_of, type_of
+from stickslip.results.summary import Summary
 
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
 SLIP_RATIO = 0.75
@@ -61,8 +61,8 @@ class Motion(Drawn):
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.dense_output import HarmonicArcs
-    >>> from stickslip.trajectory import Trajectory
+    >>> from stickslip.results.dense_output import HarmonicArcs
+    >>> from stickslip.results.trajectory import Trajectory
     >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     >>> at_rest = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
     >>> m = ss.motion(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand"))

@@ -10,10 +10,10 @@ import numpy as np
 
 from stickslip.analysis.contact_modes import FLIGHT, contact_modes
 from stickslip.analysis.steady import is_run, mean_velocity
-from stickslip.arguments import Model, Run, explains_arguments
-from stickslip.batch import flat, labels_of
-from stickslip.errors import InputError
-from stickslip.machine_adapter import machine_of
+from stickslip.basics.arguments import Model, Run, explains_arguments
+from stickslip.basics.batch import flat, labels_of
+from stickslip.basics.errors import InputError
+from stickslip.models.machine_adapter import machine_of
 
 _LOOKS, _HALVINGS = 720, 60  # instants of a period; steps of the golden section between two of them
 _PARTS, _NODES = 8, 12  # of a period, and of each of its parts: Gauss's rule integrates twenty harmonics to rounding

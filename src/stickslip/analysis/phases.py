@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.drives import ThreePhase, TwoPhase
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.models.drives import ThreePhase, TwoPhase
 
 _ROUNDING = 1 + 1e-12  # a body that is held exactly at its break-away is held
 

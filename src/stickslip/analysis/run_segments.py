@@ -1,4 +1,4 @@
-"""The raw segments of the last motion period of one trajectory, as `stickslip.segments` wants them."""
+"""The raw segments of the last motion period of one trajectory, as `stickslip.results.segments` wants them."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import columns, offered_force, slip_ratio_of
-from stickslip.friction.law_adapter import LawAdapter, law_of
-from stickslip.layout import of_one_contact
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import Array, bisected
-from stickslip.mechanics import normal_load
-from stickslip.sealing import sealed
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.maths import Array, bisected
+from stickslip.models.forces import columns, offered_force, slip_ratio_of
+from stickslip.models.friction.law_adapter import LawAdapter, law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import normal_load
+from stickslip.models.state_layout import of_one_contact
 
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
 

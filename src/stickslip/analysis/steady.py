@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from stickslip import recurrence, steadiness
-from stickslip.arguments import Model, explains_arguments
-from stickslip.errors import InputError, is_whole
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible
-from stickslip.layout import of_one_contact
-from stickslip.summary import Summary
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.errors import InputError, is_whole
+from stickslip.basics.interruption import interruptible
+from stickslip.models.state_layout import of_one_contact
+from stickslip.models.switching_flow import is_flow
+from stickslip.results import recurrence, steadiness
+from stickslip.results.summary import Summary
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stickslip.records import Record
-    from stickslip.trajectory import Trajectory
+    from stickslip.results.trajectory import Trajectory
 
 #: Largest period number that is looked for.
 LONGEST_PERIOD = recurrence.LONGEST
@@ -164,7 +164,7 @@ def period_number(run: Any) -> int | None:
 
     The strobe points, taken once per drive period, must repeat within `strobe_tolerance`; and they must have stopped drifting:
     what is left of a geometric transient, judged by the last 47 points, must be below the tolerance too. Points that swing ever closer
-    around a motion of half the period do not count as its double. `stickslip.recurrence` has the rules; sweeps and maps use the same.
+    around a motion of half the period do not count as its double. `results.recurrence` has the rules; sweeps and maps use the same.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     closed = closed_mean_velocity(model)
     if closed is not None:
         return closed
-    from stickslip.batch import shape_of, some_of
+    from stickslip.basics.batch import shape_of, some_of
     from stickslip.solvers import solve
 
     shape = shape_of(model)
@@ -255,7 +255,7 @@ def closed_mean_velocity(model: Any) -> Any:
     True
     """
     from stickslip.analysis.closed_form import periodic
-    from stickslip.batch import shape_of
+    from stickslip.basics.batch import shape_of
     from stickslip.solvers.closed_arcs import handles, reduced
 
     if handles(model) is not None:

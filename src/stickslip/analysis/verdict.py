@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from stickslip.machine_adapter import machine_of
-from stickslip.steadiness import UNSETTLED
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.steadiness import UNSETTLED
 
 #: Name of the judge with fixed steps.
 RK4 = "RK4"

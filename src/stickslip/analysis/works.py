@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contact_forces import held_by_controllers
-from stickslip.maths import Array
+from stickslip.basics.maths import Array
+from stickslip.models.contact_forces import held_by_controllers
 
 
 def kinetic(mechanics: Any, v: Array) -> Array:

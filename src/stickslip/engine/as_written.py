@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import cases_of
-from stickslip.declaration import NOT_REPEATABLE, Arguments, answers, calls, instants
+from stickslip.basics.batch import cases_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import numbers_of
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.values import needed_by, values_of
-from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import fresh_mechanics
-from stickslip.mechanics import Mechanics
+from stickslip.models.declaration import NOT_REPEATABLE, Arguments, answers, calls, instants
+from stickslip.models.machine_adapter import fresh_mechanics
+from stickslip.models.mechanics import Mechanics
 
 _POINTS = 6
 _SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to see what rounding does; where functions end

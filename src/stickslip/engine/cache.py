@@ -18,9 +18,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
+from stickslip.basics.interruption import held_together
+from stickslip.basics.whole_files import write_whole
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
-from stickslip.interruption import held_together
-from stickslip.whole_files import write_whole
 
 _loaded: dict[str, types.ModuleType] = {}
 _lock = threading.RLock()

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.maths import pi
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.sums import Terms, difference, rate_of, terms_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import System, trace
 from stickslip.engine.values import values_of
-from stickslip.maths import pi
 
 Array = Any
 _ROUNDING = 1e-14  # relative: how near an angular frequency must come to 2 pi over the period

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.status import Status
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
 from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
@@ -12,7 +13,6 @@ from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
-from stickslip.status import Status
 
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 

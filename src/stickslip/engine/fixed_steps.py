@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.errors import InputError
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import HEADER, function, written
 from stickslip.engine.lanes import plain_name
@@ -16,7 +17,6 @@ from stickslip.engine.lawtext import prelude
 from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import System, label, trace
 from stickslip.engine.write import Writer
-from stickslip.errors import InputError
 
 #: What the compiled function is: row, state (x, v, z...), periods, steps per period, steps per node (0: no nodes), then what it fills:
 #: strobe states, nodes (x, v, z..., dv, dz...), largest and smallest v. It returns the periods done, fewer where the state is no number.

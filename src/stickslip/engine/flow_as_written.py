@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.declaration import NOT_REPEATABLE, Calls, answers, check_repeatable
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import is_array
 from stickslip.engine.as_written import compare, shape_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, TracedFlow
 from stickslip.engine.kinds import First
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.values import values_of
-from stickslip.errors import InputError
-from stickslip.fields import is_array
+from stickslip.models.declaration import NOT_REPEATABLE, Calls, answers, check_repeatable
 
 _POINTS, _ASIDE = 6, 1e-12
 _SIZES = (1.0, 0.1, 10.0, 1e-3, 1.0, 0.3)

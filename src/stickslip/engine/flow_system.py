@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+from stickslip.basics.status import Status
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
-from stickslip.status import Status
 
 #: Columns of a row beside a flow's own numbers: the time at the start, the most switches, and what each state is measured against.
 BEGIN, MOST, SIZE = "#begin", "#most", "#size"

@@ -12,13 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.batch import cases_of
-from stickslip.declaration import answers, answers_of, calls, instants, same_answers
+from stickslip.basics.batch import cases_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves
 from stickslip.engine.remembered import OfFrozen
 from stickslip.engine.symbolic import numbers_of
-from stickslip.errors import InputError
-from stickslip.fields import leaves
-from stickslip.machine_adapter import forget_mechanics, fresh_mechanics
+from stickslip.models.declaration import answers, answers_of, calls, instants, same_answers
+from stickslip.models.machine_adapter import forget_mechanics, fresh_mechanics
 
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from stickslip.basics.interruption import is_stopped, look
+from stickslip.basics.status import Status
 from stickslip.engine import cache, driver, slaved, taylor
 from stickslip.engine.kernel_text import FUNCTIONS, HEADER, written
 from stickslip.engine.kernels import columns
@@ -29,10 +31,8 @@ from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, label, trace
 from stickslip.engine.unforeseen import hides, slopes
-from stickslip.interruption import is_stopped, look
-from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
-from stickslip.recurrence import KEPT, LONGEST
-from stickslip.status import Status
+from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
+from stickslip.results.recurrence import KEPT, LONGEST
 
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
@@ -360,7 +360,7 @@ def run(
     slice_calls: int = 0,
     partial: bool = False,
 ) -> Results:
-    """Run all cases of a table, returning to Python after every slice, where an interruption ends it (see `stickslip.interruption`).
+    """Run all cases of a table, returning to Python after every slice, where an interruption ends it (see `stickslip.basics.interruption`).
 
     With `partial` what is done by then is returned: a case that has not ended has the status "not computed", and of a recorded one there
     are the steps until then. `progress` is called with the number of cases begun; of a recorded case with its drive periods.

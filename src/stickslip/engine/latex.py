@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.arguments import LawOrModel, explains_arguments
+from stickslip.basics.arguments import LawOrModel, explains_arguments
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.latex_motion import lines_of_motion
 from stickslip.engine.letters import symbol
 from stickslip.engine.tex import letters_of, text_of
-from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.law_adapter import is_law
-from stickslip.machine_adapter import is_machine
+from stickslip.models.friction.law_adapter import is_law
+from stickslip.models.machine_adapter import is_machine
 
 
 @explains_arguments

@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.engine.letters import Formula, symbol
 from stickslip.engine.tex import subscripted, text_of
-from stickslip.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
 
 def lines_of_law(law: Any, load: Any, slip: str, index: str = "") -> list[str]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.letters import Cases, Extreme, Formula, Letter, formula, spread, symbol
 from stickslip.engine.tex import Letters, indices, letters_of, subscripted, text_of
-from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import machine_of
-from stickslip.mechanics import Numbers, OneBody
-from stickslip.several_bodies import SeveralBodies
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import Numbers, OneBody
+from stickslip.models.several_bodies import SeveralBodies
 
 _MANY = 4  # contacts of one block that are listed; of more, the first and the last
 

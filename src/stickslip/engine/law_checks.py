@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.engine.symbols import TraceError
-from stickslip.errors import InputError, Problems, StickslipError
-from stickslip.friction.law_adapter import LawAdapter, adapted
-from stickslip.machine_adapter import machine_of
+from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.machine_adapter import machine_of
 
 
 def explained(work: Any, model: Any) -> Any:
@@ -103,7 +103,7 @@ def check_numbers(model: Any) -> None:
 
 
 def _check_numbers(model: Any) -> None:
-    from stickslip.batch import cases_of
+    from stickslip.basics.batch import cases_of
 
     case = cases_of(model, slice(1))[0]
     machine = machine_of(case)

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import HEADER, function, kernel_text, written
 from stickslip.engine.kinds import kind_of
@@ -14,9 +16,7 @@ from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.engine.write import Writer
-from stickslip.errors import InputError
-from stickslip.fields import leaves
-from stickslip.friction.law_adapter import LawAdapter
+from stickslip.models.friction.law_adapter import LawAdapter
 
 _known = Remembered["LawSteps | None"](most=100)
 
@@ -45,7 +45,7 @@ class LawSteps:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.friction.law_adapter import adapted
+    >>> from stickslip.models.friction.law_adapter import adapted
     >>> law = adapted(ss.Dahl(0.3, 0.3, sigma0=1e5))
     >>> t, z = np.linspace(0.0, 1.0, 101), np.zeros((1, 1))
     >>> slow, load, none = np.full(101, 1e-6), np.ones((101, 1)), np.zeros((101, 1))

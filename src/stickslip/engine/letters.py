@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from stickslip import maths
+from stickslip.basics import maths
 from stickslip.engine.symbols import FUNCTIONS
 
 Factors = tuple[tuple["Atom", Fraction], ...]

@@ -6,13 +6,13 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
-from stickslip.declaration import NOT_REPEATABLE
+from stickslip.basics.errors import InputError
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
 from stickslip.engine.flight import touching
 from stickslip.engine.symbols import Graph, Sym, TraceError
 from stickslip.engine.system import System
-from stickslip.errors import InputError
+from stickslip.models.declaration import NOT_REPEATABLE
 
 #: Name of the way of the reference body, which no step of a machine has whose positions count as differences only.
 WAY = "way"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
 
 #: Contacts of one group, of which all combinations of rest and slip are tried.
 MOST = 4

@@ -6,7 +6,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from stickslip.fields import is_frozen
+from stickslip.basics.fields import is_frozen
 
 T = TypeVar("T")
 

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import reduce
 
+from stickslip.basics.status import Status
 from stickslip.engine.step_events import EventWriter
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Contact, System
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
-from stickslip.status import Status
 
 _FOLLOWED = 0.05  # of the least creep of a slip that is a difference: its error, where it is hardly more than zero
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.basics.status import Status
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.rosenbrock_step import Step, sides
 from stickslip.engine.rows import Rows
@@ -29,7 +30,6 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.unforeseen import active
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
-from stickslip.status import Status
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import STATE, Graph, Sym
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"

@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from stickslip import maths
-from stickslip.errors import StickslipError
+from stickslip.basics import maths
+from stickslip.basics.errors import StickslipError
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
 _BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre

@@ -21,13 +21,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.observed import MEAN
 from stickslip.engine.symbols import Sym, is_zero
 from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
-from stickslip.errors import InputError, did_you_mean
 
 #: The number of a case that is the part of the period at which a run ends.
 PART = "part of the period"

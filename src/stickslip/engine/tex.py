@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from stickslip.basics.fields import field_description
 from stickslip.engine.letters import (
     Atom,
     Both,
@@ -24,7 +25,6 @@ from stickslip.engine.letters import (
     order_of,
     symbol,
 )
-from stickslip.fields import field_description
 
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
 _GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")

@@ -7,8 +7,8 @@ from functools import lru_cache
 from importlib import resources
 from typing import Any
 
+from stickslip.basics.status import Status
 from stickslip.engine import cache
-from stickslip.status import Status
 
 _POINTS = "float64[:, ::1], int64"
 _RECURRENCE = {
@@ -28,8 +28,8 @@ _RECURRENCE = {
 
 @lru_cache(1)
 def recurrence_text() -> str:
-    """The functions of `stickslip.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
-    text = (resources.files("stickslip") / "recurrence.py").read_text(encoding="utf-8")
+    """The functions of `stickslip.results.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
+    text = (resources.files("stickslip.results") / "recurrence.py").read_text(encoding="utf-8")
     body = text[text.index("\nLONGEST") :]
     for name, signature in _RECURRENCE.items():
         body = re.sub(rf"^def {name}\(", f'@njit("{signature}", **OPTIONS)\ndef {name}(', body, flags=re.MULTILINE)
@@ -38,7 +38,7 @@ def recurrence_text() -> str:
 
 @lru_cache(1)
 def status_text() -> str:
-    """The names of `stickslip.status.Status`, for a kernel."""
+    """The names of `stickslip.basics.status.Status`, for a kernel."""
     return "\n".join(f"{status.name} = {status}" for status in Status)
 
 
@@ -70,6 +70,6 @@ def _from_imports(name: str) -> str:
 
 @lru_cache(1)
 def recurrence() -> Any:
-    """The functions of `stickslip.recurrence`, compiled."""
+    """The functions of `stickslip.results.recurrence`, compiled."""
     head = 'from numba import njit\n\nOPTIONS = {"cache": CACHE, "error_model": "numpy", "nogil": True}\n'
     return cache.load(head + recurrence_text(), "recurrence", "the test of strobe points")

@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import replace_leaf
+from stickslip.basics.maths import maximum, pi
+from stickslip.basics.status import Status
 from stickslip.engine.as_written import check_as_written
 from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop
 from stickslip.engine.law_checks import explained
@@ -17,13 +21,9 @@ from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.values import values_of
-from stickslip.errors import InputError
-from stickslip.fields import replace_leaf
-from stickslip.machine_adapter import machine_of
-from stickslip.maths import maximum, pi
-from stickslip.mechanics import lists_parts
-from stickslip.position import knows_position
-from stickslip.status import Status
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import lists_parts
+from stickslip.models.position_dependence import knows_position
 
 
 def label(model: Any) -> str:

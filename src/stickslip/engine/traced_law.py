@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import is_array, leaves, replace_leaf
 from stickslip.engine.symbolic import numbers_of
 from stickslip.engine.symbols import Graph, Sym, is_zero
 from stickslip.engine.values import needed_by
-from stickslip.errors import InputError
-from stickslip.fields import is_array, leaves, replace_leaf
-from stickslip.friction.law_adapter import adapted
+from stickslip.models.friction.law_adapter import adapted
 
 
 class TracedLaw:

@@ -11,9 +11,9 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from stickslip.basics.maths import LARGEST
 from stickslip.engine.lines import Lines, literal
 from stickslip.engine.symbols import CASE, STATE, Sym
-from stickslip.maths import LARGEST
 
 LOG_OF_BITS = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 

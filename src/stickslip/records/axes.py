@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.units import quantity_of
 from stickslip.records.raw import Column, Raw
-from stickslip.units import quantity_of
 
 _TIME = re.compile(r"((t|time|times|zeit|x_value)[ _.]*\(?\d*\)?|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)

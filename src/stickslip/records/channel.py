@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.sealing import sealed
-from stickslip.units import unit_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.units import unit_of
 
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import heading, unit_of
 from stickslip.records.text_lines import MOST_NUMBER, Lines, check_columns
-from stickslip.units import heading, unit_of
 
 _NUMBER = {
     ".": re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?"),

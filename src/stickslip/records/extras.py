@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip import optional
-from stickslip.errors import InputError
+from stickslip.basics import optional
+from stickslip.basics.errors import InputError
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.raw import Column, Raw
-from stickslip.unpacking import Allowance
 
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 

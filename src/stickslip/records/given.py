@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.errors import Problems
-from stickslip.fields import checked_number, describe, is_array
-from stickslip.quantities import between
+from stickslip.basics.errors import Problems
+from stickslip.basics.fields import checked_number, describe, is_array
+from stickslip.basics.quantities import between
 
 
 def given_frequency(frequency: Any, name: str = "frequency") -> float:

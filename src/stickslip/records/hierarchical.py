@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip import hdf5
-from stickslip.errors import InputError
+from stickslip.basics import hdf5
+from stickslip.basics.errors import InputError
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported
 from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
-from stickslip.unpacking import Allowance
 
 _DEEPEST = 8  # groups within groups
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.matlab_bytes import version4, version5
 from stickslip.records.raw import Column, Raw
-from stickslip.unpacking import Allowance
 
 
 def parse(data: bytes, allowance: Allowance) -> Raw:

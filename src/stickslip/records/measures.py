@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.records.given import given_frequency
 from stickslip.records.overview import noise
 from stickslip.records.tones import measured_samples
-from stickslip.sealing import sealed
 
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.information import Information
-from stickslip.sealing import sealed
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.information import Information
 
 _BAND = 12  # lines on either side of a peak
 _UNKNOWN = 8  # numbers of a mode: frequency and damping, and a, b and c, which are complex

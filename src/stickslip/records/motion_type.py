@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.records.measures import cycle, frequency_of, period
 from stickslip.records.rests import Rest, rest_at
-from stickslip.sealing import sealed
-from stickslip.segments import intervals_of, type_of
+from stickslip.results.segments import intervals_of, type_of
 
 #: A place counts as slow below this many standard errors of the mean cycle, and below this part of its range.
 ERRORS, RANGE = 4.0, 0.01

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import unit_of
 from stickslip.records.tones import NotPeriodic
-from stickslip.units import unit_of
 
 
 @dataclass(frozen=True)

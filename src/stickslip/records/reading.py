@@ -12,8 +12,10 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from stickslip.arguments import Recorded, explains_arguments
-from stickslip.errors import InputError, Problems, as_path, did_you_mean
+from stickslip.basics.arguments import Recorded, explains_arguments
+from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
+from stickslip.basics.units import heading, quantity_of, unit_of
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.formats import format_of
@@ -23,8 +25,6 @@ from stickslip.records.roles import OURS, remark_range, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.scaling import scaled
 from stickslip.records.tables_of_values import is_frame, raw_of_frame
-from stickslip.units import heading, quantity_of, unit_of
-from stickslip.unpacking import Allowance
 
 
 @explains_arguments

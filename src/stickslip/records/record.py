@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Numbers, explains_arguments
-from stickslip.errors import InputError, did_you_mean
+from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.units import quantity_of
 from stickslip.records import measures, modes, motion_type, saving, segments_and_masks, settling
 from stickslip.records.channel import MEASURED, ROLES, Channel
-from stickslip.sealing import sealed
-from stickslip.units import quantity_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -66,9 +66,9 @@ class Record:
     @explains_arguments
     def of(cls, t: Numbers, columns: Mapping[str, Numbers], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
+        from stickslip.basics.units import heading
         from stickslip.records.raw import Column
         from stickslip.records.roles import roles_of
-        from stickslip.units import heading
 
         channels = {}
         named = roles_of([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
@@ -152,7 +152,7 @@ class Record:
     @explains_arguments
     def derived(self, heading: str, values: Numbers, like: str, role: str | None = None) -> Record:
         """The record with one more channel, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
-        from stickslip.units import heading as split
+        from stickslip.basics.units import heading as split
 
         name, unit = split(heading)
         made = dataclasses.replace(self[like], name=name, unit=unit, values=np.asarray(values), role=role)

@@ -6,10 +6,10 @@ import re
 
 import numpy as np
 
+from stickslip.basics.units import quantity_of, unit_of
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import Column
-from stickslip.units import quantity_of, unit_of
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
 _ROLE_WORDS = (

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import Problems, as_path
+from stickslip.basics.errors import Problems, as_path
+from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.records.channel import ROLES
-from stickslip.whole_files import unwritable, write_whole
 
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"

@@ -7,9 +7,9 @@ import math
 import re
 from typing import Any
 
-from stickslip.errors import Problems, did_you_mean
+from stickslip.basics.errors import Problems, did_you_mean
+from stickslip.basics.units import SI, Unit, unit_of
 from stickslip.records.raw import Raw
-from stickslip.units import SI, Unit, unit_of
 
 _VOLT = unit_of("V")
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)"

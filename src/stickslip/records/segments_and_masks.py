@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Measured
-from stickslip.errors import InputError, Problems
-from stickslip.fields import checked_number
-from stickslip.quantities import positive
+from stickslip.basics.arguments import Measured
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import checked_number
+from stickslip.basics.quantities import positive
 
 if TYPE_CHECKING:
     from stickslip.records.record import Record

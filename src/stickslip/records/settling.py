@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError, is_one_of, is_whole
+from stickslip.basics.errors import InputError, is_one_of, is_whole
 from stickslip.records import tones
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import period_number_of, scaled, velocity_of

@@ -10,12 +10,12 @@ from xml.parsers import expat
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import heading
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported, library
 from stickslip.records.raw import Column, Raw
 from stickslip.records.tables_of_values import is_plain_number, number_in
-from stickslip.units import heading
-from stickslip.unpacking import Allowance
 
 #: Bytes in memory for a byte of XML and for a cell, and most rows, which are Excel's.
 _PER_BYTE, _PER_CELL, _MOST_ROWS = 10, 32, 2**20

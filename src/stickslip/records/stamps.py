@@ -8,7 +8,7 @@ import io
 import re
 from dataclasses import dataclass
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 from stickslip.records.text_lines import Lines
 
 #: What one of the whole numbers is [s].

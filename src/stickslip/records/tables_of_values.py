@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import heading
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
 from stickslip.records.text_lines import Lines, check_columns
-from stickslip.units import heading
-from stickslip.unpacking import Allowance
 
 _FORMS = (
     'allowed are [{"t [s]": 0.0, "v [mm/s]": 1.0}, ...], {"t [s]": [...], "v [mm/s]": [...]}, '

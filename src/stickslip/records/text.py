@@ -10,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
+from stickslip.basics.units import heading, unit_of
+from stickslip.basics.unpacking import Allowance
 from stickslip.records.columns_of_words import LeftOut, without_words
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
@@ -19,8 +21,6 @@ from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.tables_of_values import parse_json
 from stickslip.records.text_lines import MOST_NUMBER, Lines
-from stickslip.units import heading, unit_of
-from stickslip.unpacking import Allowance
 
 Table = tuple[Lines, Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept

@@ -7,8 +7,8 @@ from typing import Any, overload
 
 import numpy as np
 
-from stickslip.contracts import Array
-from stickslip.errors import InputError
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
 
 #: Bounds of a table in text, far beyond those of any instrument: characters of a line and of a number, columns, and characters in which
 #: its dialect is looked for.

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.faces import rounded, sure
+from stickslip.basics.errors import InputError
+from stickslip.basics.notebook_display import rounded, sure
 from stickslip.records.given import given_frequency
 
 _MOST = 40_000  # samples that a refinement looks at

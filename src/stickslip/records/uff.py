@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.basics.errors import InputError
 from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.text_lines import MOST_NUMBER, check_columns
 

@@ -1,17 +1,28 @@
-"""Solvers: `solve` chooses the method and names it. Set-valued laws are solved exactly, dynamic laws to a tolerance."""
+"""Solvers: `solve` chooses the method and names it. Set-valued laws are solved exactly, dynamic laws to a tolerance.
+
+A *set-valued* law (`sliding` and `breakaway`) is a machine of three modes: stuck, forward and backward slip. In each the motion
+is analytic. Where the traced accelerations are one sine of the period and a constant for each mode, the arcs are closed
+formulas; all else goes by Taylor steps, whose events are zeros of polynomials, exact to rounding. A *dynamic* law (`rate` and
+`force`) is stiff: Taylor series on the slow manifold where its rate is affine in the state, else Rosenbrock steps that end on
+guards. A law *with discrete memory* (`modes`, `switches`) is the same with flags that guards switch.
+
+`methods` has the methods as objects; the first that accepts the equations runs. `plain` is the judge: SciPy on the same
+mechanics in Python floats, which shares no line with the engine (`equations` in one mode, `guards` that end it, `choosing` and
+`deciding` of the next one, `hits`, `kinks`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, Literal, overload
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.flow import is_flow
-from stickslip.interruption import accept_part, interruptible, taking_some_cases
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.interruption import accept_part, interruptible, taking_some_cases
+from stickslip.models.switching_flow import is_flow
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.methods import METHODS, method_for
 from stickslip.solvers.request import request
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
 __all__ = ["METHODS", "solve"]
 

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of, numbers_by_name
+from stickslip.basics.batch import labels_of, numbers_by_name
+from stickslip.basics.fields import is_array
 from stickslip.engine.closed_arc_conditions import Rows, closed_of
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.remembered import Remembered
-from stickslip.fields import is_array
-from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import machine_of
-from stickslip.position import knows_position
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.position_dependence import knows_position
 
 Array = Any
 _ROUNDING = 1e-14  # of the friction: by how much less the limits of rest may be than what slides

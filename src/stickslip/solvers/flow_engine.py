@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.errors import SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import look
+from stickslip.basics.status import STATUS, Status
 from stickslip.engine import lanes
 from stickslip.engine.flow_as_written import check_flow_as_written, first_of
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
@@ -14,11 +18,7 @@ from stickslip.engine.kinds import Editions
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
-from stickslip.errors import SolveError
-from stickslip.flow_run import ModeChange
-from stickslip.interruption import look
-from stickslip.sealing import sealed
-from stickslip.status import STATUS, Status
+from stickslip.results.flow_run import ModeChange
 
 Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, cases_of, labels_of, spread
-from stickslip.callbacks import reporting
+from stickslip.basics.batch import Labels, cases_of, labels_of, spread
+from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean, is_one_of, is_whole
+from stickslip.basics.fields import number
+from stickslip.basics.interruption import accept_part, is_outermost, is_stopped, look, partial_result
+from stickslip.basics.progress import reporting
+from stickslip.basics.status import Status, interrupted_at
 from stickslip.engine.texts import recurrence
-from stickslip.errors import InputError, Problems, SolveError, did_you_mean, is_one_of, is_whole
-from stickslip.fields import number
-from stickslip.flow import knows_mode, unknown_mode
-from stickslip.flow_run import FlowRun, extremes, polynomials
-from stickslip.interruption import accept_part, is_outermost, is_stopped, look, partial_result
+from stickslip.models.switching_flow import knows_mode, unknown_mode
+from stickslip.results.flow_run import FlowRun, extremes, polynomials
+from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
-from stickslip.status import Status, interrupted_at
-from stickslip.summary import Summary
 
 Array = Any
 _LONGEST = 32  # periods after which a motion may repeat

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import spread
-from stickslip.coded_words import CodedWords
-from stickslip.errors import SolveError
-from stickslip.interruption import look
+from stickslip.basics.batch import spread
+from stickslip.basics.coded_words import CodedWords
+from stickslip.basics.errors import SolveError
+from stickslip.basics.interruption import look
+from stickslip.basics.status import STATUS, Status, interrupted_at
+from stickslip.results.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
+from stickslip.results.summary import Columns, Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.part_results import OF_TYPE, RawParts, beside, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
-from stickslip.status import STATUS, Status, interrupted_at
-from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
-from stickslip.summary import Columns, Summary
-from stickslip.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Raw:
     seg_time: Any  # [s]
     seg_code: Any
     margin_force: Any
-    limit: Any  # displacement in a drive period that the motion approaches [m], see stickslip.recurrence
+    limit: Any  # displacement in a drive period that the motion approaches [m], see stickslip.results.recurrence
     wide_max: Any  # extremes of v over the whole window of the displacement [m/s]
     wide_min: Any
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, flat, spread
-from stickslip.errors import Problems, did_you_mean
-from stickslip.fields import number
-from stickslip.machine_adapter import machine_of
-from stickslip.variables import unit_of
+from stickslip.basics.batch import Labels, flat, spread
+from stickslip.basics.errors import Problems, did_you_mean
+from stickslip.basics.fields import number
+from stickslip.basics.variables import unit_of
+from stickslip.models.machine_adapter import machine_of
 
 Array = Any
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it

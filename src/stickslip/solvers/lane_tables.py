@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name
+from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.fields import is_array, replace_leaf
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
-from stickslip.fields import is_array, replace_leaf
-from stickslip.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
 
 Array = Any
 

@@ -9,18 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from stickslip.basics.errors import InputError
 from stickslip.engine.refused import refusal_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tableaux import TABLEAUX
-from stickslip.errors import InputError
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 if TYPE_CHECKING:
     from stickslip.engine.slaved import Series
     from stickslip.engine.tableaux import Tableau
+    from stickslip.results.summary import Summary
+    from stickslip.results.trajectory import Trajectory
     from stickslip.solvers.request import Request
-    from stickslip.summary import Summary
-    from stickslip.trajectory import Trajectory
 
 
 class Method(Protocol):

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.coded_words import CodedWords
-from stickslip.machine_adapter import MachineAdapter
-from stickslip.segments import type_of
-from stickslip.variables import VARIABLES
+from stickslip.basics.coded_words import CodedWords
+from stickslip.basics.variables import VARIABLES
+from stickslip.models.machine_adapter import MachineAdapter
+from stickslip.results.segments import type_of
 
 Array = Any
 #: Columns that only machines have that list their parts.

@@ -12,20 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, labels_together, spread
-from stickslip.callbacks import reporting
+from stickslip.basics.batch import Labels, labels_together, spread
+from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
+from stickslip.basics.fields import leaves, number
+from stickslip.basics.interruption import is_outermost, takes_some_cases
+from stickslip.basics.progress import reporting
+from stickslip.basics.typed_numbers import in_seconds
+from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.engine.kinds import check_functions
-from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
-from stickslip.fields import leaves, number
-from stickslip.forces import inner_start
-from stickslip.friction.law_adapter import law_of
-from stickslip.interruption import is_outermost, takes_some_cases
-from stickslip.machine_adapter import MachineAdapter, is_machine, machine_of
-from stickslip.observables import Observable, checked
+from stickslip.models.forces import inner_start
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import MachineAdapter, is_machine, machine_of
+from stickslip.models.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.methods import METHODS
-from stickslip.typed_numbers import in_seconds
-from stickslip.variables import VARIABLES, unit_of
 
 
 @dataclass(frozen=True, eq=False)

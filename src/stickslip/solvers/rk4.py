@@ -12,21 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of, with_row
-from stickslip.dense_output import PolynomialPieces
+from stickslip.basics.batch import rows_of, with_row
+from stickslip.basics.errors import InputError, SolveError, is_whole
+from stickslip.basics.interruption import is_stopped, look
+from stickslip.basics.pool import shared
+from stickslip.basics.status import Status
 from stickslip.engine import fixed_steps as engine
-from stickslip.errors import InputError, SolveError, is_whole
-from stickslip.friction.law_adapter import law_of
-from stickslip.interruption import is_stopped, look
-from stickslip.pool import shared
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.steadiness import is_steady, outcome_of
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
-from stickslip.status import Status
-from stickslip.steadiness import is_steady, outcome_of
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
 #: Steps per drive period, if none are asked for.
 STEPS = 2000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine import tableaux
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 #: From these tolerances on the fourth-order method is cheaper: for one contact (benchmarks/work_precision.py), and for several, which
 #: spend more of their steps near reversals, where the order counts (docs/decisions/2026-11-23-cost-of-a-chain.md).

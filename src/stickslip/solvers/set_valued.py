@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of
-from stickslip.dense_output import HarmonicArcs
+from stickslip.basics.batch import labels_of
+from stickslip.basics.errors import SolveError
+from stickslip.basics.interruption import is_stopped, look, takes_some_cases
+from stickslip.basics.pool import shared
+from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
-from stickslip.errors import SolveError
-from stickslip.interruption import is_stopped, look, takes_some_cases
-from stickslip.pool import shared
+from stickslip.results.dense_output import HarmonicArcs
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import undriven
 from stickslip.solvers.closed_arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
 from stickslip.solvers.request import Request
-from stickslip.status import Status
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
 Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
@@ -178,7 +178,7 @@ def solve_batch(
         displacement over the window [m], window (its drive periods: whole motion periods where a period was found), v_max and v_min
         of the last motion period [m/s], margin_force, strobe_error (estimated distance of the last strobe point from the periodic
         motion [m/s]), x_end and v_end, limit (displacement in a drive period that the motion
-        approaches [m], see `stickslip.recurrence`), wide_max and wide_min (extremes over the window), status, period (0: none found),
+        approaches [m], see `stickslip.results.recurrence`), wide_max and wide_min (extremes over the window), status, period (0: none),
         periods_run, seg_count, seg_time (cases, 32),
         seg_code (cases, 32).
 

@@ -7,24 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dense_output import PolynomialPieces
+from stickslip.basics.errors import SolveError
+from stickslip.basics.pool import shared
+from stickslip.basics.status import Status
 from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
-from stickslip.errors import SolveError
-from stickslip.friction.law_adapter import law_of
-from stickslip.layout import StateLayout
-from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.pool import shared
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.state_layout import StateLayout
+from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import stopped
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
-from stickslip.status import Status
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
 #: Steps that a case may take: for each period it should run, and in all where there is no period.
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.status import STATUS, Status
+from stickslip.basics.status import STATUS, Status
 
 Array = Any
 #: Steps, or events, before the end of a run whose changes of mode are counted.
@@ -35,7 +35,7 @@ def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.machine_adapter import machine_of
+    >>> from stickslip.models.machine_adapter import machine_of
     >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)).mechanics
     >>> place(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
     'at t = 0.25 s, where contact has changed its mode 2 times in 3 steps and its slip velocity is 0.5 m/s'

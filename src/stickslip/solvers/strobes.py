@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.interruption import Interrupted, look
+from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
-from stickslip.forces import slip_ratio_of
-from stickslip.friction.law_adapter import law_of
-from stickslip.interruption import Interrupted, look
+from stickslip.models.forces import slip_ratio_of
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.results.steadiness import window_count
 from stickslip.solvers.gather import NEEDED, Raw
-from stickslip.status import Status
-from stickslip.steadiness import window_count
 
 _LOOKS = 5000  # in a drive period
 #: Results of a case that could not be solved.
@@ -36,7 +36,7 @@ def case_or_nothing(work: Callable[[], dict[str, Any]], nothing: dict[str, Any],
 
 
 def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x: Any, memory: Any = ()) -> Any:
-    """The mode of the body at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.segments`)."""
+    """The mode of the body at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.results.segments`)."""
     if not law_of(model).states:
         return 2 * mode
     return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)

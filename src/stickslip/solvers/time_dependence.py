@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.mechanics import Mechanics
+from stickslip.basics.errors import InputError
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.mechanics import Mechanics
 
 _INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
 _SAME = 1e-9  # of the largest value

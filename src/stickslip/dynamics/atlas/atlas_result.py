@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
-from stickslip.dynamics.atlas.doubts import Doubts, unseen_share
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.atlas.uncertain_places import Doubts, unseen_share
 from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.settled_motions import UNDONE
 from stickslip.dynamics.continuation.point_accuracy import certain
-from stickslip.errors import InputError
-from stickslip.faces import Drawn
-from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
     import xarray as xr

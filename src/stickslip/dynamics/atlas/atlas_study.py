@@ -10,15 +10,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from stickslip.basics.errors import InputError
+from stickslip.basics.jsontext import plain
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Outcome, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.errors import InputError
-from stickslip.jsontext import plain
-from stickslip.sweeps.folder import COMMAND, MANIFEST, check_new, make_folder, put
-from stickslip.sweeps.manifest import differences, digest, identity, unchecked
-from stickslip.sweeps.model_identity import ModelIdentities
-from stickslip.sweeps.planning import SOLVER, Plan, planned
+from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_folder, put
+from stickslip.studies.manifest import differences, digest, identity, unchecked
+from stickslip.studies.model_identity import ModelIdentities
+from stickslip.studies.planning import SOLVER, Plan, planned
 
 T = TypeVar("T")
 _FORMAT = 4  # 4 has the identities of the models with each result

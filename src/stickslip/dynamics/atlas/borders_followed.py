@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
 from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
-from stickslip.errors import InputError, SolveError
-from stickslip.flow import is_flow
+from stickslip.models.switching_flow import is_flow
 
 _TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, unmatched
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.basins import from_rest, grid_of, start_axes
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
-from stickslip.errors import InputError, Problems
-from stickslip.fields import floats
-from stickslip.flow import is_flow
-from stickslip.naming import in_its_unit
-from stickslip.sealing import sealed
+from stickslip.models.naming import in_its_unit
+from stickslip.models.switching_flow import is_flow
 
 Cell = tuple[int, int]
 _COUNTS = (24, 16)  # values where an axis is given by its two ends

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Maker, Numbers, explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Maker, Numbers, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
@@ -19,10 +21,8 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
-from stickslip.errors import InputError, Problems
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible, look, partial_result
-from stickslip.sweeps.progress import Watch
+from stickslip.models.switching_flow import is_flow
+from stickslip.studies.progress import Watch
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.variables import unit_of
 from stickslip.dynamics.attractors.motion_features import Features, features_of
 from stickslip.dynamics.attractors.settled_motions import (
     NOT_COMPUTED,
@@ -18,10 +21,7 @@ from stickslip.dynamics.attractors.settled_motions import (
     settled_motions,
 )
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
-from stickslip.errors import InputError, SolveError
-from stickslip.flow import is_flow
-from stickslip.sealing import sealed
-from stickslip.variables import unit_of
+from stickslip.models.switching_flow import is_flow
 
 OTHER = 2
 NARROW = 1e-10  # in scales: how near to one another two states on either side of a border are brought

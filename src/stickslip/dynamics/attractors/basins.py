@@ -8,8 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
 from stickslip.dynamics.attractors.settled_motions import (
@@ -25,12 +30,7 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over
-from stickslip.errors import InputError, Problems, SolveError, did_you_mean
-from stickslip.faces import Drawn
-from stickslip.fields import floats
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible
-from stickslip.sealing import sealed
+from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.request import LARGEST_START
 
 

@@ -7,9 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.callbacks import Reported, reporting
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError
+from stickslip.basics.fields import checked_number
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible, look, partial_result
+from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.progress import Reported, reporting
+from stickslip.basics.quantities import between
 from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.given_states import states_of
@@ -17,12 +23,6 @@ from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
-from stickslip.errors import InputError, Problems, SolveError
-from stickslip.faces import Drawn
-from stickslip.fields import checked_number
-from stickslip.interruption import interruptible, look, partial_result
-from stickslip.quantities import between
-from stickslip.sealing import sealed
 
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map

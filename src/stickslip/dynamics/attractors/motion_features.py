@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.settled_motions import (
     CHAOTIC,
     PERIODIC,
@@ -17,7 +18,6 @@ from stickslip.dynamics.attractors.settled_motions import (
     whole_motions,
 )
 from stickslip.dynamics.exponents.rotation import smooth_weights
-from stickslip.sealing import sealed
 
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
 _SMOOTH = 1e-3  # of the spread: weighted means of one quasi-periodic motion differ by less

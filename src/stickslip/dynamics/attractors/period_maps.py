@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Maker, explains_arguments
-from stickslip.batch import some_of
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import Problems
+from stickslip.basics.fields import floats
+from stickslip.basics.interruption import interruptible, partial_result
 from stickslip.dynamics.attractors.motion_features import features_of
 from stickslip.dynamics.attractors.settled_motions import NOT_COMPUTED, OF_MOTIONS, UNDONE, checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
@@ -19,9 +22,6 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
-from stickslip.errors import Problems
-from stickslip.fields import floats
-from stickslip.interruption import interruptible, partial_result
 
 if TYPE_CHECKING:
     import xarray as xr

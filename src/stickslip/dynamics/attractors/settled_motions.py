@@ -22,18 +22,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import cases_of, some_of
-from stickslip.contracts import Array
+from stickslip.basics.batch import cases_of, some_of
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError, StickslipError, is_whole
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import Ending, partial_result
+from stickslip.basics.status import Status
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.exponents.rotation import smooth_weights
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, difference_jacobian, strobe_map, strobe_orbit
 from stickslip.engine.texts import recurrence
-from stickslip.errors import InputError, Problems, SolveError, StickslipError, is_whole
-from stickslip.flow import is_flow
-from stickslip.interruption import Ending, partial_result
-from stickslip.sealing import sealed
-from stickslip.status import Status
+from stickslip.models.switching_flow import is_flow
 
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed
@@ -530,7 +530,7 @@ def _rows(points: Array) -> Array:
 def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:
     """Period numbers of strobe points (..., points, d): the smallest after which all of them come back; 0 if none up to 32.
 
-    What still settles, or swings ever closer around a motion of a part of the period, has none yet; see `stickslip.recurrence`.
+    What still settles, or swings ever closer around a motion of a part of the period, has none yet; see `stickslip.results.recurrence`.
     """
     cases = points.reshape(int(np.prod(points.shape[:-2])), *points.shape[-2:])
     return np.array([_lasting(_rows(case), scales, tolerance) for case in cases], int).reshape(points.shape[:-2])

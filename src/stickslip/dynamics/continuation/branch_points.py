@@ -17,10 +17,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import STEP, Found, newton
-from stickslip.sealing import sealed
 
 MET = 1e-9  # of a residual: branches that miss one another by more do not cross
 _KNOWN = 1e-10  # how well derivatives are known

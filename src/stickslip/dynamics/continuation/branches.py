@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Maker, explains_arguments
-from stickslip.callbacks import Reported, reporting
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.progress import Reported, reporting
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
@@ -23,13 +27,9 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.errors import InputError, Problems, SolveError
-from stickslip.faces import Drawn
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible
-from stickslip.machine_adapter import machine_of
-from stickslip.naming import in_its_unit
-from stickslip.sealing import sealed
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.naming import in_its_unit
+from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
     import xarray as xr

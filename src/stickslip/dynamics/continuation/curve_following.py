@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip.callbacks import Reported
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.interruption import look, partial_result
+from stickslip.basics.progress import Reported
 from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
 from stickslip.dynamics.continuation.point_accuracy import Meeting
 from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
 from stickslip.dynamics.periodic.newton import Found, newton, root_between
-from stickslip.errors import InputError, SolveError
-from stickslip.interruption import look, partial_result
 
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken

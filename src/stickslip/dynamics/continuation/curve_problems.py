@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.periodic.newton import Found
-from stickslip.sealing import sealed
 
 _FLOOR = 1e-14  # of residuals: their own rounding
 

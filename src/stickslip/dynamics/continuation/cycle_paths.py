@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
-from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import machine_of
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
 
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors

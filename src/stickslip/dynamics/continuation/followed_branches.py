@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip.callbacks import Reported
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.interruption import look, partial_result
+from stickslip.basics.progress import Reported
 from stickslip.dynamics.continuation.branch_following import STOPPED, follow
 from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
@@ -17,8 +18,7 @@ from stickslip.dynamics.continuation.own_events import Event
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
-from stickslip.friction.law_adapter import law_of
-from stickslip.interruption import look, partial_result
+from stickslip.models.friction.law_adapter import law_of
 
 _AGAIN = 3.0  # accuracies within which two borders are one
 _ROUND = 0.9  # minus the cosine from which on a vector has turned round

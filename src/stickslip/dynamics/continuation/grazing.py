@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.continuation.cycle_paths import zero
+from stickslip.dynamics.continuation.near_grazings import touches
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.dynamics.continuation.touches import touches
-from stickslip.flow import is_flow
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed
 _SLOW = 1e-3  # of the velocity scale: a hit that slow is one that begins

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.path_kinds import path_of

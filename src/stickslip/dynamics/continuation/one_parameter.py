@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import made_model
+from stickslip.basics.batch import made_model
+from stickslip.basics.errors import InputError, Problems, did_you_mean
+from stickslip.basics.fields import leaves
+from stickslip.basics.number_names import numbers_meant
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.symbolic import numbers_of
-from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
-from stickslip.naming import axis_of
-from stickslip.number_names import numbers_meant
-from stickslip.sweeps.models_of_points import batch_of
-from stickslip.sweeps.space import check_names  # a family is a sweep whose values are not known before
+from stickslip.models.naming import axis_of
+from stickslip.studies.models_of_points import batch_of
+from stickslip.studies.space import check_names  # a family is a sweep whose values are not known before
 
 _STEP = 6e-6  # of a value: central differences of what a maker computes are good to some 1e-10 then
 

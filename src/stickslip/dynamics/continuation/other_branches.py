@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.continuation.branch_points import crossing, sides
 from stickslip.dynamics.continuation.followed_branches import Followed, followed
 from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.errors import InputError, SolveError
 
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 

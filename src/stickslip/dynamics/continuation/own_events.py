@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from stickslip.errors import InputError, Problems
+from stickslip.basics.errors import InputError, Problems
 
 Event = Callable[[Any], float]
 KINDS = ("fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", "hopf")  # that have their own meaning

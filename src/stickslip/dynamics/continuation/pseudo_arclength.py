@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.flows.flow_orbits import orbit_at
 from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
-from stickslip.errors import InputError
-from stickslip.flow import is_flow
-from stickslip.machine_adapter import machine_of
-from stickslip.sealing import sealed
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature

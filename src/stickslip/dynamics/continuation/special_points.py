@@ -16,8 +16,8 @@ from stickslip.dynamics.continuation.own_events import Event, number_of
 from stickslip.dynamics.continuation.point_accuracy import certain
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import root_between
-from stickslip.flow import is_flow
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _MOST_CHANGES = 8  # that are looked for between two points

@@ -6,29 +6,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
-from stickslip.callbacks import Reported, reporting
-from stickslip.contracts import Array
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.progress import Reported, reporting
 from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_following import followed_curve, settled
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.curves_of_a_number import event_problem, touch_problem
 from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
-from stickslip.dynamics.continuation.number_curves import event_problem, touch_problem
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
 from stickslip.dynamics.continuation.type_border_curves import type_border_problem
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.errors import InputError, Problems, SolveError
-from stickslip.faces import Drawn
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible
-from stickslip.machine_adapter import machine_of
-from stickslip.naming import in_its_unit
-from stickslip.position import knows_position
-from stickslip.sealing import sealed
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.naming import in_its_unit
+from stickslip.models.position_dependence import knows_position
+from stickslip.models.switching_flow import is_flow
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -234,7 +234,7 @@ def _default(make: Any, parameter: str) -> dict[str, float]:
     import inspect
 
     if not callable(make):
-        from stickslip.fields import leaves
+        from stickslip.basics.fields import leaves
 
         known = dict(leaves(make))
     else:

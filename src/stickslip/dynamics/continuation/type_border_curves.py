@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import SolveError
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
@@ -14,7 +15,6 @@ from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.periodic.arc_sequences import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.dynamics.periodic.newton import Found, newton
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
-from stickslip.errors import SolveError
 
 
 def type_border_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip import maths
-from stickslip.contracts import Array
+from stickslip.basics import maths
+from stickslip.basics.contracts import Array
 
 
 class Truth:

@@ -7,9 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
-from stickslip.contracts import Array
-from stickslip.drives.within import drives_within
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.notebook_display import Drawn
+from stickslip.basics.number_names import numbers_meant
 from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.periodic.given_states import states_of
@@ -17,12 +21,8 @@ from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_
 from stickslip.dynamics.periodic.steady_motions import Closed, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
-from stickslip.errors import InputError, did_you_mean
-from stickslip.faces import Drawn
-from stickslip.fields import leaves, replace_leaf
-from stickslip.machine_adapter import is_machine
-from stickslip.number_names import numbers_meant
-from stickslip.sealing import sealed
+from stickslip.models.drives.within import drives_within
+from stickslip.models.machine_adapter import is_machine
 from stickslip.solvers.time_dependence import check_period
 
 _ALONE = "if it alone changes, the equations do not repeat after the period"

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name
-from stickslip.contracts import Array
+from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.contracts import Array
+from stickslip.basics.fields import replace_leaf
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
 from stickslip.engine.kinds import kind_of
@@ -18,8 +19,7 @@ from stickslip.engine.symbolic import numbers_of
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import part_in
 from stickslip.engine.values import values_of
-from stickslip.fields import replace_leaf
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 _functions: Remembered[_Functions] = Remembered()
 

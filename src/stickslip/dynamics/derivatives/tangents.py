@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import some_of
-from stickslip.contracts import Array
+from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.status import Status
 from stickslip.dynamics.derivatives.slopes import Slopes, period_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
@@ -19,9 +21,7 @@ from stickslip.engine.kinds import check_functions, kind_of
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.tangent import has_corners, means_of, tangent
 from stickslip.engine.trace import trace
-from stickslip.machine_adapter import machine_of
-from stickslip.sealing import sealed
-from stickslip.status import Status
+from stickslip.models.machine_adapter import machine_of
 
 _corners: Remembered[bool] = Remembered()
 _means: Remembered[tuple[str, ...]] = Remembered()

@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
+from stickslip.basics.notebook_display import Drawn, rounded
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.flows.user_functions import numbers, of_state
-from stickslip.errors import InputError, Problems
-from stickslip.faces import Drawn, rounded
-from stickslip.fields import floats
-from stickslip.flow import is_flow
-from stickslip.interruption import Ending, interruptible, look, looking, partial_result
-from stickslip.sealing import sealed
+from stickslip.models.switching_flow import is_flow
 
 _LEAST = 10  # parts of a motion over which an interrupted average is taken at least
 _SHOWN = 200  # points of the record of how they converge, at most

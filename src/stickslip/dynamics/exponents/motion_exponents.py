@@ -8,9 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.batch import some_of
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import checked_number
+from stickslip.basics.interruption import interruptible, look, partial_result
+from stickslip.basics.quantities import between
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
 from stickslip.dynamics.periodic.closed_orbits import resting
@@ -19,13 +23,9 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
-from stickslip.errors import InputError, Problems
-from stickslip.fields import checked_number
-from stickslip.flow import is_flow
-from stickslip.interruption import interruptible, look, partial_result
-from stickslip.machine_adapter import machine_of
-from stickslip.quantities import between
-from stickslip.sweeps.progress import Watch
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
+from stickslip.studies.progress import Watch
 
 _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error

@@ -5,17 +5,17 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from stickslip.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.notebook_display import Face
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov
 from stickslip.dynamics.exponents.motion_exponents import checked, exponents_along, settled
 from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.periodicity import repetition
-from stickslip.errors import InputError, SolveError
-from stickslip.faces import Face
-from stickslip.interruption import interruptible
-from stickslip.sealing import sealed
 
 
 @sealed

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Numbers, explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
-from stickslip.errors import InputError, Problems
-from stickslip.fields import floats
-from stickslip.sealing import sealed
 
 _LEAST = 100
 _TURNS, _SEEN = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for

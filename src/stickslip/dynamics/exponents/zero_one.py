@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Numbers, explains_arguments
-from stickslip.contracts import Array
-from stickslip.errors import Problems
-from stickslip.fields import floats
-from stickslip.sealing import sealed
+from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import Problems
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
 
 _LEAST = 200  # numbers of a series
 _CHAOS, _ORDER = 0.8, 0.2  # of K: above is chaotic, below regular, between is not decided

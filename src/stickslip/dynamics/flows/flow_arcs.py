@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import SolveError
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.flows.step_extremes import extremes, first_fall, points
 from stickslip.dynamics.flows.user_functions import derivative, value
-from stickslip.errors import SolveError
-from stickslip.sealing import sealed
 
 _STEPS = 200_000  # of the integrator in one arc: minutes
 _ROUNDING = 64 * float(np.finfo(float).eps)

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
 from stickslip.dynamics.flows.user_functions import derivative
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
-from stickslip.errors import InputError, Problems, SolveError, is_whole
-from stickslip.flow import Switch, SwitchingFlow, is_flow
-from stickslip.friction.law_adapter import law_of
-from stickslip.interruption import interruptible
-from stickslip.mechanics import normal_load
-from stickslip.sealing import sealed
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.mechanics import normal_load
+from stickslip.models.switching_flow import Switch, SwitchingFlow, is_flow
 
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
 _REACH = 0.1  # of the size of the state: so long may a step be in any case

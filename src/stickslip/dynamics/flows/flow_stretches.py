@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems, is_number, is_one_of
+from stickslip.basics.fields import floats
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.flows.judged_flows import judged
-from stickslip.errors import InputError, Problems, is_number, is_one_of
-from stickslip.fields import floats
-from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
-from stickslip.flow_run import extremes
-from stickslip.sealing import sealed
+from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
+from stickslip.results.flow_run import extremes
 from stickslip.solvers.flow_engine import check_flow, followed, unknown
 
 METHODS = ("auto", "exact", "dop853")

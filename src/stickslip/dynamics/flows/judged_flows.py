@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.interruption import look
 from stickslip.dynamics.flows.flow_arcs import arc, guards_of
 from stickslip.dynamics.flows.user_functions import answer, derivative
-from stickslip.errors import InputError, SolveError
-from stickslip.flow import knows_mode, unknown_mode
-from stickslip.interruption import look
+from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
 
 _MANY, _AT_ONCE = 100, 1e-7  # so many switches within this part of a passage accumulate: at that rate it would have 1e9

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 
 _DEGREE = 8  # the dense output of DOP853 has degree 7
 _NODES = -np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)

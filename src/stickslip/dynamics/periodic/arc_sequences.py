@@ -18,15 +18,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
-from stickslip.errors import InputError
-from stickslip.forces import offered_force
-from stickslip.friction.law_adapter import law_of
-from stickslip.machine_adapter import machine_of
-from stickslip.mechanics import normal_load
-from stickslip.position import knows_position
+from stickslip.models.forces import offered_force
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import normal_load
+from stickslip.models.position_dependence import knows_position
 
 Margin = tuple[str, int, int]  # name, number of the arc, side
 _SAMPLES = 96
@@ -94,7 +94,7 @@ def _slide(model: Any, mode: int, begin: float, times: Array) -> Array:
     from stickslip.solvers.closed_arcs import handles, reduced
 
     if handles(model) is None:
-        from stickslip.dense_output import HarmonicArcs
+        from stickslip.results.dense_output import HarmonicArcs
 
         n = reduced(model)
         numbers = (float(a[0]) for a in (n.drive, n.omega, n.resist_plus, n.resist_minus))

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name
+from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
-from stickslip.dynamics.periodic.balls import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
+from stickslip.dynamics.periodic.ball_arithmetic import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.engine.closed_arc_conditions import closed_of
-from stickslip.errors import InputError, Problems
-from stickslip.sealing import sealed
 from stickslip.solvers.closed_arcs import handles
 
 

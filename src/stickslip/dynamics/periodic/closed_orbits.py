@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
-from stickslip.faces import Drawn
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 

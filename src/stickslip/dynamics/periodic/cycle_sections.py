@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.stroboscopic.sections import halved, read
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
 
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 

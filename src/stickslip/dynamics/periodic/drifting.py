@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
 _DRIFTS = 200  # drive periods after which a motion that speeds up for ever does so evenly

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels
-from stickslip.contracts import Array
+from stickslip.basics.batch import Labels
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, states_of_parts, strobe_states
-from stickslip.errors import InputError, Problems
-from stickslip.fields import floats, number
-from stickslip.flow import is_flow, knows_mode, unknown_mode
-from stickslip.layout import of_one_contact
+from stickslip.models.state_layout import of_one_contact
+from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
 from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 

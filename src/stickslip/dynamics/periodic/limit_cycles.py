@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
-from stickslip.errors import InputError, SolveError
-from stickslip.interruption import interruptible
-from stickslip.machine_adapter import machine_of
-from stickslip.sealing import sealed
-from stickslip.steadiness import way_of_machine
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.steadiness import way_of_machine
 
 _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stickslip.contracts import Array
-from stickslip.sealing import sealed
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 
 P = TypeVar("P", bound=Any)
 

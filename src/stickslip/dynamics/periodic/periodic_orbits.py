@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from stickslip.analysis.motion import Motion, Motions, motion
-from stickslip.arguments import Model, explains_arguments
-from stickslip.contracts import Array
+from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import Problems, SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.variables import unit_of
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
@@ -30,18 +34,13 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
     way_of,
     with_rests,
 )  # fmt: skip
-from stickslip.errors import Problems, SolveError
-from stickslip.flow import SwitchingFlow, is_flow
-from stickslip.interruption import interruptible
-from stickslip.machine_adapter import is_machine, machine_of
-from stickslip.sealing import sealed
-from stickslip.variables import unit_of
+from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.switching_flow import SwitchingFlow, is_flow
 
 if TYPE_CHECKING:
     from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-    from stickslip.machines import Chain
-    from stickslip.mechanisms import BlockOnBelt, ForcedOscillator, PulledMass
-    from stickslip.robot import Robot
+    from stickslip.models.machines import BlockOnBelt, Chain, ForcedOscillator, PulledMass
+    from stickslip.models.robot import Robot
 
 RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of, some_of, spread
-from stickslip.contracts import Array
+from stickslip.basics.batch import labels_of, some_of, spread
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
 from stickslip.engine.tangent import tangent, tangent_of_means
-from stickslip.machine_adapter import machine_of
-from stickslip.sealing import sealed
+from stickslip.models.machine_adapter import machine_of
 
 NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion can be shifted freely
 _CLOSED, _CLOSED_WITHIN_TOLERANCE = 1e-12, 1e-6  # of the scales: a motion that misses itself by less is closed

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stickslip import pool
-from stickslip.sweeps.progress import Progress, Watch
+from stickslip.basics import pool
+from stickslip.studies.progress import Progress, Watch
 
 T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contracts import Array
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.settled_motions import LONGEST, repeated
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
-from stickslip.recurrence import apart, approach
-from stickslip.sealing import sealed
+from stickslip.results.recurrence import apart, approach
 
 
 @sealed

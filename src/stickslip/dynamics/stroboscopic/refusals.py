@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import cases_of
+from stickslip.basics.batch import cases_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest
 from stickslip.dynamics.stroboscopic.strobe_states import order_of
-from stickslip.errors import InputError
-from stickslip.fields import leaves
-from stickslip.flow import is_flow
-from stickslip.machine_adapter import is_machine, machine_of
+from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.models.switching_flow import is_flow
 
 
 def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:

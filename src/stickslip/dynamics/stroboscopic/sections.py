@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.steady import is_run, period_number
-from stickslip.arguments import Run, explains_arguments
-from stickslip.contracts import Array
-from stickslip.errors import Problems, did_you_mean, is_whole
-from stickslip.steadiness import way_of_machine
-from stickslip.variables import VARIABLES, unit_of
+from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import Problems, did_you_mean, is_whole
+from stickslip.basics.variables import VARIABLES, unit_of
+from stickslip.results.steadiness import way_of_machine
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,18 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import cases_of, labels_of, spread
-from stickslip.contracts import Array
+from stickslip.basics.batch import cases_of, labels_of, spread
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered, order_of
-from stickslip.errors import InputError, Problems
-from stickslip.fields import leaves, replace_leaf
-from stickslip.flow import is_flow
-from stickslip.forces import inner_start
-from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.sealing import sealed
-from stickslip.segments import intervals_of
+from stickslip.models.forces import inner_start
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.switching_flow import is_flow
+from stickslip.results.segments import intervals_of
+from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.initial_states import start_of_parts
-from stickslip.steadiness import way_of_machine
 
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.errors import InputError
 from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refusal_of
-from stickslip.errors import InputError
-from stickslip.friction.law_adapter import law_of
-from stickslip.layout import StateLayout
-from stickslip.machine_adapter import MachineAdapter, machine_of
-from stickslip.position import knows_position
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import MachineAdapter, machine_of
+from stickslip.models.position_dependence import knows_position
+from stickslip.models.state_layout import StateLayout
 
 
 @dataclass(frozen=True)

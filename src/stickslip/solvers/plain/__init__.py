@@ -13,9 +13,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from stickslip.batch import cases_of
-from stickslip.errors import SolveError
-from stickslip.machine_adapter import machine_of
+from stickslip.basics.batch import cases_of
+from stickslip.basics.errors import SolveError
+from stickslip.basics.status import Status
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.part_results import nothing as no_parts
@@ -23,9 +26,6 @@ from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
 from stickslip.solvers.request import Request
-from stickslip.status import Status
-from stickslip.summary import Summary
-from stickslip.trajectory import Trajectory
 
 __all__ = ["NAMES", "solve"]
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import SolveError
+from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
 from stickslip.solvers.plain.plain_equations import Equations, Mode

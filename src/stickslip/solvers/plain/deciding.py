@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import SolveError
+from stickslip.basics.errors import SolveError
 
 ROUNDING = 64 * float(np.finfo(float).eps)
 MOST = 6  # unknowns of a block that is enumerated

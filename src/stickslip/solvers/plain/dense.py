@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dense_output import PolynomialPieces
-from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
+from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
+from stickslip.results.dense_output import PolynomialPieces
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 

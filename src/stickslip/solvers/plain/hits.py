@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import SolveError
+from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
 from stickslip.solvers.plain.plain_equations import SHORT, Equations, Mode
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from stickslip.maths import function_value
+from stickslip.basics.maths import function_value
 
 Sides = tuple[bool, ...]
 

@@ -10,10 +10,11 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from stickslip.dense_output import PolynomialPieces
-from stickslip.errors import SolveError
-from stickslip.interruption import Interrupted, look
-from stickslip.machine_adapter import machine_of
+from stickslip.basics.errors import SolveError
+from stickslip.basics.interruption import Interrupted, look
+from stickslip.basics.status import Status
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.dense_output import PolynomialPieces
 from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
 from stickslip.solvers.plain.dense import Part, joined
@@ -23,7 +24,6 @@ from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
 from stickslip.solvers.stopped import place, remedy, sentence
-from stickslip.status import Status
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too

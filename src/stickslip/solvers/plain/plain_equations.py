@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import SolveError
-from stickslip.friction.law_adapter import TINY, Switches
-from stickslip.machine_adapter import machine_of
-from stickslip.position import knows_position
+from stickslip.basics.errors import SolveError
+from stickslip.models.friction.law_adapter import TINY, Switches
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
 from stickslip.solvers.plain.resting import Group, group_of

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dense_output import PolynomialPieces
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.steadiness import outcome_of
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
-from stickslip.steadiness import outcome_of
-from stickslip.trajectory import Trajectory
 
 
 def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> dict[str, Any]:

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine_adapter import machine_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.steadiness import repetition_of, window_count
+from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
-from stickslip.steadiness import repetition_of, window_count
-from stickslip.trajectory import Trajectory
 
 Array = Any
 
@@ -53,7 +53,7 @@ def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) ->
 
 
 def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
-    """The mode of each contact at sampled instants (see `stickslip.segments`)."""
+    """The mode of each contact at sampled instants (see `stickslip.results.segments`)."""
     mode, slip, load = at["mode"].astype(int), at["slip"], at["load"]
     codes = 2 * mode
     for i, law in enumerate(machine_of(run.model).laws):

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import SolveError
-from stickslip.interruption import is_stopped
+from stickslip.basics.errors import SolveError
+from stickslip.basics.interruption import is_stopped
+from stickslip.basics.status import Status
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.dense import Part, part_of
 from stickslip.solvers.plain.guards import Guard, guards
 from stickslip.solvers.plain.plain_equations import Equations, Mode
 from stickslip.solvers.request import Request
-from stickslip.status import Status
 
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
 #: Degree of the polynomials between the steps of a method; those of a multistep method have that of the step's order.

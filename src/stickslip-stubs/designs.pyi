@@ -1,0 +1,1 @@
+from stickslip.studies.designs import *

@@ -1,0 +1,1 @@
+from stickslip.show.figures import *

@@ -1,0 +1,1 @@
+from stickslip.models.presets import *

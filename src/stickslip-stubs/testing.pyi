@@ -1,0 +1,1 @@
+from stickslip.analysis.law_claims import *

@@ -1,0 +1,1 @@
+from stickslip.models.tracks import *

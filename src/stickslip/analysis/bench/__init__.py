@@ -1,0 +1,6 @@
+"""The bench: standard experiments on a friction law alone."""
+
+from stickslip.analysis.bench.experiments_run import EXPERIMENTS, bench
+from stickslip.analysis.bench.findings import Bench, Benches, Curve, Experiment, Quantity
+
+__all__ = ["EXPERIMENTS", "Bench", "Benches", "Curve", "Experiment", "Quantity", "bench"]

@@ -1,0 +1,6 @@
+"""Tests of friction laws: `check_law` checks a law, also a user-defined one, against the claims for the built-in laws."""
+
+from stickslip.analysis.law_claims.law_claims import check_law
+from stickslip.analysis.law_claims.reports import Claim, LawReport
+
+__all__ = ["Claim", "LawReport", "check_law"]

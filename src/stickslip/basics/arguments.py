@@ -1,0 +1,300 @@
+"""Checks of arguments of public functions against their annotations; each mismatch is reported in one sentence."""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import dataclasses
+import functools
+import importlib
+import inspect
+import math
+import os
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ParamSpec, TypeVar
+
+from stickslip.basics.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
+from stickslip.basics.fields import check_arguments, checked_number, number
+from stickslip.basics.quantities import allowed_in, example_of
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of argument that no type expresses: a test and its description."""
+
+    holds: Callable[[Any], bool]
+    words: str
+
+
+def _has(*names: str) -> Callable[[Any], bool]:
+    return lambda value: not isinstance(value, type) and all(hasattr(value, name) for name in names)
+
+
+def _is_numbers(value: Any) -> bool:
+    try:
+        number(value)
+    except ValueError:
+        return False
+    return True
+
+
+def _many(value: Any) -> Any:
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
+def _is_law(value: Any) -> bool:
+    return hasattr(value, "sliding") or hasattr(value, "rate")
+
+
+def _is_model(value: Any) -> bool:
+    """Whether an object gives the acceleration of one body, or lists bodies and contacts."""
+    return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
+
+
+_ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
+#: Used in annotations instead of Any.
+Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
+Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]
+Maker = Annotated[
+    Any, Kind(lambda v: callable(v) or _is_model(v), "a robot, a machine, or a function that makes one; type ss.presets.piezo_rig")
+]
+Law = Annotated[Any, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
+LawOrModel = Annotated[Any, Kind(lambda v: _is_law(v) or _is_model(v), f"a friction law, a Robot, a mechanism or a machine; {_ROBOT}")]
+Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
+Grid = Annotated[Any, Kind(_has("data_vars", "dims"), "a dataset, such as ss.sweep, ss.map and ss.bifurcation return")]
+Fitted = Annotated[Any, Kind(_has("values", "problem"), "a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")]
+Measured = Annotated[Any, Kind(_has("channels", "source"), 'a Record; type for example ss.read("run.csv")')]
+Recorded = Annotated[
+    Any,
+    Kind(
+        lambda v: isinstance(v, (str, os.PathLike, Mapping)) or _has("columns", "__getitem__")(v),
+        'the path of a record, or a data frame; type for example ss.read("run.csv")',
+    ),
+]
+Exponents = Annotated[Any, Kind(_has("spectrum", "record"), "exponents; type for example ss.lyapunov(robot)")]
+Ways = Annotated[
+    Any, Kind(lambda v: all(map(_has("orbits", "values"), v if isinstance(v, (list, tuple)) else [v])), "a Branch or a list of them")
+]
+Basin = Annotated[Any, Kind(_has("map", "attractors"), "basins; type for example ss.basins(robot, v=[0.0, 0.1])")]
+Compared = Annotated[Any, Kind(_has("rows", "record"), "a comparison; type for example ss.compare(record, robot)")]
+Benched = Annotated[Any, Kind(lambda v: _has("experiments")(v) or _has("benches")(v), "a bench; type for example ss.bench(law)")]
+Page = Annotated[Any, Kind(lambda v: v is None or _has("subplots", "savefig")(v), "a figure of matplotlib; type for example plt.figure()")]
+Ax = Annotated[Any, Kind(lambda v: v is None or _has("plot", "figure")(v), "axes of matplotlib; type for example plt.subplots()[1]")]
+
+
+def parameters_of(make: Callable[..., Any]) -> Any:
+    """The parameters of a maker; `InputError` if Python cannot determine them."""
+    try:
+        return inspect.signature(make).parameters.values()
+    except ValueError:  # a class of Python's own
+        raise InputError("make", [f"{make!r} makes no robot; allowed is a function that makes one; type ss.presets.piezo_rig"]) from None
+
+
+def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]]:
+    """The descriptions of a maker's arguments: those of its fields, or those in its annotations ``Annotated[float, quantity(...)]``.
+
+    Examples
+    --------
+    >>> from stickslip.presets import piezo_rig
+    >>> described_arguments(piezo_rig)["sigma0"]["unit"]
+    'N/m'
+    """
+    if isinstance(make, type) and dataclasses.is_dataclass(make):
+        return {field.name: field.metadata for field in dataclasses.fields(make)}
+    made = inspect.unwrap(make)
+    hints = _hints(made) if hasattr(made, "__annotations__") and hasattr(made, "__globals__") else {}
+    extras = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: told for name, found in extras.items() for told in found if isinstance(told, Mapping)}
+
+
+def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The numbers among the arguments of a maker, checked against their descriptions; mistakes are added to `problems`."""
+    rules = _rules(make)
+    return {name: checked_number(name, value, problems, *rules[name]) for name, value in given.items() if name in rules}
+
+
+@functools.lru_cache(maxsize=64)
+def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | None]]:
+    """Rules for the numbers among a maker's arguments: rule, its description, an example, and the unit."""
+    described = {name: told for name, told in described_arguments(make).items() if told}
+    return {n: (told.get("rule"), allowed_in(told), f"{n}={example_of(told)}", told.get("unit")) for n, told in described.items()}
+
+
+def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
+    """Decorate a function so that its exceptions name the arguments that do not match their annotations.
+
+    It costs nothing unless an exception is raised. Errors of this package, such as those of the function's own checks, keep their text.
+
+    Examples
+    --------
+    >>> @explains_arguments
+    ... def half(x: float) -> float:
+    ...     return x / 2
+    >>> half("3")
+    Traceback (most recent call last):
+    ...
+    stickslip.basics.errors.InputError: half: x = '3'; allowed is a finite number
+    >>> half(y=3.0)
+    Traceback (most recent call last):
+    ...
+    stickslip.basics.errors.InputError: half: 2 problems
+      - 'y' is not an argument; known: x
+      - x is missing; type x=...
+    """
+
+    @functools.wraps(function)
+    def explained(*args: P.args, **kwargs: P.kwargs) -> T:
+        try:
+            return function(*args, **kwargs)
+        except OneContactNeeded as error:
+            raise InputError(function.__name__, error.problems) from error
+        except StickslipError:
+            raise
+        except Exception as error:
+            _check_names(function, args, kwargs)
+            if problems := wrong_kinds(function, args, kwargs):
+                raise InputError(function.__name__, problems) from error
+            raise
+
+    return explained
+
+
+def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+    """Report misspelt and missing arguments with a suggestion; any other mismatch with the signature remains Python's own TypeError."""
+    signature = inspect.signature(function)
+    try:
+        signature.bind(*args, **kwargs)
+    except TypeError:
+        _check_places(function.__name__, list(signature.parameters.values()), args)
+        check_arguments(
+            function.__name__, dict(signature.parameters), args, kwargs, lambda: described_arguments(function), "not an argument"
+        )
+
+
+def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:
+    """Report surplus positional values, each with the keyword that it probably stands for."""
+    places = [p.name for p in known if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    if len(args) <= len(places) or any(p.kind is p.VAR_POSITIONAL for p in known):
+        return
+    named = [p.name for p in known if p.kind is p.KEYWORD_ONLY]
+    typed = ", ".join(f"{name}={_short(value)}" for name, value in zip(named, args[len(places) :], strict=False))
+    allowed = f"allowed without a name is {', '.join(places) or 'nothing'}"
+    raise InputError(what, [f"{len(args)} values are given without a name; {allowed}" + (f"; type {typed}" if typed else "")])
+
+
+def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[str]:
+    """A sentence for each argument that does not match its annotation; empty if the arguments do not fit the signature."""
+    try:
+        given = inspect.signature(function).bind(*args, **kwargs).arguments
+    except TypeError:
+        return []
+    hints = _hints(function)
+    more = next((p.name for p in inspect.signature(function).parameters.values() if p.kind is p.VAR_KEYWORD), None)
+    values = {name: value for name, value in given.items() if name != more}
+    found = [(name, value, hints[name]) for name, value in values.items() if name in hints]
+    found += [(name, value, hints[more]) for name, value in given.get(more, {}).items() if more in hints] if more else []
+    return [f"{name} = {_short(value)}; allowed is {_words(hint)}" for name, value, hint in found if not _fits(value, hint)]
+
+
+@functools.lru_cache(maxsize=256)
+def _hints(function: Callable[..., Any]) -> dict[str, Any]:
+    """The annotations, without those that cannot be evaluated."""
+    found = {}
+    for name, text in function.__annotations__.items():
+        with contextlib.suppress(NameError, AttributeError, TypeError):
+            found[name] = eval(text, {}, _Names(function.__globals__)) if isinstance(text, str) else text
+    return found
+
+
+class _Names(dict[str, Any]):
+    """The names of a module, and public names that it imports for type checkers only."""
+
+    def __missing__(self, name: str) -> Any:
+        return getattr(builtins, name) if hasattr(builtins, name) else getattr(importlib.import_module("stickslip"), name)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value, its items included, matches an annotation."""
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if origin is Annotated:
+        return all(kind.holds(value) for kind in inner[1:] if isinstance(kind, Kind))
+    if origin in (typing.Union, types.UnionType):
+        return any(_fits(value, one) for one in inner)
+    if origin is typing.Literal:
+        return any(value is one or (isinstance(value, str) and value == one) for one in inner)
+    if hint in (None, type(None)):
+        return value is None
+    plain = _PLAIN.get(hint)
+    if plain is not None:
+        return plain[0](value)
+    if origin in _MANY or hint in _MANY:
+        return _fits_many(value, origin or hint, inner)
+    if isinstance(hint, type):
+        return isinstance(value, hint)
+    return True
+
+
+def _fits_many(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
+    if origin in (dict, Mapping):
+        return isinstance(value, Mapping) and (not inner or all(_fits(k, inner[0]) and _fits(v, inner[1]) for k, v in value.items()))
+    if origin is Callable or origin is type:
+        return callable(value)
+    if isinstance(value, (str, bytes, Mapping)) or not hasattr(value, "__len__") or getattr(value, "ndim", 1) == 0:
+        return False
+    if origin is tuple and inner and inner[-1] is not Ellipsis:
+        return len(value) == len(inner) and all(map(_fits, value, inner))
+    return not inner or all(_fits(item, inner[0]) for item in value)
+
+
+def _words(hint: Any) -> str:
+    """A description of the values that an annotation allows."""
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if origin is Annotated:
+        return next((kind.words for kind in inner[1:] if isinstance(kind, Kind)), "anything")
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(dict.fromkeys(map(_words, inner)))
+    if origin is typing.Literal:
+        return " or ".join(map(repr, inner))
+    if hint in _PLAIN:
+        return _PLAIN[hint][1]
+    if origin in _MANY or hint in _MANY:
+        of = {dict: inner[1:], Mapping: inner[1:], Callable: (), type: ()}.get(
+            origin or hint, [one for one in inner if one is not Ellipsis][:1]
+        )
+        return _MANY[origin or hint] + (f", each {_words(of[0])}" if of and of[0] is not Any else "")
+    return (
+        f"a {hint.__name__}" if isinstance(hint, type) and hint is not type(None) else "None" if hint in (None, type(None)) else "anything"
+    )
+
+
+def _is_real(value: Any) -> bool:
+    try:
+        plain = not isinstance(value, (bool, str, bytes, complex)) and getattr(getattr(value, "dtype", None), "kind", "f") in "iufO"
+        return plain and getattr(value, "ndim", 0) == 0 and math.isfinite(float(value))
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+_PLAIN: dict[Any, tuple[Callable[[Any], bool], str]] = {
+    Any: (lambda value: True, "anything"),
+    bool: (lambda value: isinstance(value, bool), "True or False"),
+    int: (is_whole, "a whole number"),
+    float: (_is_real, "a finite number"),
+    str: (lambda value: isinstance(value, str), "text"),
+    os.PathLike: (lambda value: isinstance(value, os.PathLike), "a path"),
+}
+_MANY: dict[Any, str] = {
+    dict: "a dict", Mapping: "a dict", list: "a list", tuple: "a tuple", Iterable: "a list", Sequence: "a list", Callable: "a function",
+    type: "a class",
+}  # fmt: skip

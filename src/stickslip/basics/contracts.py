@@ -1,0 +1,114 @@
+"""Protocols of the parts of a model. A user-defined class needs these methods and no base class.
+
+Velocities are in m/s, forces in N, times in s. Every number may be an array of cases, or a symbol while equations are traced.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, TypeAlias
+
+#: A NumPy array or a substitute for one: one number for all, a labelled array, a symbol.
+Array: TypeAlias = Any
+
+
+class SetValuedLaw(Protocol):
+    """A law that may hold a body at rest; `stickslip.models.friction.law_adapter` reads it, with its optional attributes."""
+
+    def sliding(self, v: Any, load: Any) -> Any:
+        """Friction force [N] at a slip velocity v [m/s] that is not zero."""
+
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
+        """Static friction limits (backward, forward) [N]: the first is negative."""
+
+
+class DynamicLaw(Protocol):
+    """A law with `states` inner states (1 if not given): z and the value of `rate` are a number if there is one, else a tuple."""
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force [N]."""
+
+
+class BalancingLaw(Protocol):
+    """A dynamic law that needs `applied`, the friction force that would keep v constant [N]."""
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+        """Friction force [N]."""
+
+
+class SwitchingLaw(Protocol):
+    """A dynamic law with whole-number memories: `mode` is a tuple of them, and `modes` is their number."""
+
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+        """Friction force [N]."""
+
+    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+        """Guards that end a mode: (guard, positive until then; mode after it; z after it, or None if unchanged)."""
+
+
+Law: TypeAlias = SetValuedLaw | DynamicLaw | BalancingLaw | SwitchingLaw
+
+
+class Drive(Protocol):
+    """A prescribed relative motion of the inner mass."""
+
+    @property
+    def period(self) -> Any:
+        """Period of the motion [s]."""
+
+    def position(self, t: Any) -> Any:
+        """Relative position [m]."""
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]."""
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration [m/s^2]."""
+
+
+class Track(Protocol):
+    """The protocol of a track: the components of gravity across and along it."""
+
+    def across(self, gravity: Any) -> Any:
+        """Component of gravity normal to the track [m/s^2]."""
+
+    def along(self, gravity: Any) -> Any:
+        """Component of gravity along the track, forwards [m/s^2]."""
+
+
+class Machine(Protocol):
+    """The protocol of a robot or a mechanism: one body with one contact."""
+
+    @property
+    def friction(self) -> Any:
+        """The law of its contact."""
+
+    @property
+    def load(self) -> Any:
+        """Normal force on the contact [N]: a number, or a function of time [s] and place [m]."""
+
+    @property
+    def period(self) -> Any:
+        """Period of its drive or forcing [s]; None if it is not periodic."""
+
+    @property
+    def total_mass(self) -> Any:
+        """Total mass that moves with the contact [kg]."""
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity, against which errors are measured [m/s]."""
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the body [m/s^2] under a friction force R [N]."""
+
+    def contact_velocity(self, v: Any) -> Any:
+        """Velocity at the contact [m/s] of a body with velocity v."""

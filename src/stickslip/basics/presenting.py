@@ -1,0 +1,34 @@
+"""Who draws a result, and who writes its report: results ask here, and `stickslip.show`, which is built on results, answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+Provider = Callable[[str], Callable[..., Any]]
+_PROVIDERS: dict[str, Provider] = {}
+_ON_DEMAND: list[Callable[[], object]] = []
+
+
+def provide(kind: str, provider: Provider) -> None:
+    """Register what returns the functions of a kind ("figure", "report") by their names."""
+    _PROVIDERS[kind] = provider
+
+
+def on_demand(load: Callable[[], object]) -> None:
+    """Register what to call, once, when a function is wanted before anybody provides it."""
+    _ON_DEMAND.append(load)
+
+
+def presenter(kind: str, name: str) -> Callable[..., Any]:
+    """The function that draws a figure, or writes a report.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> presenter("figure", "energy") is ss.plot.energy
+    True
+    """
+    while kind not in _PROVIDERS and _ON_DEMAND:
+        _ON_DEMAND.pop()()
+    return _PROVIDERS[kind](name)

@@ -1,6 +1,0 @@
-"""The bench: standard experiments on a friction law alone."""
-
-from stickslip.benching.experiments_run import EXPERIMENTS, bench
-from stickslip.benching.findings import Bench, Benches, Curve, Experiment, Quantity
-
-__all__ = ["EXPERIMENTS", "Bench", "Benches", "Curve", "Experiment", "Quantity", "bench"]

@@ -1,0 +1,1 @@
+"""Inverse problems: parameters from measured records, and the best numbers of a machine."""

@@ -1,0 +1,135 @@
+"""The bootstrap: fits to resampled data, all replicates together."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.errors import Problems
+from stickslip.basics.interruption import look
+from stickslip.basics.pool import shared
+from stickslip.inverse.identification.covariance import effective
+from stickslip.inverse.identification.search import polished_to_end
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
+_STEPS = 8  # common steps of all replicates
+_NEAR = 0.05  # ... and when it moves the residuals by less than this part of one standard error of them all
+_SMALL = 0.01  # a replicate is done when its step is below this part of the standard errors
+
+
+def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0, workers: int = 1) -> tuple[float, float]:
+    """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order.
+
+    Along a direction that the data do not determine all replicates stay where the fit began, which says nothing: there it is open.
+    """
+    table = bootstrap(fit, repeats, seed, workers)
+    k = fit.names.index(name)
+    if fit.information.undetermined[k]:
+        return fit.problem.parameters.free[k].low, fit.problem.parameters.free[k].high
+    low, high = np.quantile(table[:, k], [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+    return float(low), float(high)
+
+
+def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
+    """Values of the free parameters in fits to resampled data, bit for bit the same for any number of workers.
+
+    All replicates start at the fit and step by Gauss and Newton with its derivatives, so that one step costs one curve for each; where
+    that does not settle, trust-region steps with derivatives of its own finish the replicate. Forces against motion are one batch per
+    step; steady curves are shared among threads.
+
+    Parameters
+    ----------
+    fit : Fit
+    repeats : int
+    seed : int
+    workers : int
+        Threads.
+
+    Returns
+    -------
+    array (repeats, parameters)
+        NaN for parameters that the data do not determine.
+    """
+    problems = Problems("bootstrap")
+    problems.whole("repeats", repeats, 2, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
+    places, settled = _stepped(fit, resampled, workers)
+    finished = partial(_finished, fit, resampled)
+    for r, end in shared(finished, [r for r in range(repeats) if not settled[r]], workers):
+        places[r] = end.place
+    free = fit.problem.parameters.free
+    table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
+    return np.where(fit.information.undetermined[: len(free)], np.nan, table)
+
+
+def _finished(fit: Fit, problems: list[Any], r: int) -> Any:
+    """Where the steps of one replicate end."""
+    return polished_to_end(problems[r], fit.place, rough=True)
+
+
+def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
+    """Places of all replicates after common steps, and which of them have settled."""
+    low, high = fit.problem.bounds()
+    inverse = fit.information.inverse
+    small = _SMALL * fit.scale * np.sqrt(np.sum(inverse**2, axis=1))
+    places = np.tile(fit.place, (len(problems), 1))
+    open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)
+    costs = np.full(len(problems), np.inf)
+    for _ in range(_STEPS):
+        look()
+        rests = _residuals(problems, places, open_ones, workers)
+        cost = np.sum(rests**2, axis=1)
+        falls = cost <= costs[open_ones] * (1 + 1e-9)
+        costs[open_ones] = cost
+        steps = np.array([inverse @ rest.copy() for rest in rests])  # one by one: sums do not depend on how many there are
+        moved = np.clip(places[open_ones] - steps, low, high)
+        step = moved - places[open_ones]
+        near = np.linalg.norm(step @ fit.jacobian.T, axis=1) <= _NEAR * fit.scale
+        done = falls & near & (abs(step) <= small).all(axis=1)
+        places[open_ones] = np.where(falls[:, None], moved, places[open_ones])
+        settled[open_ones[done]] = True
+        open_ones = open_ones[falls & ~done]
+        if len(open_ones) == 0:
+            break
+    return places, settled
+
+
+def _residuals(problems: list[Any], places: Any, which: Any, workers: int) -> Any:
+    """Residuals of some replicates: array (replicates, values)."""
+    if problems[0].batched:
+        least, most = problems[0].ends(places[which])
+        return np.stack([problems[r].rest((least[:, k], most[:, k]), places[r]) for k, r in enumerate(which)])
+    found = dict(shared(lambda r: problems[r].residuals(places[r]), which, workers))
+    return np.stack([found[r] for r in which])
+
+
+def _resampled_problem(fit: Fit, rng: Any) -> Any:
+    """Other noise, and other calibrations of what is known beforehand."""
+    y = _resampled_values(fit, rng)
+    return fit.problem.with_values(y, rng.normal(size=len(fit.jacobian) - fit.count))
+
+
+def _resampled_values(fit: Fit, rng: Any) -> Any:
+    rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
+    parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
+    found = np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
+    if fit.changes is None:
+        return found
+    return found - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
+
+
+def _resampled(rest: Any, rng: Any, sigma: float) -> Any:
+    """Residuals in blocks as long as they are correlated; a single number gets noise of the given size."""
+    n = len(rest)
+    if n == 1:
+        return rng.normal(scale=sigma, size=1)
+    block = int(np.clip(n / max(effective(rest), 1.0), 1, max(n // 8, 1)))
+    starts = rng.integers(0, n, int(np.ceil(n / block)))
+    index = (starts[:, None] + np.arange(block)) % n
+    return (rest - rest.mean())[index.ravel()[:n]]

@@ -1,0 +1,191 @@
+"""How sure the numbers of a fit are: their covariance from derivatives and residuals, coloured noise included."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.information import Information
+
+_ENOUGH = 60  # values of a record that tell its own noise
+_TIMES = 100.0  # by which the noise of a record may be found larger or smaller than its target supposes, beside that of the others
+_SAME, _ALIKE = 0.05, 0.01  # parts by which the noise of all records, and that of each beside the others, may be off
+_TOGETHER = 0.95  # correlation of two numbers above which they are named
+_LOST = 1 / 3  # of the distance between bounds
+_RARE = 1e-3  # chance below which a sum of squares is beyond the noise that was given
+_WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
+
+
+def information_of(problem: Any, jacobian: Any) -> Information:
+    """Information of data and priors about the numbers of a place."""
+    count = len(problem.y)
+    return Information(jacobian[:count], problem.resolution, jacobian[count:])
+
+
+def noise_scale(problem: Any, found: Any) -> float:
+    """The noise of the records over what the problem supposes, from all residuals; 1 where it was given, or nothing is left to tell it.
+
+    Mean velocities whose sum of squares is beyond what their given noise allows (once in a thousand) are taken to be as noisy as they are
+    far off (Birge's ratio): single numbers have no shape by which a wrong law could be told.
+    """
+    free = len(found.residuals) - len(problem.parameters.free) - problem.nuisances
+    known = all(t.given_sigma for t in problem.targets)
+    if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(found.cost, free) > _RARE)):
+        return 1.0
+    return float(np.sqrt(found.cost / free))
+
+
+def _by_chance(cost: float, free: int) -> float:
+    """How often noise alone makes such a sum of squares."""
+    from scipy.stats import chi2
+
+    return float(chi2.sf(cost, free))
+
+
+def noise_sizes(problem: Any, found: Any) -> Any:
+    r"""The noise of each record over what its target supposes, beside that of the others: array (records,), its weighted mean 1.
+
+    Of a record whose noise nobody gave it is from its own residuals: their sum of squares over their number less that of the fitted
+    numbers which the record bears, the sum of the leverages of its values. Where the sizes have settled, the sum of all squares is
+    :math:`n \exp(\sum_i \frac{n_i}{n} \ln s_i^2)`, which falls as the likelihood rises.
+    """
+    counts = np.array([t.count for t in problem.targets])
+    sizes = problem.sizes * np.ones(len(counts))
+    own = np.array([not t.given_sigma for t in problem.targets]) & (counts >= _ENOUGH)
+    if own.sum() < 2:
+        return sizes
+    count = len(problem.y)
+    borne = np.sum(found.jacobian[:count] * information_of(problem, found.jacobian).inverse[:, :count].T, axis=1)
+    squares, lost = (np.array([part.sum() for part in problem.parts(each)]) for each in (found.residuals[:count] ** 2, borne))
+    noise = sizes * np.sqrt(np.maximum(squares, np.finfo(float).tiny) / np.maximum(counts - lost, 1.0))
+    logs = np.log(noise[own])
+    logs = np.clip(logs - np.average(logs, weights=counts[own]), -np.log(_TIMES), np.log(_TIMES))
+    sizes[own] = np.exp(logs - np.average(logs, weights=counts[own]))
+    return sizes
+
+
+def with_noise_of(problem: Any, found: Any) -> Any:
+    """The problem with the noise that the residuals have, of each record and of all; the same one where it has that already."""
+    sizes, scale = noise_sizes(problem, found), noise_scale(problem, found)
+    trust = scale if problem.has_known_rows and abs(scale / problem.trust - 1) >= _SAME else problem.trust
+    if trust == problem.trust and (abs(sizes / problem.sizes - 1) < _ALIKE).all():
+        return problem
+    return problem.trusting(trust, sizes)
+
+
+def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
+    """Covariance of the numbers of a place, infinite variance for those that are undetermined, also by noise of the input."""
+    found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes))
+    if changes is not None:
+        lost = lost_to_the_input(problem, jacobian, changes)
+        found[lost] = found[:, lost] = np.nan
+        found[lost, lost] = np.inf
+    return found
+
+
+def lost_to_the_input(problem: Any, jacobian: Any, changes: Any) -> list[int]:
+    """Which parameters the noise of the input moves by a third of the distance between their bounds or more."""
+    if changes is None:
+        return []
+    moved = np.diag(from_the_input(problem, jacobian, changes))[: len(problem.parameters.free)]
+    return [int(k) for k in np.flatnonzero(moved > _LOST**2)]
+
+
+def from_the_input(problem: Any, jacobian: Any, changes: Any) -> Any:
+    r"""Covariance of the numbers of a place that the noise of the input (position, load) makes, by its changes of what is met.
+
+    A change :math:`\delta` of the model moves the place by :math:`-P\delta`, with the pseudo-inverse P of the derivatives. The mean square
+    over repetitions is taken and not the variance: a shift that all of them have is an error as well.
+    """
+    if changes is None:
+        return 0.0
+    moved = information_of(problem, jacobian).inverse[:, : len(changes)] @ changes
+    return moved @ moved.T / changes.shape[1]
+
+
+def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
+    r"""Covariance of the numbers of a place with undetermined directions left out.
+
+    With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
+    where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal. Then
+    comes what the noise of the input moves (`from_the_input`).
+    """
+    info = information_of(problem, jacobian)
+    found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
+    for target in problem.targets:
+        end = begin + target.count
+        if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
+            found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
+        begin = end
+    return found + from_the_input(problem, jacobian, changes)
+
+
+def correlations_of(covariance: Any) -> Any:
+    """Correlations; NaN where a variance is infinite."""
+    size = np.sqrt(np.diag(covariance))
+    known = np.isfinite(size)
+    product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
+    found = np.where(np.outer(known, known), covariance, np.nan) / np.where(product == 0, 1.0, product)
+    found[~known, ~known] = 1.0
+    return found
+
+
+def correlated(names: list[str], covariance: Any) -> list[tuple[str, str, float]]:
+    """Pairs of numbers that can hardly be told apart, and their correlation."""
+    table = correlations_of(covariance)
+    return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > _TOGETHER]
+
+
+def root_of(covariance: Any) -> Any:
+    """A square root of a covariance."""
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
+
+
+def _coloured(inverse: Any, rest: Any, scale: float) -> Any:
+    """The contribution of correlated residuals of one record to the covariance."""
+    n = len(rest)
+    if n < 50 or abs(neighbours(rest)) < _WHITE / np.sqrt(n):
+        return 0.0
+    rho = autocorrelation(rest)
+    rho = rho[: _memory(rho)]
+    kernel = np.zeros(2 * n)
+    kernel[1 : len(rho)] = rho[1:]
+    kernel[-len(rho) + 1 :] = rho[:0:-1]
+    lines = np.fft.rfft(inverse, 2 * n, axis=1)
+    power = np.fft.rfft(kernel).real
+    power = np.maximum(power, -1.0)  # with the diagonal no frequency has less than no power
+    moved = np.fft.irfft(power * lines, 2 * n, axis=1)[:, :n]
+    return scale**2 * (inverse @ moved.T)
+
+
+def neighbours(rest: Any) -> float:
+    """Correlation of neighbouring residuals."""
+    if len(rest) < 4 or not np.std(rest) > 0:
+        return 0.0
+    r = rest - rest.mean()
+    return float((r[1:] @ r[:-1]) / (r @ r))
+
+
+def autocorrelation(rest: Any) -> Any:
+    """Correlation of residuals over their distance, 1 at zero: array (n,)."""
+    n, r = len(rest), rest - rest.mean()
+    lines = np.fft.rfft(r, 2 * n)
+    found = np.fft.irfft(lines * np.conj(lines))[:n].real
+    return found / found[0]
+
+
+def _memory(rho: Any) -> int:
+    """Over how many samples residuals are correlated (Geyer's initial positive sequence)."""
+    pairs = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
+    return 2 * (int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else len(pairs))
+
+
+def effective(rest: Any) -> float:
+    """How many independent values residuals are worth."""
+    n = len(rest)
+    if n < 8 or not np.std(rest) > 0:
+        return float(n)
+    rho = autocorrelation(rest)
+    return float(n / max(2 * float(rho[: _memory(rho)].sum()) - 1, 1.0))

@@ -1,0 +1,338 @@
+"""The result of an identification: values, their uncertainty, and an analysis of the residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from stickslip.basics.arguments import Ax, explains_arguments
+from stickslip.basics.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.notebook_display import Face, Text, drawn_on, sure
+from stickslip.basics.presenting import presenter
+from stickslip.inverse.identification import formulas, next_experiment, posterior as distribution, sampling, uncertainty
+from stickslip.inverse.identification.bootstrapping import by_bootstrap
+from stickslip.inverse.identification.covariance import correlated, correlations_of, from_the_input, information_of, lost_to_the_input
+from stickslip.inverse.identification.fit_text import OVER_MOTION
+from stickslip.inverse.identification.quality import quality
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from stickslip.basics.information import Information
+
+PARTS = ("total", "statistical", "systematic", "input")
+#: Ways to an interval, and the options of each.
+METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
+
+
+@sealed
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Face):
+    """The result of `identify`.
+
+    Parameters
+    ----------
+    values : dict
+        The free parameters.
+    spread : array
+        Covariance of all numbers that were fitted, on the scale of the search; infinite variance for those that the data do not determine.
+    problem : Sensed
+    place, jacobian, residuals : arrays
+        End of the search, on its own scale; the Jacobian has an additional row for each number with a prior.
+    scale : float
+        Factor on the noise: 1 if the noise was given, else estimated from the residuals.
+    starts, agree, steps : int
+        Starting points of the search, number of refined ones that ended here, steps of the last refinement.
+    notes : tuple of str
+    law : str
+    provenance : dict
+    records : tuple
+        What was fitted: records, and mean velocities.
+    penalty : float
+        Sum of squares of the priors.
+    stopped : bool
+        Whether the search was interrupted.
+    doubts : tuple of str
+        What cannot be of one machine: other frequencies of record and drive, motions of other sizes, numbers in a mistaken unit.
+    changes : array or None
+        By how much other noise of the input (position, load) would change what is met, in standard deviations: (values, repetitions).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> truth = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb", mu0=0.2)
+    >>> rec = ss.virtual_rig(truth, noise=1e-4, seed=3)
+    >>> fit = ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    >>> round(fit.values["mu0"], 3), fit.interval("mu0")[0] < 0.2 < fit.interval("mu0")[1]
+    (0.2, True)
+    """
+
+    values: dict[str, float]
+    spread: NDArray[np.float64]
+    problem: Any
+    place: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    residuals: NDArray[np.float64]
+    scale: float
+    starts: int
+    agree: int
+    steps: int
+    notes: tuple[str, ...]
+    law: str
+    provenance: dict[str, Any] = field(default_factory=dict)
+    records: tuple[Any, ...] = ()
+    penalty: float = 0.0
+    stopped: bool = False
+    doubts: tuple[str, ...] = ()
+    changes: NDArray[np.float64] | None = None
+
+    # ---- how sure ----
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the free parameters."""
+        return tuple(self.values)
+
+    @property
+    def count(self) -> int:
+        """Number of measured values."""
+        return len(self.residuals)
+
+    @property
+    def fitted(self) -> int:
+        """Number of fitted quantities, including phases and sensor effects."""
+        known = len(self.jacobian) - self.count
+        return max(len(self.names) + self.problem.nuisances - known, 0)
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom."""
+        return max(self.count - self.fitted, 0)
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals in standard deviations, including those of prior knowledge."""
+        return float(self.residuals @ self.residuals) + self.penalty
+
+    @cached_property
+    def information(self) -> Information:
+        """Information of the data on the parameters (on the scale of the search), including phases and sensor effects."""
+        return information_of(self.problem, self.jacobian)
+
+    @cached_property
+    def covariance(self) -> NDArray[np.float64]:
+        """Covariance of the free parameters in the order of `values`."""
+        n = len(self.names)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.spread[:n, :n] * np.outer(self.slopes, self.slopes))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the free parameters; infinite for those that the data do not determine (see `undetermined`)."""
+        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @property
+    def sensor(self) -> dict[str, tuple[float, float]]:
+        """Effects of the sensors: name -> (value, standard error); zero for fixed effects, infinite for undetermined ones.
+
+        The delay of a record of steady motion is never determined: the drive's phase in the record is not known.
+        """
+        first = self.problem.first
+        found = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in enumerate(self.problem.numbers, first)}
+        found |= {n.name: (n.value, 0.0) for n in self.problem.held}
+        asked = self.problem.given is None or "delay" in self.problem.given
+        steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
+        return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
+
+    @cached_property
+    def input_spread(self) -> NDArray[np.float64]:
+        """Standard error of each parameter from noise of the motion, on the scale of the search: array (parameters,)."""
+        n = len(self.names)
+        found = from_the_input(self.problem, self.jacobian, self.changes)
+        return np.sqrt(np.diag(found)[:n]) if np.ndim(found) else np.zeros(n)
+
+    @property
+    def input_errors(self) -> dict[str, float]:
+        """Part of each standard error that comes from noise of the input: of the motion, or the load, over which a force was measured."""
+        return dict(zip(self.names, (self.input_spread * self.slopes).tolist(), strict=True))
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Parameters that noise of the input leaves undetermined."""
+        return tuple(self.names[k] for k in lost_to_the_input(self.problem, self.jacobian, self.changes))
+
+    @property
+    def combinations(self) -> list[tuple[str, float, float]]:
+        """Combinations of undetermined parameters that the data do determine: (formula, value, standard error)."""
+        return [(found.formula, found.value, found.error) for found in self.determined]
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters that the data do not determine: any value between their bounds fits as well, possibly with changes of others."""
+        lost = {name for name, error in self.errors.items() if not np.isfinite(error)} - (set(self.flat) & set(self.bent))
+        return tuple(name for name in self.names if name in lost or name in self.open)
+
+    @property
+    def flat(self) -> tuple[str, ...]:
+        """Parameters that change nothing measured near their fitted value; a profile shows how far away they do (see `open`)."""
+        alone = {members[0] for members, _ in self.information.groups if len(members) == 1}
+        return tuple(name for k, name in enumerate(self.names) if k in alone)
+
+    @property
+    def slopes(self) -> NDArray[np.float64]:
+        """Derivative of each free parameter with respect to its search coordinate: array (parameters,)."""
+        return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.place, strict=False)])
+
+    @property
+    def correlations(self) -> NDArray[np.float64]:
+        """Correlations of the free parameters, in the order of `values`; NaN for parameters that the data do not determine."""
+        return np.asarray(correlations_of(self.covariance))
+
+    @explains_arguments
+    @interruptible
+    def interval(self, name: str, level: float = 0.95, method: str = "auto", part: str = "total", **options: Any) -> tuple[float, float]:
+        """A confidence interval of a parameter.
+
+        Parameters
+        ----------
+        name : str
+        level : float
+        method : {"auto", "covariance", "profile", "bootstrap"}
+            From the curvature at the optimum (immediate); by refitting the other parameters on either side, which accounts for a
+            likelihood that is not parabolic; or by repeated fits of resampled data (``repeats=200, seed=0, workers=1``; the same numbers
+            for any workers). "auto" uses the covariance if the sum of squares is parabolic within two standard errors and to the ends of
+            the interval, otherwise the profile; also for a parameter that has no effect near its value but may have one farther away.
+        part : {"total", "statistical", "systematic", "input"}
+            The statistical part is due to noise alone, with sensor effects and priors fixed at their fitted values; the systematic part
+            is what these add. The squares of the lengths on either side add up to that of the total. "input" is the part of either that
+            comes from noise of the motion, or of the load, over which a force was measured.
+
+        Returns
+        -------
+        tuple of float
+            It ends at a bound if the data do not limit it before: at both bounds for a parameter that they do not determine.
+        """
+        problems = Problems("interval")
+        if name not in self.values:
+            problems.add(f"{name!r} is not a free parameter; {did_you_mean(name, self.values)}")
+        if not 0 < level < 1:
+            problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type for example level=0.95")
+        if method not in METHODS:
+            problems.add(f"method = {method!r}; {did_you_mean(method, METHODS)}")
+        if part not in PARTS:
+            problems.add(f"part = {part!r}; {did_you_mean(part, PARTS)}")
+        for option in options:
+            if option not in METHODS.get(method, options):
+                typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
+                problems.add(f"{option!r} is not an option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
+        problems.check()
+        if part == "input":
+            return uncertainty.by_input(self, name, level)
+        if name in self.lost:
+            free = self.problem.parameters.free[self.names.index(name)]
+            return (free.low, free.high) if part == "total" else (float("nan"),) * 2
+        method = ("profile" if name in self.bent else "covariance") if method == "auto" else method
+        by: Any = {"covariance": uncertainty.by_covariance, "profile": uncertainty.by_profile, "bootstrap": by_bootstrap}[method]
+        whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)
+        noise = (float("nan"),) * 2 if part == "total" else by(uncertainty.calibrated(self, name), name, level, **options)
+        return {"total": whole, "statistical": noise, "systematic": uncertainty.in_parts(self.values[name], whole, noise)}[part]
+
+    determined = cached_property(formulas.combinations)
+    open = cached_property(uncertainty.open_parameters)
+    bent = cached_property(uncertainty.bent_parameters)
+    costs = cached_property(uncertainty.costs)
+    quality = cached_property(quality)
+    sample = explains_arguments(sampling.sample)
+    bands = explains_arguments(sampling.bands)
+    next_experiment = explains_arguments(next_experiment.next_experiment)
+    distribution = distribution.distribution_of
+
+    # ---- what was fitted ----
+    @explains_arguments
+    def model(self, record: int = 0) -> Any:
+        """The fitted model of one record: a robot, or a law where force was fitted against motion."""
+        count = len(self.problem.parameters.fixed)
+        if not is_whole(record) or not 0 <= record < count:
+            raise InputError("fit", [f"record = {record!r}; allowed is a whole number from 0 to {count - 1}; type record=0"])
+        return self.problem.parameters.model(self.values, record)
+
+    @cached_property
+    def predicted(self) -> tuple[Any, ...]:
+        """Values of the fitted model at the samples of each record [SI]."""
+        return tuple(self.problem.parts(self.problem.predicted(self.place)))
+
+    @property
+    def correlated(self) -> list[str]:
+        """Sentences on pairs of parameters that these data can hardly distinguish."""
+        pairs = correlated(list(self.names), self.covariance)
+        return [f"{one} and {other} correlated {rho:.2f}: fix one or {self.remedy}" for one, other, rho in pairs]
+
+    @property
+    def remedy(self) -> str:
+        """A remedy for parameters that these data cannot distinguish."""
+        count = len(self.problem.targets)
+        if self.problem.targets[0].kind in OVER_MOTION:
+            return "add a record with another stroke or speed"
+        return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the fitted values."""
+        return [*self.doubts, *uncertainty.remarks(self), *self.correlated, *self.notes]
+
+    # ---- show ----
+    @overload
+    def report(self, path: None = None) -> str: ...
+    @overload
+    def report(self, path: str | Path) -> Path: ...
+    @explains_arguments
+    def report(self, path: str | Path | None = None) -> str | Path:
+        """The fit as text; with a path, as an HTML file with data, fit, residuals, uncertainties and provenance (returns its path)."""
+        if path is None:
+            from stickslip.inverse.identification.fit_text import report_text
+
+            return Text(report_text(self))
+        return presenter("report", "fit")(path, [self])
+
+    @explains_arguments
+    def plot(self, record: int = 0, ax: Ax = None) -> Axes:
+        """Record and fit over one drive period; returns the axes."""
+        return presenter("figure", "fitted")(self, record, ax)
+
+    def _title(self) -> str:
+        return f"Fit of {self.law}"
+
+    def _facts(self) -> dict[str, str]:
+        from stickslip.inverse.identification.fit_text import known_line, sensor_lines
+
+        told = [line.partition(": ") for line in (known_line(self), *sensor_lines(self)) if line]
+        return {name: line for name, _, line in told}
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        from stickslip.inverse.identification.fit_text import parameter_rows
+
+        head = ("parameter", "value", "standard error", "95 % interval", "unit")
+        each = parameter_rows(self)
+        rows = [(row["name"], row["value"], row["error"], f"{row['low']} to {row['high']}", row["unit"]) for row in each]
+        return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]
+
+    def _remarks(self) -> list[str]:
+        return self.warnings
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(self._draw_both, (8.0, 2.2))
+
+    def _draw_both(self, figure: Any) -> None:
+        left, right = figure.subplots(1, 2)
+        presenter("figure", "fitted")(self, 0, left)
+        presenter("figure", "residuals")(self, 0, right)
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())
+        return f"<Fit of {self.law}: {parts}>"

@@ -1,0 +1,345 @@
+"""`identify`: several records, one model, the parameters that they tell."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.arguments import Maker, Measured, Numbers, explains_arguments
+from stickslip.basics.distributions import ALLOWED, distribution_of
+from stickslip.basics.errors import InputError, Problems, is_one_of
+from stickslip.basics.fields import checked_number
+from stickslip.basics.interruption import interruptible
+from stickslip.basics.progress import reporting
+from stickslip.basics.quantities import between
+from stickslip.inverse.identification.covariance import noise_scale, spread_of
+from stickslip.inverse.identification.fit import Fit
+from stickslip.inverse.identification.fit_text import counted
+from stickslip.inverse.identification.force_problem import DrivenProblem
+from stickslip.inverse.identification.least_squares import Sensed
+from stickslip.inverse.identification.logs_of_machines import bench_of, takes_records
+from stickslip.inverse.identification.mean_velocity_problem import MeansProblem
+from stickslip.inverse.identification.motions import motion_of
+from stickslip.inverse.identification.nesting import nested_seeds
+from stickslip.inverse.identification.parameters import Parameters, parameters
+from stickslip.inverse.identification.plausibility import doubts
+from stickslip.inverse.identification.refinement import canonical, finished, held_back, spared_note, spared_numbers
+from stickslip.inverse.identification.search import Found, searched, starting_places
+from stickslip.inverse.identification.sensors import sensors_of, with_starts
+from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
+from stickslip.inverse.identification.steady_problem import SteadyProblem
+from stickslip.inverse.identification.targets import target
+from stickslip.inverse.identification.weighting import loss_of, outlier_notes, robust_scale, weighted
+from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.machine_adapter import is_machine, machine_of
+from stickslip.records import Record
+
+USES = ("auto", "velocity", "position", "mean", "force")
+_SAMPLES = 2500  # samples of force against motion that the multistart looks at
+
+
+@explains_arguments
+@interruptible
+def identify(
+    records: Measured | Sequence[Measured] | Numbers,
+    make: Maker,
+    *,
+    free: dict[str, Any],
+    tied: dict[str, Any] | None = None,
+    using: str = "auto",
+    noise: float | None = None,
+    frequency: float | None = None,
+    load: float | None = None,
+    settle: int | str = "auto",
+    transient: bool = False,
+    sensor: dict[str, Any] | None = None,
+    weights: Any = None,
+    loss: str = "squares",
+    body: str | None = None,
+    starts: int = 64,
+    seed: int = 0,
+    rtol: float = 1e-8,
+    progress: Callable[[int, int], None] | bool | None = None,
+    **arguments: Any,
+) -> Fit:
+    """Fit the parameters of a robot, or of a friction law, to one or several records at once.
+
+    Curves are compared at the sampling times of the record; the phase of the drive in each record is fitted too. If a velocity has more
+    than 20 000 samples, those at neighbouring phases of the motion are averaged, separately in five parts of the record. The search
+    starts from many points of a Sobol sequence, which are evaluated in batches. It continues by trust-region steps from the best of
+    them, and from the best fits of the simpler laws contained in the fitted one. Ctrl-C ends it with the best fit so far, and a note.
+
+    The sensor is part of the model: its reading is ``gain * h(t - delay) + offset + drift * t`` of the modelled quantity h, so that an
+    offset or a gain of 1.02 widens the intervals instead of shifting the numbers. With a free offset a record contains no information on
+    the mean velocity; a speed that was measured otherwise is given in addition, as ``[record, ("normal", 2.1e-3, 2e-5)]``.
+
+    Parameters
+    ----------
+    records : Record, number, or a list of them
+        A number is a mean velocity [m/s]; together with records it is given with its uncertainty: ``("normal", mean, sd)`` or ``(value,
+        "1%")``.
+    make : callable or Robot or law
+        A maker with its arguments, such as ``ss.presets.piezo_rig``; a robot, whose fields are then named with dots; or the class of a
+        law (or a law), which is then fitted as force against motion.
+    free : dict
+        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm; or a prior: ``("normal",
+        mean, sd)``, ``("uniform", low, high)``, ``(value, "1%")``. ``"amplitude[0]"`` is that of the first record alone,
+        ``"amplitude[:]"`` one for each record.
+    tied : dict, optional
+        Arguments that follow from others: another's name, or a function of the dict of all of them.
+    using : {"auto", "velocity", "position", "mean", "force"}
+        The quantity that is compared. "auto" takes force for a law, else velocity, else position.
+    noise : float, optional
+        Standard deviation of one value [SI]; if not given, it is estimated from the residuals.
+    frequency : float, optional
+        Drive frequency of the records [Hz]; otherwise it is refined from each record, and fitted along.
+    load : float, optional
+        Normal force for force against motion [N]; otherwise the record's channel "load".
+    settle : int or "auto"
+        Drive periods at the start of each record that are not compared with steady motion; "auto" leaves out those that differ from the
+        later ones by more than the noise, and a note says so.
+    transient : bool
+        Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
+        undeflected bristles. For forces over a motion that does not repeat, and for logs of machines, the bristle deflection at the first
+        sample is fitted, of forces also without `transient` where `sensor` is None (``fit.sensor["start[0]"]``, from -1, as after slow
+            sliding backwards, to 1; 0 is undeflected).
+    sensor : dict, optional
+        Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
+        forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
+        gain=("normal", 1.0, 0.02), drift=None)`` fixes the first, gives a prior for the second, and leaves the third free. Names: offset
+        and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
+        inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
+    weights : array, or list of them, optional
+        A weight for each sample (of one record, or of each): a factor on its squared residual. 0 leaves it out.
+    loss : {"squares", "huber", "bisquare"}
+        Loss function: the squares of the residuals, or one that grows less for large residuals, so that outliers do not dominate the fit
+        ("huber": linearly beyond 1.3 standard deviations of the bulk; "bisquare": constant beyond 4.7). Intervals take the loss function
+        into account.
+    body : str, optional
+        Whose motion the records are, of a machine of several bodies (a `Chain`) that names no principal one.
+    starts : int
+        Number of starting points of the search.
+    seed : int
+        Seed of the multistart.
+    rtol : float
+        Relative tolerance of the solver.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with (done, in all).
+    **arguments
+        Arguments of `make` that are known: one value, or a list with one for each record.
+
+    Returns
+    -------
+    Fit
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rec = [ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=A, law="coulomb"), noise=1e-3, seed=1) for A in (5e-4, 8e-4)]
+    >>> fit = ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=[5e-4, 8e-4], law="coulomb")
+    >>> low, high = fit.interval("mu0", level=0.95)
+    >>> low < 0.18 < high, high - low < 0.01
+    (True, True)
+    """
+    records = as_list(records)
+    weigh = loss_of(loss)
+    _check(records, using, noise, starts, seed)
+    records = weighted(records, weights)
+    problem = problem_of(
+        records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor, body
+    )
+    notes = _notes(records, problem)
+    rough = problem.rough()
+    best, agree = searched(rough, starts, seed, reporting(progress, "identify"), partial(nested_seeds, rough, starts, seed))
+    problem, best = finished(problem, best)
+    spared = [] if best.stopped else spared_numbers(problem, best)
+    problem, best = held_back(weigh, problem, best if best.stopped else canonical(problem, best, spared))
+    notes += outlier_notes(problem) + spared_note(spared)
+    solved = problem.solves + rough.solves
+    return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
+
+
+def as_list(records: Any) -> list[Any]:
+    """One record, or several."""
+    return [records] if distribution_of(records) or not isinstance(records, (list, tuple)) else list(records)
+
+
+def problem_of(
+    records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
+    frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
+    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
+    body: str | None = None,
+) -> Sensed:  # fmt: skip
+    """The least-squares problem of these records."""
+    of = parameters(make, free, tied, arguments, len(records))
+    first = of.first_models(starting_places(of, starts, seed))
+    machines = is_machine(first[0])
+    _refuse_chance(first[0], machines)
+    if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
+        model: Any = _moved(records, of, noise, first)
+    elif using == "force" or (using == "auto" and not machines):
+        _check_forces(records)
+        model = _driven(records, of, load, noise, first, transient or sensor is None)
+    else:
+        own = _body(first[0], body)
+        targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        targets = tuple(dataclasses.replace(t, body=own) for t in targets)
+        if transient:
+            alike = [t.kind == "mean" or moves_alike_anywhere(model) for t, model in zip(targets, first, strict=True)]
+            targets = tuple(dataclasses.replace(t, placed=not same) for t, same in zip(targets, alike, strict=True))
+        only_means = all(t.kind == "mean" for t in targets)
+        model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
+    numbers, held = sensors_of(sensor, model.targets)
+    starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
+    return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
+
+
+def _body(model: Any, body: str | None) -> int | None:
+    """The number of the body whose motion was measured; None for a machine whose motion is that of one body."""
+    names = machine_of(model).part_names.get("body", ())
+    if body is None and len(names) < 2:
+        return None if not names else 0
+    if body not in names:
+        had = f"body = {body!r}" if body is not None else f"the {type(model).__name__} has {len(names)} bodies and no principal one"
+        allowed = f"allowed are {', '.join(map(repr, names))}; type body={names[0]!r}" if names else "this machine has one; leave it out"
+        raise InputError("identify", [f"{had}; {allowed}"])
+    return list(names).index(body)
+
+
+def _check_forces(records: list[Any]) -> None:
+    """`InputError` for records of a motion without a force, of which a law alone says nothing."""
+    for i, rec in enumerate(records):
+        moves = isinstance(rec, Record) and "force" not in rec and ("velocity" in rec or "position" in rec)
+        if moves and all(c.unit is not None for c in rec.channels.values()):
+            why = "and a law alone is fitted to a force over a motion; for a motion alone give the robot (a preset, a study file) instead"
+            raise InputError("identify", [f'record {i} has no force, {why}, and type free={{"friction.mu_plus": (0.05, 0.5)}}'])
+
+
+def _refuse_chance(model: Any, machine: bool) -> None:
+    """`InputError` for a law of chance: its forces are others with another seed, so residuals say nothing of its numbers."""
+    laws = machine_of(model).laws if machine else [adapted(model)]
+    random = next((law.name for law in laws if law.random), None)
+    if random is not None:
+        why = "its bonds form again at random places, so that a record cannot be compared with one run of it"
+        raise InputError("identify", [f"{random} cannot be fitted: {why}; fit a law without chance, such as ss.GMS or ss.LuGre"])
+
+
+def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
+    problems = Problems("identify")
+    if not records:
+        problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
+    curves = any(isinstance(rec, Record) for rec in records)
+    for i, rec in enumerate(records):
+        if isinstance(rec, Record) or distribution_of(rec):
+            continue
+        if not isinstance(rec, (int, float, np.number)) or isinstance(rec, bool):
+            problems.add(
+                f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)), a mean velocity [m/s], or one with its error: {ALLOWED}"
+            )
+        elif not abs(float(rec)) <= 1e9:
+            problems.add(f"records[{i}] = {rec!r}; allowed is a mean velocity up to 1e9 m/s in size")
+        elif curves and noise is None:
+            problems.add(
+                f"records[{i}] = {rec!r} stands beside records and does not say how sure it is; "
+                f'type ("normal", {rec!r}, standard deviation) or ({rec!r}, "1%")'
+            )
+    if not is_one_of(using, USES):
+        problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
+    if noise is not None:
+        checked_number("noise", noise, problems, between(1e-30, 1e30), "a positive standard deviation, or None", "noise=1e-4")
+    problems.whole("starts", starts, 1, example=64)
+    problems.whole("seed", seed, 0, example=1)
+    problems.check()
+
+
+def _driven(
+    records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
+) -> DrivenProblem:
+    motions = tuple(
+        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
+    )
+    return _over_motions(of, motions, noise, [adapted(law) for law in first])
+
+
+def _moved(records: list[Any], of: Parameters, noise: float | None, first: list[Any]) -> DrivenProblem:
+    benches = (bench_of(model, rec, f"record {i}") for i, (model, rec) in enumerate(zip(first, records, strict=True)))
+    known = tuple(dataclasses.replace(bench, given_sigma=noise is not None) for bench in benches)
+    return _over_motions(of, known, noise, [law for model in first for law in machine_of(model).laws])
+
+
+def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None, laws: list[LawAdapter]) -> DrivenProblem:
+    spread = float(np.std(np.concatenate([m.y for m in targets])))
+    thin = max(sum(m.count for m in targets) // _SAMPLES, 1)
+    holds = any(not law.dynamic or law.needs_applied for law in laws)
+    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds, remembers=any(law.dynamic for law in laws))
+
+
+def _notes(records: list[Any], problem: Any) -> list[str]:
+    notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
+    notes += [f"{t.label}: {t.remark}, transient=True fits them too" for t in problem.targets if t.remark]
+    notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
+    notes += [f"{t.label}: {t.cut}" for t in problem.targets if t.cut]
+    turned = (t.label for t in problem.targets if getattr(t, "flipped", False))
+    return notes + [f"{label}: the sign of the force was reversed, so that friction dissipates energy" for label in turned]
+
+
+def _fit(
+    problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int, weigh: Any
+) -> Fit:
+    free = problem.parameters.free
+    n, count = len(free), len(problem.y)
+    if best.cost >= 0.99 * count * 1e8:
+        raise InputError("identify", ["the model could not be solved at any starting point; check the arguments that are fixed"])
+    given = all(t.given_sigma for t in problem.targets)
+    dof = len(best.residuals) - n - problem.nuisances
+    scale = noise_scale(problem, best)
+    if np.ndim(problem.rows):
+        scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
+    values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
+    if dof < 1 and not given:
+        notes = [
+            *notes,
+            f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to estimate the noise; type noise=...",
+        ]
+    if best.stopped:
+        notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
+    changes = None if best.stopped else problem.input_changes(best.place)
+    from stickslip import __version__
+
+    model = problem.parameters.model(values, 0)
+    law = type(getattr(model, "friction", model)).__name__
+    provenance = {
+        "stickslip": __version__,
+        "seed": seed,
+        "starts": starts,
+        "solves": solves,
+        "arguments": [_plain(f) for f in problem.parameters.fixed],
+    }
+    return Fit(
+        values,
+        spread_of(problem, best.jacobian, best.residuals, scale, changes),
+        problem,
+        best.place,
+        best.jacobian,
+        best.residuals[:count],
+        scale,
+        starts,
+        agree,
+        best.steps,
+        tuple(notes),
+        law,
+        provenance,
+        records,
+        penalty=float(best.residuals[count:] @ best.residuals[count:]),
+        stopped=best.stopped,
+        doubts=tuple(doubts(problem, values, best.place)),
+        changes=changes,
+    )
+
+
+def _plain(arguments: dict[str, Any]) -> dict[str, Any]:
+    return {name: value if isinstance(value, (int, float, str)) else str(value) for name, value in arguments.items()}

@@ -1,0 +1,365 @@
+"""The least-squares problem of a fit: model curves or forces as sensors show them, and prior knowledge of sensors and numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.distributions import Distribution
+from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
+from stickslip.inverse.identification.sensors import EFFECTS, SensorNumber
+from stickslip.inverse.identification.smoothing import REDRAWS
+from stickslip.inverse.identification.weak_directions import derivative_along, sharpened
+
+#: Residual of a value that a model cannot give, in standard deviations.
+IMPOSSIBLE = 1e4
+_LINEAR = ("offset", "drift", "gain", "inertia")
+_FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
+_OF_THE_CONTACT = ("preload", "start")
+_NUDGE = 1e-5  # of the mean load, or of 1: differences for the derivatives by a preload, and by a start
+
+
+@dataclass(eq=False)
+class Sensed:
+    r"""The least-squares problem of a fit: a model, what its sensors do, and what is known beforehand.
+
+    .. math:: y = g\,h(t - \tau) + b + d\,t + m\,a
+
+    with the model's h, gain g, delay :math:`\tau`, offset b, drift d (t from the middle of the record) and, of forces, the inertia m of
+    the parts between contact and sensor, times their acceleration. A preload acts on the model itself. Uncertain numbers add a row each,
+    (value - mean) / sd. A place is that of the model (free parameters between 0 and 1, then phases), followed by the numbers of the
+    sensors.
+
+    Parameters
+    ----------
+    model : SteadyProblem or DrivenProblem
+    numbers, held : tuple of SensorNumber
+        Those that are fitted, and those that are not.
+    trust : float
+        The noise of records, found from the residuals, over what the problem supposes: rows whose standard deviation is known count by it.
+    shifts : array or float
+        By how much rows of what is known are moved, in standard deviations (bootstrap).
+    given : None or dict
+        What the user typed for the sensor.
+    rows : array or float
+        Weights by which a robust loss holds outliers back.
+    sizes : array or float
+        The noise of each record beside that of the others, found from its residuals, over what its target supposes; their mean, that of
+        logarithms over all values, is 1, so that sums of squares of different laws can be compared.
+    """
+
+    model: Any
+    numbers: tuple[SensorNumber, ...] = ()
+    held: tuple[SensorNumber, ...] = ()
+    trust: float = 1.0
+    shifts: Any = 0.0
+    given: Any = None
+    rows: Any = 1.0
+    sizes: Any = 1.0
+    _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+
+    # ---- what the model says ----
+    @property
+    def parameters(self) -> Any:
+        """Free, fixed and tied parameters."""
+        return self.model.parameters
+
+    @property
+    def targets(self) -> Any:
+        """The data to fit in each record."""
+        return self.model.targets
+
+    @property
+    def resolution(self) -> float:
+        """Singular values of the derivatives below this part of the largest are zero."""
+        return float(self.model.resolution)
+
+    @property
+    def solves(self) -> int:
+        """How many models were solved."""
+        return int(self.model.solves)
+
+    @property
+    def batched(self) -> bool:
+        """Whether many places cost little more than one."""
+        return bool(self.model.batched)
+
+    @property
+    def nuisances(self) -> int:
+        """How many phases, offsets and numbers of sensors are fitted besides the free parameters."""
+        return int(self.model.nuisances) + len(self.numbers)
+
+    @property
+    def first(self) -> int:
+        """Where in a place the numbers of the sensors begin."""
+        return len(self.parameters.free) + int(self.model.timing)
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return self.model.y
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        each = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
+        return self.model.sigma * np.repeat(each, [t.count for t in self.targets]) / np.sqrt(self.rows)
+
+    # ---- others like it ----
+    def _like(self, model: Any, **changes: Any) -> Sensed:
+        return dataclasses.replace(self, model=model, _memory={}, **changes)
+
+    def with_values(self, y: Any, shifts: Any = 0.0) -> Sensed:
+        """The same fit for other measured values."""
+        return self._like(self.model.with_values(y), shifts=shifts)
+
+    def only(self, fixed: dict[str, float]) -> Sensed:
+        """The same fit with some free parameters held."""
+        return self._like(self.model.only(fixed))
+
+    def leaving_out(self, effects: Any) -> Sensed:
+        """The same fit of a law without some effects."""
+        return self._like(self.model.leaving_out(effects))
+
+    def rough(self) -> Sensed:
+        """The same fit for the search."""
+        return self._like(self.model.rough())
+
+    def trusting(self, trust: float, sizes: Any = None) -> Sensed:
+        """The same fit where the records' noise is known better, and that of each beside the others."""
+        return self._like(self.model, trust=trust, sizes=self.sizes if sizes is None else sizes)
+
+    def weighing(self, rows: Any) -> Sensed:
+        """The same fit where a robust loss gives the values these weights."""
+        return self._like(self.model, rows=rows)
+
+    def holding(self, names: Any, place: Any = None) -> Sensed:
+        """The same fit with some numbers of the sensors held: where a place has them, else at those of an ideal sensor."""
+        values = [EFFECTS[n.what].neutral for n in self.numbers] if place is None else place[self.first :]
+        kept = tuple(n for n in self.numbers if n.name not in names)
+        fixed = tuple(dataclasses.replace(n, value=float(v)) for n, v in zip(self.numbers, values, strict=True) if n.name in names)
+        return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
+
+    # ---- predictions ----
+    def readings(self, places: Any) -> list[dict[str, Any]]:
+        """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
+        found: list[dict[str, Any]] = [{} for _ in self.targets]
+        values = [*zip(self.numbers, places[self.first :], strict=True), *((n, n.value) for n in self.held)]
+        for number, value in values:
+            for i in number.records:
+                found[i][number.what] = value
+        return found
+
+    def ends(self, places: Any) -> tuple[Any, Any]:
+        """The least and the greatest values for many places (cases, numbers): arrays (values, cases); NaN where a place makes no model.
+
+        They differ where a contact is held, which bears any force between them.
+        """
+        columns = np.asarray(places, float).T
+        readings = self.readings(columns)
+        return self._shown(self.model.ends(columns[: self.first].T, readings), readings)
+
+    def batch(self, places: Any) -> Any:
+        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+        return np.clip(self.y[:, None], *self.ends(places))
+
+    def predicted(self, place: Any) -> Any:
+        """Values of all records in the order of `y`; None where the parameters make no model."""
+        h = self._modelled(place)
+        return None if h is None else self._met(self._shown(h, self.readings(place)))
+
+    def _met(self, ends: tuple[Any, Any]) -> Any:
+        """The measured value if it lies between the least and the greatest value, else the nearer of these."""
+        return np.clip(self.y, *ends)
+
+    def _modelled(self, place: Any) -> tuple[Any, Any] | None:
+        """Least and greatest values that the model gives before any sensor; the last few places are remembered."""
+        place = np.asarray(place, float)
+        key = tuple(place.tolist())
+        if key not in self._memory:
+            if len(self._memory) > 4:
+                self._memory.clear()
+            ends = _both(lambda h: h[:, 0], self.model.ends(place[None, : self.first], self.readings(place[:, None])))
+            self._memory[key] = ends if np.isfinite(ends).all() else None
+        return self._memory[key]
+
+    def parts(self, whole: Any) -> list[Any]:
+        """Values of all records, one by one."""
+        edges = np.cumsum([0, *(t.count for t in self.targets)])
+        return [whole[a:b] for a, b in pairwise(edges)]
+
+    def _shown(self, ends: tuple[Any, Any], readings: list[dict[str, Any]]) -> tuple[Any, Any]:
+        """Sensor readings of the least and the greatest values."""
+        return _both(lambda h: self._of_records(shown_by_sensor, h, readings), ends)
+
+    def _of_records(self, function: Any, whole: Any, readings: list[dict[str, Any]]) -> Any:
+        """A function of (target, values, readings) for all records."""
+        return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
+
+    def input_changes(self, place: Any, times: int = REDRAWS) -> Any:
+        """By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
+
+        None where the input has no noise.
+        """
+        here = self.predicted(place)
+        if not self.model.has_noise or here is None:
+            return None
+        each = (self._like(self.model.redrawn(k)).predicted(place) for k in range(times))
+        return np.stack([np.zeros(len(here)) if h is None else (h - here) / self.sigma for h in each], axis=1)
+
+    # ---- residuals ----
+    def rest(self, ends: Any, place: Any) -> Any:
+        """(model - measured) / sigma of the least and the greatest values that a place gives, then the rows of what is known."""
+        possible = ends is not None and np.isfinite(ends).all()
+        values = (self._met(ends) - self.y) / self.sigma if possible else np.full(len(self.y), IMPOSSIBLE)
+        return np.concatenate([values, self._known_rows(place)])
+
+    def _known_rows(self, place: Any) -> Any:
+        away = np.array([(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known])
+        return self.trust * (away - self.shifts * np.ones(len(away)))
+
+    def penalty(self, place: Any) -> float:
+        """Sum of squares of the rows of what is known."""
+        rows = self._known_rows(place)
+        return float(rows @ rows)
+
+    def residuals(self, place: Any) -> Any:
+        """(model - measured) / sigma, then the rows of what is known."""
+        h = self._modelled(place)
+        return self.rest(None if h is None else self._shown(h, self.readings(place)), place)
+
+    @property
+    def has_known_rows(self) -> bool:
+        """Whether the noise of some values is known beside that of others, so that it matters how large that is."""
+        given = [t.given_sigma for t in self.targets]
+        return not all(given) and (any(given) or bool(self._known))
+
+    @property
+    def _known(self) -> list[_Known]:
+        free = [_Known(k, f.prior, f.name, f) for k, f in enumerate(self.parameters.free) if f.prior]
+        return free + [_Known(self.first + k, n.prior, n.name) for k, n in enumerate(self.numbers) if n.prior]
+
+    def against_what_is_known(self, place: Any) -> dict[str, float]:
+        """By how many standard deviations numbers are off what is known of them, of those that are far off."""
+        away = {k.name: abs(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known if k.prior.kind == "normal"}
+        return {name: float(size) for name, size in away.items() if size > _FAR_OFF}
+
+    def jacobian(self, place: Any) -> Any:
+        """Derivatives of the residuals."""
+        place = np.asarray(place, float)
+        readings = self.readings(place)
+        h, own = self._modelled(place), self.model.slopes(place[: self.first], self.readings(place[:, None]))
+        if h is None:
+            slopes = np.zeros((len(self.y), len(place)))
+        else:
+            columns = _both(lambda each: self._of_records(change_shown, each, readings), own)
+            main = self._at_the_nearer(columns, self._shown(h, readings))
+            slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
+            slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
+        known = np.zeros((len(self._known), len(place)))
+        for row, k in zip(known, self._known, strict=True):
+            row[k.index] = self.trust * k.slope(place) / k.prior.sd
+        return np.concatenate([slopes, known])
+
+    def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
+        """Derivatives of what is met: those of the nearer end, zero where what is measured is between the ends."""
+        (of_least, of_most), (least, most) = columns, ends
+        if most is least:
+            return of_least
+        return np.where((self.y >= most)[:, None], of_most, np.where((self.y <= least)[:, None], of_least, 0.0))
+
+    def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
+        """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
+        found = self._in_proportion(h, readings, [n for n in self.numbers if n.what not in _OF_THE_CONTACT])
+        for k, number in enumerate(self.numbers):
+            if number.what in _OF_THE_CONTACT:
+                found = np.insert(found, k, self._contact_slope(place, self.first + k, number), axis=1)
+        return found
+
+    def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
+        """Derivatives by some numbers of the sensors that act on what the model gives."""
+        if not numbers:
+            return np.zeros((len(self.y), 0))
+        parts = _both(lambda each: list(zip(self.targets, self.parts(each), readings, strict=True)), h)
+        columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
+        return self._at_the_nearer(columns, self._shown(h, readings))
+
+    def _contact_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
+        """Derivative of the values by a preload or a start, which act on the model itself."""
+        step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
+        both = np.stack([place, place])
+        both[:, k] += (step, -step)
+        up, down = (self._met((least, most)) for least, most in zip(*(each.T for each in self.ends(both)), strict=True))
+        return (up - down) / (2 * step)
+
+    # ---- search ----
+    def aligned(self, place: Any) -> Any:
+        """The place of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
+        own = self.model.aligned(place)
+        whole = np.concatenate([own, [n.value for n in self.numbers]])
+        h = self._modelled(whole)
+        return whole if h is None else np.concatenate([own, self._linear(h, whole)[0]])
+
+    def _linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
+        """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""
+        readings = self.readings(whole)
+        rest = (self._met(self._shown(h, readings)) - self.y) / self.sigma
+        moved = [k for k, n in enumerate(self.numbers) if n.what in _LINEAR]
+        values = np.array([n.value for n in self.numbers])
+        if not moved:
+            return values, float(rest @ rest)
+        columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) / self.sigma[:, None]
+        sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
+        away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
+        for _ in range(2 if self.has_known_rows else 1):  # what is known beforehand counts by what is left, once that is seen
+            rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
+            size = np.sqrt(np.sum(rows**2, axis=0))
+            size = np.where(size > 0, size, 1.0)
+            change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+            sd = sd * max(float(np.sqrt(np.mean((rest + columns @ change) ** 2))), 1.0)
+        low, high = (np.array([n.bounds[side] for n in self.numbers]) for side in (0, 1))
+        left = target + rows @ change
+        values[moved] += change
+        return np.clip(values, low, high), float(left @ left)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a whole place."""
+        low, high = self.model.bounds()
+        return np.append(low, [n.bounds[0] for n in self.numbers]), np.append(high, [n.bounds[1] for n in self.numbers])
+
+    def coarse(self, places: Any) -> Any:
+        """How badly many places fit, as one batch, the best numbers of the sensors taken. Lower is better."""
+        whole = np.array([*np.zeros(self.first), *(n.value for n in self.numbers)])
+        if not self.batched:
+            free = {i for n in self.numbers if n.what == "offset" for i in n.records}
+            return self.model.coarse(places, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
+        least, most = self.model.ends(places, self.readings(np.tile(whole[:, None], len(places))))
+        cases = [(low, low if most is least else high) for low, high in zip(least.T, most.T, strict=True)]
+        return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in cases])
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A number of a place of which something is known beforehand."""
+
+    index: int
+    prior: Distribution
+    name: str
+    free: Any = None
+
+    def value(self, place: Any) -> float:
+        return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))
+
+    def slope(self, place: Any) -> float:
+        return 1.0 if self.free is None else float(self.free.slope(place[self.index]))
+
+
+def _both(function: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:
+    """A function of the least and of the greatest values; once where they are the same."""
+    least = function(ends[0])
+    return least, least if ends[1] is ends[0] else function(ends[1])

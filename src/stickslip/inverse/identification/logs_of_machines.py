@@ -1,0 +1,293 @@
+"""A machine whose motion was measured: what torque, current or force does that motion take? Many parameter sets at once."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.units import quantity_of
+from stickslip.inverse.identification.clocks import Clock, clock_of
+from stickslip.inverse.identification.law_forces import Stepped, law_force
+from stickslip.inverse.identification.measured_motion import motion_behind, noise_of_velocity
+from stickslip.inverse.identification.smoothing import Smooth
+from stickslip.inverse.identification.targets import Compared
+from stickslip.models.friction.law_adapter import LawAdapter
+from stickslip.models.machine_adapter import machine_of
+
+#: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
+APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
+_SMALL = 0.1  # part of the acceleration that the noise of the motion may be: an inertia is too small by its square, which its error has
+_TOLD = 0.15  # ... and above which it is said
+_LOOKED = 6  # repetitions that tell the noise of an acceleration
+_REST = 4.0  # standard errors of the velocity within which a body is at rest
+_APART = 1.5  # times the usual distance between windows beyond which something is left out between them
+_STROKE, _LATE = 12, 5  # parts of the time between reversals, and samples at most, that are left out beside one
+_LONGEST = 64  # samples from the middle to the end of a window, at most
+
+_PUSH = 1e9  # of what is applied: no contact is held against as much
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Bench(Compared):
+    r"""The motion of a machine with what was applied to it, averaged over windows.
+
+    A window is a triangle of W samples on either side: the mean acceleration over it is exactly
+    :math:`(x_{j+W} - 2x_j + x_{j-W})/(Wh)^2`, so that averages over the same windows of what was applied obey the equation of motion
+    without the bias of a smoothed derivative. W is the smallest for which the noise of the motion, once that is smoothed, is a tenth of
+    the acceleration.
+
+    Parameters
+    ----------
+    kind : {"torque", "current", "applied force"}
+    t, v : array (n,)
+        Instants of the samples, evenly spaced [s], and velocity there.
+    x : array (n,)
+    at : array (m,)
+        Samples in the middle of the windows that are compared.
+    acceleration : array (m,)
+        Means over the windows.
+    y : array (m,)
+        Means of what was applied.
+    weight : array (m,)
+    still : array (m,)
+        Windows in which the body rests.
+    half : int
+        W.
+    label : str
+    """
+
+    open: ClassVar[bool] = False  # no window reaches over a gap
+    any_start: ClassVar[bool] = True  # a log begins when it begins
+
+    kind: str
+    t: Any
+    x: Any
+    v: Any
+    at: Any
+    acceleration: Any
+    y: Any
+    weight: Any
+    still: Any
+    half: int
+    label: str
+    cut: str | None = None
+    given_sigma: bool = False
+    measured: Smooth | None = None  # the motion behind noisy sensors
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors would have shown another motion."""
+        return self.measured is not None
+
+    def redrawn(self, k: int) -> Bench:
+        """The same windows over the motion that other noise of its sensors, the k-th, would have shown."""
+        if self.measured is None:
+            return self
+        again = self.measured.again(k)
+        x, v = again.at(self.t), np.where(self.v == 0, 0.0, again.at(self.t, 1))
+        return dataclasses.replace(self, x=x, v=v, acceleration=_accelerations(x, self.at, self.half, self.step))
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(self.t[1] - self.t[0])
+
+    def delayed(self, h: Any, delay: float) -> Any:
+        """Values a little later: between windows, and beyond the last one before a reversal or a gap, they change evenly."""
+        t = self.time
+        if len(t) < 3:
+            return h
+        apart = np.concatenate([[True], np.diff(self.at) > _APART * np.median(np.diff(self.at)), [True]])
+        first = np.maximum.accumulate(np.where(apart[:-1], np.arange(len(t)), 0))
+        last = np.minimum.accumulate(np.where(apart[1:], np.arange(len(t)), len(t) - 1)[::-1])[::-1]
+        left = np.clip(np.searchsorted(t, t - delay) - 1, first, np.maximum(last - 1, first))
+        right = np.minimum(left + 1, last)
+        return h[left] + (h[right] - h[left]) * (t - delay - t[left]) / np.where(right > left, t[right] - t[left], 1.0)
+
+    def every(self, step: int) -> Bench:
+        """Every so many-th window."""
+        names = ("at", "acceleration", "y", "weight", "still")
+        return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
+
+    def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: array (m, cases)."""
+        bare, per = _input(model)
+        m, factor = machine_of(bare).mechanics, per[self.kind]
+        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        free = m.accelerations(t, (x,), (v,), tuple(0.0 for _ in m.contacts))[0]
+        inertial = np.broadcast_to(m.masses[0] * (self.acceleration[:, None] - self._mean(free, cases)), (self.count, cases))
+        if not m.contacts:
+            return inertial / factor
+        push = side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
+        return (inertial + self._friction(m, np.broadcast_to(push, inertial.shape), cases, reading.get("start"))) / factor
+
+    @property
+    def _inside(self) -> Any:
+        """Samples in each window: array (m, 2 W - 1)."""
+        return self.at[:, None] + np.arange(1 - self.half, self.half)
+
+    def _mean(self, values: Any, cases: int) -> Any:
+        """Means over the windows of values at all their samples: array (m, cases)."""
+        whole = np.broadcast_to(values, (*self._inside.shape, cases))
+        return np.einsum("mwc,w->mc", whole, _triangle(self.half))
+
+    def _friction(self, m: Any, borne: Any, cases: int, start: Any) -> Any:
+        """Friction forces over the windows where the contact bears so much at rest: array (m, cases)."""
+        law: LawAdapter = m.laws[0]
+        if law.dynamic:
+            return self._remembered(m, law, borne, cases, start)
+        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        load, slip = m.loads(t, (x,))[0], m.slips(t, (v,))[0]
+        backward, forward = (self._mean(limit, cases) for limit in law.breakaway(load))
+        sliding = self._mean(law.sliding(np.where(slip != 0, slip, 1.0), load), cases)
+        return np.where(self.still[:, None], np.clip(borne, backward, forward), sliding)
+
+    def _remembered(self, m: Any, law: LawAdapter, borne: Any, cases: int, start: Any) -> Any:
+        """The same of a law with inner states, which follow all samples."""
+        t, x, v = (values[:, None] for values in (self.t, self.x, self.v))
+        load = m.loads(t, (x,))[0] + np.zeros((len(self.t), 1))
+        every = np.stack([np.interp(self.t, self.t[self.at], column) for column in borne.T], axis=1)
+        slip = (m.slips(t, (v,))[0] + np.zeros((len(self.t), 1)))[:, 0]
+        mean = np.concatenate([slip[:1], 0.5 * (slip[1:] + slip[:-1])])
+        found = law_force(law, Stepped(self.t, mean, slip), load, every, cases, start)
+        return self._mean(found[self._inside], cases)
+
+
+def _triangle(half: int) -> Any:
+    weights = half - abs(np.arange(1 - half, half))
+    return weights / half**2
+
+
+def _averaged(values: Any, at: Any, half: int) -> Any:
+    """Means over windows around some samples; of columns too."""
+    return sum(w * values[at + k] for k, w in zip(range(1 - half, half), _triangle(half), strict=True))
+
+
+def takes_records(model: Any, records: list[Any]) -> bool:
+    """Whether all records have what is applied to a machine, and its motion, and no drive of it shakes an inner mass."""
+    if machine_of(model).drive is not None or machine_of(model).input is None:
+        return False
+    return all(hasattr(rec, "channels") and _role(model, rec) and ("position" in rec or "velocity" in rec) for rec in records)
+
+
+def _input(model: Any) -> tuple[Any, dict[str, Any]]:
+    """The quantity that a record of a machine's input stands for; None for a machine whose inner mass is shaken."""
+    found = machine_of(model).input
+    return (model, {}) if found is None else found
+
+
+def _role(model: Any, rec: Any) -> str | None:
+    """The kind of input in a record of a machine; None if there is none."""
+    for kind in _input(model)[1]:
+        role, quantity = APPLIED[kind]
+        if role in rec and quantity_of(rec[role].unit) in (quantity, None):
+            return kind
+    return None
+
+
+def bench_of(model: Any, rec: Any, label: str) -> Bench:
+    """The windows of a record for a machine of one body; `InputError` for one of several, or where something is missing."""
+    kind = _role(model, rec)
+    if kind is None:
+        raise InputError("identify", [f'{label} has no {_wanted(model)}; type roles={{"...": "force"}} or units={{...}} when reading'])
+    _check_machine(model, label)
+    clock = clock_of(rec, APPLIED[kind][0], label)
+    smooth, told = motion_behind(rec)
+    half, noisy = _half(clock, smooth)
+    return _made(kind, clock, smooth, half, noisy, label, told)
+
+
+def _wanted(model: Any) -> str:
+    return " or ".join(_input(model)[1]) or "input, because a drive shakes an inner mass"
+
+
+def _check_machine(model: Any, label: str) -> None:
+    bare, _ = _input(model)
+    m = machine_of(bare).mechanics
+    if m.coordinates == 1 and len(m.contacts) <= 1 and not m.stops:
+        return
+    parts = f"{m.coordinates} bodies and {len(m.contacts)} contacts"
+    raise InputError(
+        "identify",
+        [f"{label}: an applied force is fitted for one body with one contact; the machine has {parts}; "
+         'remove what makes it several (gear_stiffness, backlash), or fit its steady motion with using="velocity"'],
+    )  # fmt: skip
+
+
+def _half(clock: Clock, smooth: Smooth | None) -> tuple[int, float]:
+    """Samples from the middle to the end of a window, and the noise of the mean acceleration over its size."""
+    best, h = (1, np.inf), clock.step
+    x = clock.x if smooth is None else smooth.at(clock.t)
+    off = [] if smooth is None else [smooth.again(k).at(clock.t) - x for k in range(_LOOKED)]
+    for half in sorted({*range(1, 9), *np.unique((8 * 2 ** (np.arange(1, 13) / 4)).astype(int)).tolist()}):
+        if half > min(_LONGEST, len(x) // 20):
+            break
+        at = np.arange(half, len(x) - half)
+        a = _accelerations(x, at, half, h)
+        sigma = float(np.sqrt(np.mean([np.mean(_accelerations(e, at, half, h) ** 2) for e in off]))) if off else 0.0
+        size = float(np.sqrt(max(np.mean(a**2) - sigma**2, 1e-300)))
+        best = min(best, (half, sigma / size), key=lambda pair: pair[1])
+        if best[1] <= _SMALL:
+            break
+    return best
+
+
+def _accelerations(x: Any, at: Any, half: int, h: float) -> Any:
+    """Mean accelerations over windows."""
+    return (x[at + half] - 2 * x[at] + x[at - half]) / (half * h) ** 2
+
+
+def _velocities(clock: Clock, smooth: Smooth | None) -> Any:
+    """Velocities; zero where the body rests, or seems to within the noise."""
+    rate = np.gradient(clock.x, clock.step) if smooth is None else smooth.at(clock.t, 1)
+    sigma = 0.0 if smooth is None else noise_of_velocity(smooth, clock.t)
+    return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
+
+
+def _made(kind: str, clock: Clock, smooth: Smooth | None, half: int, noisy: float, label: str, told: list[str]) -> Bench:
+    t, h = clock.t, clock.step
+    x = clock.x if smooth is None else smooth.at(t)
+    rate = _velocities(clock, smooth)
+    apart = 2 * half + 1 if half > 1 else 1
+    at = np.arange(half, len(t) - half, apart)
+    turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
+    beside = half + int(np.clip(len(t) / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
+    whole = clock.joined(at, half)
+    even = turns[np.minimum(at + beside, len(t) - 1)] == turns[np.maximum(at - beside, 0)]
+    at = at[whole & even]
+    if len(at) < 16:
+        raise InputError("identify", [_few(label, len(at), len(t), kind, half, smooth)])
+    weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)
+    still = rate[at] == 0
+    a = _accelerations(x, at, half, h)
+    cut = "; ".join([*clock.notes, *told, *_said(half, noisy, int((whole & ~even).sum()))]) or None
+    return Bench(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
+
+
+def _few(label: str, count: int, samples: int, kind: str, half: int, smooth: Smooth | None) -> str:
+    """Why so few values are left of a record, and what helps."""
+    found = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are 16 or more"
+    if half > 1:
+        found += f"; the noise of the motion asks for averages over {2 * half - 1} samples: "
+        found += "a longer log, faster or longer strokes, or a finer encoder"
+        found += " gives more" if smooth is None else f" than one of {max(smooth.noise.values()):.2g} gives more"
+    return found
+
+
+def _said(half: int, noisy: float, turned: int) -> list[str]:
+    """Sentences on windows."""
+    found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
+    if noisy > _TOLD:
+        found.append(f"the noise of the motion is {noisy:.2g} of the acceleration, of which an inertia is told")
+    return found + ([f"{turned} values about reversals are left out"] if turned else [])

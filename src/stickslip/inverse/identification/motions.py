@@ -1,0 +1,265 @@
+"""The motion that a record prescribes to a contact, with the force that was measured over it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.inverse.identification.clocks import together
+from stickslip.inverse.identification.law_forces import driven_force, slide
+from stickslip.inverse.identification.measured_motion import motion_behind, noise_of_velocity
+from stickslip.inverse.identification.smoothing import Smooth
+from stickslip.inverse.identification.targets import Compared
+from stickslip.inverse.identification.weighting import weights_at
+from stickslip.records.overview import noise
+
+_MOST = 50_000  # samples of a force; means of neighbours take the place of more
+_PUSH = 1e9  # of the load: no contact is held against as much
+_GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
+_REST = 4.0  # standard errors of the velocity within which its sign is open
+_REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Motion(Compared):
+    """A prescribed motion with the force that was measured over it.
+
+    Parameters
+    ----------
+    t : array (n,)
+        [s]
+    v : array (n,)
+        Mean velocity over the interval that ends at each sample [m/s].
+    load : array (n,)
+        Normal force [N].
+    force : array (n,)
+        Measured friction force [N], positive against positive v; NaN where it is not known, while the motion is.
+    before : int
+        How many of the samples only lead in; they are not compared.
+    flipped : bool
+        Whether the sign of the measured force was turned, so that friction takes energy.
+    label : str
+    """
+
+    kind: ClassVar[str] = "force"
+
+    t: Any
+    v: Any
+    load: Any
+    force: Any
+    before: int
+    flipped: bool
+    label: str
+    cut: str | None = None  # which samples were left out, and why
+    weights: Any = 1.0  # of all samples
+    given_sigma: bool = False  # whether the user gave the noise
+    any_start: bool = False  # whether inner states may be bent in any way at the first sample
+    at: Any = None  # velocity at each sample, where that is known better than by the mean over the interval before
+    still: Any = False  # where the noise of the motion leaves its direction open
+    measured: Smooth | None = None  # the motion behind noisy sensors
+    load_noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
+        object.__setattr__(self, "still", np.broadcast_to(self.still, np.shape(self.t)))
+        object.__setattr__(self, "at", self.v if self.at is None else self.at)
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors would have shown another motion, or another load."""
+        return self.measured is not None or self.load_noise > 0
+
+    def redrawn(self, k: int) -> Motion:
+        """The motion and the load as other noise of their sensors, the k-th, would have shown them."""
+        load = self.load + self.load_noise * np.random.default_rng([11, k]).normal(size=len(self.t))
+        if self.measured is None:
+            return dataclasses.replace(self, load=load)
+        return dataclasses.replace(self, load=load, **_driven(self.measured.again(k), self.t, self.before))
+
+    @property
+    def y(self) -> Any:
+        """The values that are compared."""
+        return self.force[self.compared]
+
+    @cached_property
+    def compared(self) -> Any:
+        """Which samples are compared: array (n,) of bool."""
+        found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
+        return found & (self.weights > 0)
+
+    @property
+    def weight(self) -> Any:
+        """Weight of each value."""
+        return self.weights[self.compared]
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self.t[self.compared] - 0.5 * (self.t[self.before] + self.t[-1])
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def acceleration(self) -> Any:
+        """Acceleration at the values, from the mean velocities before and after each [m/s^2]."""
+        middle = self.t[1:] - 0.5 * np.diff(self.t)
+        return np.gradient(np.interp(self.t, middle, self.v[1:]), self.t)[self.compared]
+
+    @cached_property
+    def gaps(self) -> Any:
+        """Before which samples the record has a gap, longer than three of the steps around it: array (n,) of bool."""
+        from scipy.ndimage import median_filter
+
+        steps = np.diff(self.t)
+        return np.concatenate([[False], steps > _GAP * median_filter(steps, _AROUND, mode="nearest")])
+
+    @property
+    def open(self) -> bool:
+        """Whether the motion leaves anything open, so that forces may be less or greater."""
+        return bool(self.gaps.any())
+
+    def given(self, law: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """Friction forces at the values, the least (side -1) or the greatest (1) that may be: array (values, cases) [N].
+
+        A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
+        """
+        bridged, own = self.bridged(side)
+        return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
+
+    def bridged(self, side: float) -> tuple[Motion, Any]:
+        """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.
+
+        That brings inner states to where they give the least, or the greatest, force, whatever the contact did in the gap.
+        """
+        at, (durations, speed) = np.flatnonzero(self.gaps), slide(self.t, self.v)
+        if side == 0.0 or not len(at) or not len(durations):
+            return self, self.compared
+        places = np.repeat(at, len(durations))
+        v, steps = np.array(self.v), np.diff(self.t, prepend=self.t[0])
+        v[at], steps[at] = self.v[np.minimum(at + 1, len(v) - 1)], 0.0  # the mean velocity over a gap is not that after it
+        made = {
+            "t": self.t[0] + np.cumsum(np.insert(steps, places, np.tile(durations, len(at)))),
+            "v": np.insert(v, places, side * speed),
+            "at": np.insert(self.at, places, side * speed),
+            "still": np.insert(self.still, places, False),
+            "load": np.insert(self.load, places, self.load[places]),
+            "force": np.insert(self.force, places, np.nan),
+            "weights": np.insert(self.weights, places, 0.0),
+        }
+        return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
+
+    def every(self, step: int) -> Motion:
+        """The same motion, thinned out."""
+        last = np.arange(0, len(self.t), step)
+        x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
+        t = self.t[last]
+        v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+        before = int(np.searchsorted(last, self.before))
+        kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights", "still")}
+        kept["at"] = v if self.measured is None else self.at[last]
+        return dataclasses.replace(self, t=t, v=v, before=before, **kept)
+
+
+def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
+    """The motion of a record with a position (or velocity) and a force.
+
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins
+    unbent, or with `any_start` in a state that is fitted.
+    """
+    rec, notes = _fewer(rec)
+    thinned = bool(notes)
+    c, moved = rec["force"], rec["position" if "position" in rec else "velocity"]
+    t, x, F = c.time, moved.si, c.si
+    if len(moved) != len(c) or not np.array_equal(moved.time, t, equal_nan=True):
+        t, x, F, _ = together(rec, moved, c, notes)
+    x = x if "position" in rec else _integrated(t, x)
+    if load is None and "load" not in rec:
+        raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
+    if load is not None:
+        N = np.full(len(t), float(load))
+    else:
+        N = rec["load"].si if len(rec["load"]) == len(t) else np.interp(t, rec["load"].time, rec["load"].si)
+    known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(N), ~(N <= 0)
+    good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
+    whole = known & np.isfinite(F)
+    why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
+    reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
+    told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
+    t, x, F, N = t[good], x[good], F[good], N[good]
+    smooth, said = motion_behind(rec)
+    told += said
+    x = x if smooth is None else smooth.at(t)
+    own = weights_at(rec, t)
+    if (count := int(np.isfinite(F).sum())) < 16:
+        raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
+    flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
+    F = -F if flipped else F
+    lead = _first_period(rec, t, x, F)
+    if lead:
+        shift = t[lead] - t[0]
+        t = np.concatenate([t[:lead] - shift, t])
+        x, F, N, own = (np.concatenate([a[:lead], a]) for a in (x, F, N, own))
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    if thinned:  # a mean over a reversal is that of neither side
+        side = np.sign(v)
+        same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
+        own = same * own
+    level = noise(rec["load"].si) if load is None else 0.0
+    made = Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead,
+                  load_noise=level if np.isfinite(level) else 0.0)  # fmt: skip
+    if smooth is None:
+        return made
+    driven = _driven(smooth, t, lead)
+    still = abs(driven["at"]) <= _REST * noise_of_velocity(smooth, t)
+    return dataclasses.replace(made, **driven, still=still, measured=smooth)
+
+
+def _driven(smooth: Smooth, t: Any, before: int) -> dict[str, Any]:
+    """Mean velocities between samples of a smoothed motion, and the velocities at them; the first period stands there twice."""
+    later = t[before:]
+    x, at = smooth.at(later), smooth.at(later, 1)
+    x, at = (np.concatenate([a[:before], a]) for a in (x, at))
+    return {"v": np.concatenate([[0.0], np.diff(x) / np.diff(t)]), "at": at}
+
+
+def _fewer(rec: Any) -> tuple[Any, list[str]]:
+    """A record of very many samples with means of neighbours in their place, and what to say of that."""
+    count = len(rec["force"])
+    if count <= _MOST:
+        return rec, []
+    thin = rec.averaged(rec["force"].rate * _MOST / count)
+    return thin, [*(note for note in thin.notes if note not in rec.notes), "means about reversals are not compared"]
+
+
+def _integrated(t: Any, v: Any) -> Any:
+    """The position; NaN where the velocity, or the time, is missing."""
+    found, known = np.full(len(v), np.nan), np.isfinite(t) & np.isfinite(v)
+    t, v = t[known], v[known]
+    found[known] = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])[: len(v)]
+    return found
+
+
+def _first_period(rec: Any, t: Any, x: Any, F: Any) -> int:
+    """Samples of the first period, if the second repeats its motion and begins with the force that it began with."""
+    try:
+        frequency = rec.drive_frequency().value
+    except InputError:
+        return 0
+    if (t[-1] - t[0]) * frequency < 2:
+        return 0
+    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
+    if np.std(np.interp(t[:lead] + 1 / frequency, t, x) - x[:lead]) > _REPEATS * np.std(x[:lead]):
+        return 0
+    start, end = F[:8], F[lead : lead + 8]
+    both = start[np.isfinite(start)], end[np.isfinite(end)]
+    return lead if all(map(len, both)) and abs(both[0].mean() - both[1].mean()) < 0.1 * (np.nanmax(F) - np.nanmin(F)) else 0

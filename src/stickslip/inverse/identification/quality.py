@@ -1,0 +1,117 @@
+"""How well the records of a fit are met."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.inverse.identification.covariance import neighbours
+from stickslip.inverse.identification.fit_text import unit_of_values
+from stickslip.inverse.identification.structure import structure
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
+
+_MORE = 2.0  # times the correlation that noise of the motion is expected to make, below which it explains what there is
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well one record is met.
+
+    Parameters
+    ----------
+    label, kind : str
+    count : int
+    rms : float
+        Of the residuals, in the unit of the record [SI].
+    noise : float
+        What the record's own noise is, where that is known [SI]; NaN otherwise.
+    r2 : float
+        Part of the variance that is explained; NaN for a single number.
+    correlation : float
+        Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
+    coloured : bool
+        Whether residuals are those of noise at equal phases of the drive, so that a correlation is not due to law or drive.
+    unit : str
+        SI unit of the values.
+    """
+
+    label: str
+    kind: str
+    count: int
+    rms: float
+    noise: float
+    r2: float
+    correlation: float
+    coloured: bool = False
+    unit: str = ""
+    structure: str = ""  # what of the residuals stands above noise where a wrong law or drive shows, in words
+    of_input: float = 0.0  # correlation of neighbours that the noise of the motion makes
+
+    @property
+    def excess(self) -> str:
+        """The unexplained rest, in words."""
+        beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
+        more = f", {self.structure}" if self.structure else ""
+        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}{more}"
+
+    @property
+    def suspicious(self) -> bool:
+        """Whether more is left than noise."""
+        white = 3.5 / np.sqrt(max(self.count, 1))
+        too_large = (
+            np.isfinite(self.noise)
+            and self.rms > 1.15 * self.noise
+            and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
+        )
+        return bool(self.structure) or bool(
+            self.count > 20 and (abs(self.correlation) > max(white, 0.1) + _MORE * self.of_input or too_large)
+        )
+
+
+def _of_input(fit: Fit) -> list[float]:
+    """Correlation of neighbouring residuals of each record that noise of the input makes where the numbers follow as far as they can."""
+    if fit.changes is None:
+        return [0.0] * len(fit.problem.targets)
+    left = fit.changes - fit.jacobian[: fit.count] @ (fit.information.inverse[:, : fit.count] @ fit.changes)
+    found = []
+    for part, rest in zip(fit.problem.parts(left), fit.problem.parts(fit.residuals), strict=True):
+        size = float(np.mean(rest**2)) or 1.0
+        found.append(float(np.mean([max(neighbours(column), 0.0) * np.mean(column**2) for column in part.T])) / size)
+    return found
+
+
+def quality(fit: Fit) -> tuple[Quality, ...]:
+    """Goodness of fit of each record."""
+    found = []
+    rests, inputs = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit)
+    for target, curve, rest, of_input in zip(fit.problem.targets, fit.predicted, rests, inputs, strict=True):
+        y = curve - rest
+        square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
+        r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
+        noise = float(getattr(target, "sigma", float("nan")))
+        known = target.kind in ("velocity", "position") or target.given_sigma
+        periodic = target.kind == "velocity" and not target.transient and target.phase[-1] > 2 * target.period
+        order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
+        folded, shape = neighbours(rest[order]), max(neighbours(rest), neighbours(rest[order]), key=abs)
+        coloured = periodic and abs(folded) < 3.5 / np.sqrt(len(rest))
+        found.append(
+            Quality(
+                target.label,
+                target.kind,
+                len(rest),
+                float(np.sqrt(square)),
+                noise if known else float("nan"),
+                r2,
+                shape,
+                coloured,
+                unit_of_values(target),
+                structure(target, rest, fit.problem.rows),
+                of_input,
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,127 @@
+"""From a rough fit to the best place: with the noise as the residuals have it, fewer outliers, and numbers of sensors that count."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from stickslip.inverse.identification.covariance import information_of, neighbours, noise_sizes, with_noise_of
+from stickslip.inverse.identification.fit_text import listed
+from stickslip.inverse.identification.least_squares import Sensed
+from stickslip.inverse.identification.search import Found, polished
+from stickslip.inverse.identification.sensors import EFFECTS
+from stickslip.inverse.identification.weighting import robust_weights
+
+_SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
+_MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
+_NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
+_ROUNDS = 4  # times that the noise is found anew
+_WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
+
+
+def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
+    """The problem with its noise as the residuals have it, and the best place."""
+    if rough.stopped:
+        return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
+    best = polished(problem, rough.place)
+    for _ in range(_ROUNDS):
+        told = with_noise_of(problem, best)
+        if best.stopped or told is problem:
+            break
+        problem, best = told, polished(told, best.place)
+    return problem, best
+
+
+def held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
+    """The best place where outliers count less, by weights that are found anew until they stay."""
+    plain, before = problem, np.ones(len(problem.y))
+    for _ in range(_WEIGHINGS):
+        rows = robust_weights(weigh, plain.parts(plain.residuals(best.place)[: len(before)]))
+        if best.stopped or abs(rows - before).max() < _STEADY:
+            break
+        weighed, before = plain.weighing(rows), rows
+        sizes = noise_sizes(weighed, dataclasses.replace(best, residuals=weighed.residuals(best.place)))
+        problem = weighed.trusting(weighed.trust, sizes)
+        best = polished(problem, best.place)
+    return problem, best
+
+
+def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
+    """The same fit where numbers of sensors that are spared, or not determined, are those of ideal sensors; their errors stay in it.
+
+    One that the fit needs, within the bounds of the others, stays as it is.
+    """
+    held, needed = spared, set[str]()
+    found = _holding(problem, best, held)
+    while names := [n for n in _lost(problem, held, found) if n not in held and n not in needed]:
+        more = _holding(problem, best, [*held, names[0]])
+        if more.cost > found.cost * (1 + _NOTHING):
+            needed.add(names[0])
+        else:
+            held, found = [*held, names[0]], more
+    if not held:
+        return best
+    kept = _kept(problem, held)
+    place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
+    place[kept] = found.place
+    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
+
+
+def _holding(problem: Sensed, best: Found, names: Any) -> Found:
+    """The fit where some numbers of sensors are those of ideal ones."""
+    return polished(problem.holding(names), best.place[_kept(problem, names)]) if names else best
+
+
+def _kept(problem: Sensed, held: Any) -> Any:
+    """Which numbers of a place are left if some of the sensors are held."""
+    return np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
+
+
+def _lost(problem: Sensed, held: Any, found: Found) -> list[str]:
+    """Numbers of sensors that the data do not determine if some are held, in the order of the problem."""
+    reduced = problem.holding(held) if held else problem
+    return [reduced.numbers[k - reduced.first].name for k in undetermined(reduced, found) if k >= reduced.first]
+
+
+def spared_numbers(problem: Sensed, best: Found) -> list[str]:
+    """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
+    effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
+    while effects:
+        found: list[tuple[float, list[str]]] = []
+        for out in (None, *effects):
+            way = [e for e in effects if e != out]
+            spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
+            found.append((_holding(problem, best, spared).cost, way))
+            if found[-1][0] <= _MAKES_UP * best.cost:
+                return spared
+        effects = min(found[1:])[1]
+    return []
+
+
+def _chasing(problem: Sensed, best: Found) -> list[str]:
+    """Numbers of load cells that nobody asked for and that would make up for what the law lacks.
+
+    What is left then has a shape, or a number is far off what is known of it.
+    """
+    if problem.given is not None:
+        return []
+    off = problem.against_what_is_known(best.place)
+    odd = {i for n in problem.numbers if n.name in off for i in n.records}
+    odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
+    cells = [n for n in problem.numbers if n.what != "start"]  # how bristles begin is of the contact
+    return [n.name for n in cells if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
+
+
+def spared_note(names: list[str]) -> list[str]:
+    """The consequence of leaving out some numbers of sensors."""
+    if not names:
+        return []
+    left = f"the residual force is structured, so {listed(names)} of the sensor cannot be distinguished from defects of the law"
+    return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
+
+
+def undetermined(problem: Sensed, found: Found) -> list[int]:
+    """Which numbers of a place the data do not determine."""
+    return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]

@@ -1,0 +1,162 @@
+"""The steady motion of one robot as a curve over the drive's phase, found from a start that is nearly right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.errors import SolveError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_states
+from stickslip.models.machine_adapter import machine_of
+from stickslip.solvers import solve
+
+_FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
+_LEFT = 1e-5  # of the tolerance: what may still be left where strobe points fall to their limit; derivatives are differences of curves
+_FALLS = 0.5  # times the last step from period to period that the next one is, where they do
+_LOOKED = 8  # states at which equations are looked at
+_LONGEST = 4  # motion periods up to here are followed
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class TransientCurve:
+    """A motion from a given velocity at a strobe time on; its phases count drive periods from there.
+
+    Parameters
+    ----------
+    run : Trajectory
+    body : int, optional
+        Whose motion it is, of a machine whose columns have an axis for bodies.
+    """
+
+    run: Any
+    body: int | None = field(default=None, kw_only=True)
+
+    def _times(self, phase: Any) -> Any:
+        return np.asarray(phase) * self.run.period_time
+
+    def _state(self, phase: Any, which: int) -> Any:
+        """x, v or z, those of the machine's principal body."""
+        t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
+        return self._of_the_body(self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which]))
+
+    def _of_the_body(self, column: Any) -> Any:
+        return column if self.body is None or np.ndim(column) < 2 else column[..., self.body]
+
+    def v(self, phase: Any) -> Any:
+        """Velocity at phases counted in drive periods [m/s]."""
+        return self._state(phase, 1)
+
+    def x(self, phase: Any) -> Any:
+        """Position [m]."""
+        return self._state(phase, 0)
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class SteadyCurve(TransientCurve):
+    """The last motion period of a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+    period : int
+        Drive periods until the motion repeats.
+    settled : bool
+        Whether the strobe point repeats.
+    """
+
+    period: int
+    settled: bool
+
+    def _times(self, phase: Any) -> Any:
+        return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * self.run.period_time
+
+    def x(self, phase: Any) -> Any:
+        """Position at phases counted in drive periods, going on from period to period [m]."""
+        whole = np.floor(np.asarray(phase) / self.period)
+        return super().x(phase) - self._of_the_body(self.run.strobe_x)[-1 - self.period] + whole * self.step
+
+    @property
+    def step(self) -> float:
+        """Displacement in one motion period [m]."""
+        x = self._of_the_body(self.run.strobe_x)
+        return float(x[-1] - x[-1 - self.period])
+
+    @property
+    def mean_velocity(self) -> float:
+        """Mean velocity [m/s]."""
+        return self.step / (self.period * self.run.period_time)
+
+    @property
+    def end(self) -> dict[str, Any]:
+        """The strobe point, from which a neighbouring robot is started."""
+        if not machine_of(self.run.model).is_single:
+            return coordinates(self.run.model).start(strobe_states(self.run)[-1])
+        z = self.run.strobe_z
+        return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
+
+
+def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8, body: int | None = None) -> SteadyCurve:
+    """The steady motion of a robot, or of a body of a machine; starts near it make it cheap.
+
+    Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
+    """
+    spent, periods = 0, _FIRST
+    scale = float(machine_of(robot).free_velocity or robot.velocity_scale or 1.0)
+    tolerance = min(30 * rtol, 1e-5) * scale
+    while True:
+        try:
+            run = solve(robot, periods=periods, samples=4, rtol=rtol, keep="trajectory", start=start)
+        except SolveError:
+            if start is None:
+                raise
+            start = None
+            continue
+        spent += periods
+        v = run.strobe_v
+        found = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
+        if spent >= _MOST or (found is not None and not _still_nearing(v, found, _LEFT * tolerance)):
+            return SteadyCurve(run, found or 1, found is not None, body=body)
+        start, periods = _nearer(run, v), periods if found else min(2 * periods, 100)
+
+
+def _still_nearing(v: Any, p: int, tolerance: float) -> bool:
+    """Whether strobe points that repeat after p periods still get nearer to their limit, by a part of what is left each time."""
+    last, before = abs(v[-p:] - v[-2 * p : -p]).max(), abs(v[-p - 1 : -1] - v[-2 * p - 1 : -p - 1]).max()
+    return bool(tolerance < last < _FALLS * before)
+
+
+def _nearer(run: Any, v: Any) -> dict[str, Any]:
+    """A start nearer to the limit of the strobe points."""
+    end = SteadyCurve(run, 1, False).end
+    if not machine_of(run.model).is_single:
+        return end
+    last, before = v[-1] - v[-2], v[-2] - v[-3]
+    ratio = last / before if before else 0.0
+    if 0.05 < ratio < 0.98:
+        end["v"] += float(last * ratio / (1 - ratio))
+    return end
+
+
+def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8, body: int | None = None) -> TransientCurve:
+    """The motion of a robot from a velocity, and a position, at a strobe time on, its bristles unbent."""
+    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start=start), body=body)
+
+
+def moves_alike_anywhere(model: Any) -> bool:
+    """Whether a machine moves the same wherever it stands, told from its equations at a few states and places; a pendulum does not."""
+    m = machine_of(model).mechanics
+    if m.controllers.counts or machine_of(model).wavelength is not None:
+        return False
+    held, rng = (0.0,) * len(m.contacts), np.random.default_rng(0)
+    for t, q, u, away in rng.uniform(-1.0, 1.0, (_LOOKED, 4)):
+        at, moving = abs(float(t)) * model.period, (u,) * m.coordinates
+        places = (tuple(x + q for x in m.start), tuple(x + q + away for x in m.start))
+        here, there = ([*m.accelerations(at, place, moving, held), *m.loads(at, place)] for place in places)
+        if not np.allclose(here, there, rtol=1e-12, atol=0.0):
+            return False
+    return True

@@ -1,0 +1,181 @@
+"""The data of a fit: the values of one record over the drive phase, with their noise."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.distributions import distribution_of
+from stickslip.basics.errors import InputError
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.basics.units import SI, quantity_of
+from stickslip.basics.variables import VARIABLES
+from stickslip.inverse.identification.averages import MOST, averaged
+from stickslip.inverse.identification.weighting import weights_at
+from stickslip.records import Record
+from stickslip.records.given import given_frequency
+from stickslip.records.measures import LONGEST, mean_velocity, period_number_of
+from stickslip.records.overview import noise
+from stickslip.records.settling import settled
+from stickslip.records.tones import measured_samples
+
+_ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
+
+
+_MOTION, _MOTION_UNITS = ("position", "velocity"), ("m (rad)", "m/s (rad/s)")
+
+
+class Compared:
+    """Base of what a fit compares with: values y with their weights; what is special of a kind of records says its own class."""
+
+    if TYPE_CHECKING:
+        y: Any
+        weight: Any
+        label: str
+        time: Any
+    transient: bool = False
+    remark: str | None = None
+    unit: str = ""
+    within: float = 0.0
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether other noise of the sensors of the input would have shown another one."""
+        return False
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return len(self.y)
+
+    def better(self, part: float) -> str:
+        """The sensor of the motion that would have so small a part of the noise, in words."""
+        measured = getattr(self, "measured", None)
+        if measured is None:
+            return f"{self.label}: a load cell with {part:.2g} times the noise would do"
+        order = min(measured.noise)
+        unit = f"{_MOTION[order]} with a noise of {part * measured.noise[order]:.2g} {_MOTION_UNITS[order]}"
+        return f"{self.label}: a sensor of the {unit} or less would do, or one of the velocity beside it"
+
+    def delayed(self, h: Any, delay: float) -> Any:
+        """Values a little later; between samples they change evenly."""
+        return np.interp(self.time - delay, self.time, h)
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples, told from what is left of the values."""
+        return float(np.average(rest**2, weights=self.weight)) + self.within
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Target(Compared):
+    """The numbers of one record that a model is to give.
+
+    Parameters
+    ----------
+    kind : {"velocity", "position", "mean"}
+    phase : array (n,)
+        Drive phases of the samples, in drive periods since the first one.
+    y : array (n,)
+        Measured values [m/s or m].
+    sigma : float
+        Standard deviation of the noise of one value.
+    frequency : float
+        Drive frequency [Hz]; NaN for a bare mean velocity.
+    given_sigma : bool
+        Whether the user gave the noise; otherwise its size is taken from the residuals.
+    label : str
+    """
+
+    kind: str
+    phase: Any
+    y: Any
+    sigma: float
+    frequency: float
+    given_sigma: bool
+    label: str
+    weight: Any = 1.0  # samples that were averaged into each value
+    slips: bool = False  # whether the frequency is fitted further
+    transient: bool = False  # whether the first sample is where the motion starts, in a state that is fitted
+    placed: bool = False  # whether it matters where that is, so that the position is fitted too
+    remark: str | None = None  # what was done about a start that is not steady
+    cut: str | None = None  # what was left out of a very long record
+    period: int = 1  # drive periods after which the motion repeats, as far as the record tells
+    unit: str = ""  # of the values, where it is not that of the kind
+    body: int | None = None  # whose motion it is, of a machine whose columns have an axis for bodies
+    within: float = 0.0  # mean square, over all samples, of what was lost where they were averaged
+
+    @property
+    def course(self) -> Any:
+        """Where in the record each sample is, from -1/2 to 1/2."""
+        return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / max(float(self.phase[-1] - self.phase[0]), 1e-300)
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / self.frequency
+
+
+def of_body(summary: Any, name: str, body: int | None) -> Any:
+    """A column of a summary, of a machine of several bodies that of one."""
+    found = np.asarray(getattr(summary, name), float)
+    return found if body is None or "body" not in VARIABLES[name].dims else found[..., body]
+
+
+def target(
+    rec: Any, kind: str, sigma: float | None, frequency: float | None, label: str, settle: int | str = "auto", transient: bool = False
+) -> Target:
+    """The target of a record; ``kind="auto"`` takes the velocity, else the position.
+
+    A start that is not steady is left out (`settle`), or is fitted too (`transient`).
+    """
+    if not isinstance(rec, Record):
+        return mean_target(rec, sigma, label)
+    if kind == "auto":
+        kind = "velocity" if "velocity" in rec or "position" not in rec else "position"
+    remark = None
+    if not transient:
+        rec, _, remark = settled(rec, settle, frequency)
+    if kind == "mean":
+        found = mean_velocity(rec, frequency)
+        return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), remark=remark)
+    t, y = measured_samples(rec[kind])
+    own = weights_at(rec, t)
+    t, y, own = t[own > 0], y[own > 0], own[own > 0]
+    f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
+    level = noise(y) if sigma is None else float(sigma)
+    if not level > 0:
+        level = 1e-6 * float(np.ptp(y)) or 1.0
+    phase = (t - t[0]) * f
+    slips = frequency is None and phase[-1] > 2
+    repeats = None if transient else period_number_of(phase, y if kind == "velocity" else np.gradient(y, t))
+    unit = _ROTARY.get(quantity_of(rec[kind].unit) or "", "")
+    known = Target(kind, phase, y, level, f, sigma is not None, label, own, slips, transient)
+    whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit)
+    return _fewer(whole, repeats) if len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient else whole
+
+
+def _fewer(target: Target, repeats: int | None) -> Target:
+    """A target of very many samples with fewer values: averages where the motion repeats, else the end of the record."""
+    if repeats is None:
+        end = slice(target.count - MOST, None)
+        cut = f"the motion does not repeat within {LONGEST} drive periods: of {target.count} samples only the last {MOST} are compared"
+        return dataclasses.replace(target, phase=target.phase[end], y=target.y[end], weight=target.weight[end], cut=cut)
+    phase, y, weight, within, scatter = averaged(target.phase, target.y, repeats)
+    level = target.sigma if target.given_sigma else max(target.sigma, scatter)
+    return dataclasses.replace(target, phase=phase, y=y, weight=weight, within=within, sigma=level)
+
+
+def mean_target(value: Any, sigma: float | None, label: str) -> Target:
+    """A mean velocity [m/s] as a target, with its error or bare."""
+    known = distribution_of(value)
+    if known:
+        return dataclasses.replace(mean_target(known.mean, known.sd, label), given_sigma=True)
+    try:
+        y = np.array([float(value)])
+    except (TypeError, ValueError):
+        raise InputError("identify", [f"{label} = {value!r}; allowed is a Record, or a mean velocity [m/s]"]) from None
+    return Target("mean", np.zeros(1), y, 1.0 if sigma is None else float(sigma), float("nan"), sigma is not None, label, np.ones(1))

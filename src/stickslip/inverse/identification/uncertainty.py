@@ -1,0 +1,328 @@
+"""Intervals, and what residuals say about a fit."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.information import Information
+from stickslip.inverse.identification.covariance import effective, spread_of
+from stickslip.inverse.identification.fit_text import listed, undetermined
+from stickslip.inverse.identification.search import polished_to_end
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+    from stickslip.inverse.identification.quality import Quality
+
+_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
+_LEVEL = 0.95  # of the intervals that are looked at for a parabola
+_USUAL = 2.0  # standard errors of white noise where that is done
+_WIDER = 1.1  # by which an interval reaches farther if its end is looked at too
+_BEYOND = 1.5  # ends of an interval at which the sum of squares must still be up
+_FOLLOWS = 3  # places there, each with the other numbers nearer to their best
+_AT_BOUND = 1e-4  # on the scale of the search
+_WANTED = 0.05  # of the distance of its bounds: error of a parameter with the sensor that is recommended
+_PROFILED = 24  # places that are tried for one end of a profile
+_NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
+
+
+def calibrated(fit: Fit, name: str) -> Fit:
+    """The same fit if the sensors, and all else of which something is known beforehand, were known to be as they are fitted."""
+    free = [f.name for f in fit.problem.parameters.free if f.prior and f.name != name]
+    return known_to_be(fit, [n.name for n in fit.problem.numbers], free)
+
+
+def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
+    """The same fit if these numbers of the sensors and these parameters were known to be as they are fitted."""
+    of, first = fit.problem.parameters.free, fit.problem.first
+    problem = fit.problem.holding(numbers, fit.place).only({name: fit.values[name] for name in free})
+    place = [f.name not in free for f in of] + [True] * (first - len(of)) + [n.name not in numbers for n in fit.problem.numbers]
+    known = [f.name not in free for f in of if f.prior] + [n.name not in numbers for n in fit.problem.numbers if n.prior]
+    kept, rows = np.array(place, bool), np.array([True] * fit.count + known, bool)
+    jacobian = fit.jacobian[rows][:, kept]
+    return dataclasses.replace(
+        fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
+        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes), penalty=problem.penalty(fit.place[kept]),
+    )  # fmt: skip
+
+
+def costs(fit: Fit) -> dict[str, dict[str, float]]:
+    """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were."""
+    effects = dict.fromkeys(n.what for n in fit.problem.numbers)
+    one = {what: known_to_be(fit, [n.name for n in fit.problem.numbers if n.what == what]).errors for what in effects}
+    return one | ({"": known_to_be(fit, [n.name for n in fit.problem.numbers]).errors} if effects else {})
+
+
+def in_parts(value: float, whole: tuple[float, float], noise: tuple[float, float]) -> tuple[float, float]:
+    """The rest of an interval after one part is subtracted in squares, on either side of a value."""
+    lengths = [np.sqrt(max((w - value) ** 2 - (n - value) ** 2, 0.0)) for w, n in zip(whole, noise, strict=True)]
+    return float(value - lengths[0]), float(value + lengths[1])
+
+
+def _inner_error(fit: Fit, k: int) -> float:
+    """Standard error on the scale of the search."""
+    return float(np.sqrt(fit.spread[k, k]))
+
+
+def _quantile(fit: Fit, level: float) -> float:
+    from scipy.stats import norm, t
+
+    half = 0.5 + 0.5 * level
+    given = all(target.given_sigma for target in fit.problem.targets)
+    return float(norm.ppf(half) if given or fit.dof == 0 else t.ppf(half, fit.dof))
+
+
+def by_covariance(fit: Fit, name: str, level: float) -> tuple[float, float]:
+    """From the curvature at the best place, symmetric on the scale of the search."""
+    k = fit.names.index(name)
+    free = fit.problem.parameters.free[k]
+    if fit.information.undetermined[k]:
+        return free.low, free.high
+    return about(fit, k, _quantile(fit, level) * _inner_error(fit, k))
+
+
+def by_input(fit: Fit, name: str, level: float) -> tuple[float, float]:
+    """What the noise of the input (position, load) makes of an interval alone."""
+    k = fit.names.index(name)
+    return about(fit, k, _quantile(fit, level) * float(fit.input_spread[k]))
+
+
+def about(fit: Fit, k: int, half: float) -> tuple[float, float]:
+    """The interval so far on either side of a place, within the bounds."""
+    free = fit.problem.parameters.free[k]
+    low, high = np.clip([fit.place[k] - half, fit.place[k] + half], 0.0, 1.0)
+    return float(free.outer(low)), float(free.outer(high))
+
+
+def by_profile(fit: Fit, name: str, level: float) -> tuple[float, float]:
+    """Where the least sum of squares of the other parameters has risen by as much as the level allows."""
+    k = fit.names.index(name)
+    free = fit.problem.parameters.free[k]
+    ends = [_profile_end(fit, k, sign, _allowed(fit, k, level)) for sign in (-1.0, 1.0)]
+    return float(free.outer(ends[0])), float(free.outer(ends[1]))
+
+
+def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
+    bound = 0.0 if sign < 0 else 1.0
+    room = abs(bound - fit.place[k])
+    if room <= 1e-12:
+        return bound
+    step = min(np.sqrt(rise) / fit.scale * _inner_error(fit, k) if np.isfinite(_inner_error(fit, k)) else room, room)
+    near, far, start, least = 0.0, None, fit.place, 1.05
+    for _ in range(_PROFILED):
+        risen, start_there = _risen(fit, k, fit.place[k] + sign * step, start)
+        if risen < rise:
+            near, start = step, start_there
+            if step >= room:
+                return bound
+            if abs(risen / rise - 1) < 0.02:
+                break
+            step = min(step * np.clip(np.sqrt(rise / max(risen, 1e-12)), least, 3.0), room) if far is None else 0.5 * (near + far)
+            least = min(2 * least, 3.0)  # what is flat has no end where a parabola would
+        else:
+            far = step
+            if abs(risen / rise - 1) < 0.02:
+                near = step
+                break
+            guess = step * np.sqrt(rise / risen)
+            step = guess if near < guess < far and near == 0.0 else 0.5 * (near + far)
+        if far is not None and far - near < 1e-3 * far:
+            break
+    return float(np.clip(fit.place[k] + sign * near, 0.0, 1.0))
+
+
+def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
+    """By how much the sum of squares rises when a parameter is held, the others free."""
+    name = fit.names[k]
+    free = fit.problem.parameters.free[k]
+    problem = fit.problem.only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
+    found = polished_to_end(problem, np.delete(start, k), rough=True)
+    return found.cost - fit.cost, np.insert(found.place, k, held)
+
+
+def faults(fit: Fit) -> list[str]:
+    """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
+    found = ["the search was interrupted"] if fit.stopped else []
+    found += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
+    found += _against_what_is_known(fit)
+    found += [*_sensors_at_bounds(fit), *_misfit_of_means(fit)]
+    return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
+
+
+_AT_SENSOR = "type a wider range for it in sensor={...}, or the law or the motion is not that of the record"
+
+
+_WIDENED = "the law or the drive is not that of the record, or the noise is larger than given; the intervals are wider by that factor"
+
+
+def _misfit_of_means(fit: Fit) -> list[str]:
+    """A sentence on mean velocities whose misfit is beyond the noise that was given for them."""
+    if fit.scale <= 1.0 or not all(t.given_sigma for t in fit.problem.targets):
+        return []
+    return [f"the mean velocities are {fit.scale:.2g} times as far from the model as their noise allows"]
+
+
+def _sensors_at_bounds(fit: Fit) -> list[str]:
+    """Sentences on numbers of sensors that end at a bound."""
+    found = []
+    for k, number in enumerate(fit.problem.numbers, fit.problem.first):
+        low, high = number.bounds
+        if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
+            found.append(f"{number.name} of the sensor ends at its bound {fit.place[k]:.5g}")
+    return found
+
+
+def _against_what_is_known(fit: Fit) -> list[str]:
+    """Sentences on numbers that are far off what was known of them."""
+    off = fit.problem.against_what_is_known(fit.place).items()
+    sensor = [number.name for number in fit.problem.numbers]
+    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off its prior" for name, size in off]
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    """Parameters that end at a bound, or at what the law demands of them beside the others (static friction not below kinetic)."""
+    names = [name for k, name in enumerate(fit.names) if not fit.information.undetermined[k]]
+    inner = dict(zip(fit.names, fit.problem.parameters.limits.inner(fit.place), strict=False))
+    return [name for name in names if min(inner[name], 1 - inner[name]) < _AT_BOUND]
+
+
+def _at_bound(fit: Fit, k: int) -> str:
+    """The consequence of a parameter that ends at a bound."""
+    if min(fit.place[k], 1 - fit.place[k]) < _AT_BOUND:
+        return "widen the bound, or these data do not determine it"
+    return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
+
+
+def remarks(fit: Fit) -> list[str]:
+    """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
+    found = undetermined(fit)
+    found += lost_remarks(fit)
+    curved = [name for name in fit.open if name not in fit.flat]
+    found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
+    found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
+    found += [f"{said}: {_WIDENED}" for said in _misfit_of_means(fit)]
+    found += [f"{said}: {_AT_SENSOR}" for said in _sensors_at_bounds(fit)]
+    at_bounds = _at_bounds(fit)
+    for k, free in enumerate(fit.problem.parameters.free):
+        if free.name in fit.undetermined:
+            continue
+        if free.name in at_bounds:
+            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
+        elif free.name in fit.flat:
+            found.append(f"{free.name} changes nothing measured near its fitted value, and does farther away")
+        elif not _inner_error(fit, k) < 0.3:
+            found.append(
+                f"{free.name} is hardly determined by these data: its standard error is a third of the distance of its bounds or more"
+            )
+    if told := [name for name in fit.bent if name not in fit.open]:
+        found.append(
+            f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
+            f"its interval is by profile; covariance and bootstrap are not reliable"
+        )
+    for q, rest in zip(fit.quality, fit.problem.parts(fit.residuals), strict=True):
+        if q.suspicious:
+            found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
+    if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
+        found.append("only one refined start ended here; type starts= with a larger number to look for a better place")
+    return found
+
+
+def lost_remarks(fit: Fit) -> list[str]:
+    """Sentences on parameters that the noise of the input leaves undetermined, with the sensor that would determine them."""
+    found, noisy = [], [t for t in fit.problem.targets if t.has_noise]
+    for name in fit.lost:
+        part = float(fit.input_spread[fit.names.index(name)])
+        helped = "; ".join(dict.fromkeys(t.better(_WANTED / part) for t in noisy))
+        found.append(f"{name} is not determined by this record: the noise of the motion moves it from bound to bound; {helped}")
+    return found
+
+
+def bent_parameters(fit: Fit) -> tuple[str, ...]:
+    """Parameters along whose interval the sum of squares is not a parabola, so covariance and bootstrap intervals are unreliable.
+
+    Two standard errors of white noise away, the others along, the sum of squares should have risen by four; and where noise is coloured,
+    so that the interval is wider, at its end by as much as the interval allows.
+    """
+    covariance = fit.information.covariance(fit.scale)
+    errors = np.sqrt(np.diag(covariance))
+    known = [] if fit.stopped else [k for k in range(len(fit.names)) if np.isfinite(errors[k]) and errors[k] > 0]
+    bent = [fit.names[k] for k in known if not _parabolic_within(fit, k, np.nan_to_num(covariance[:, k]) / errors[k])]
+    return tuple(name for name in fit.names if name in bent or (name in fit.flat and not fit.stopped))
+
+
+def _parabolic_within(fit: Fit, k: int, along: Any) -> bool:
+    """Whether the sum of squares rises as a parabola two standard errors of white noise away and at the interval's end, and stays up."""
+    end = float(np.sqrt(_allowed(fit, k, _LEVEL))) / fit.scale
+    ends = [_USUAL, end] if end > _WIDER * _USUAL else [_USUAL]
+    return all(_parabolic(fit, along, part) for part in ends) and _stays_up(fit, k, along, end)
+
+
+def _stays_up(fit: Fit, k: int, along: Any, end: float) -> bool:
+    """Whether the sum of squares is above what an interval allows half as far again, where a parabola would be 2.25 times as high.
+
+    The other numbers follow by two steps of Gauss and Newton: over a shoulder they need not go on as they did up to it.
+    """
+    others, rows = np.arange(len(fit.place)) != k, fit.jacobian[:, np.arange(len(fit.place)) != k]
+    follow = Information(rows[: fit.count], fit.problem.resolution, rows[fit.count :]).inverse
+    low, high = fit.problem.bounds()
+    for part, side in _sides(fit, along, _BEYOND * end):
+        place = fit.place + part * side
+        costs = []
+        for _ in range(_FOLLOWS):
+            rest = fit.problem.residuals(place)
+            costs.append(float(rest @ rest))
+            place[others] = np.clip(place[others] - follow @ rest, low[others], high[others])
+        if part > end and min(costs) - fit.cost < (end * fit.scale) ** 2:
+            return False
+    return True
+
+
+def open_parameters(fit: Fit) -> tuple[str, ...]:
+    """Parameters whose interval reaches from bound to bound, although the curvature at the optimum gives a standard error.
+
+    At either bound the sum of squares rises by less than the level allows once the others follow.
+    """
+    bent = [(name, fit.names.index(name)) for name in fit.bent]
+    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.place)[0] < _allowed(fit, k, _LEVEL) for end in (0.0, 1.0)))
+
+
+def _allowed(fit: Fit, k: int, level: float) -> float:
+    """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
+    white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
+    parts = fit.problem.parts(fit.residuals)
+    wider = coloured / white if np.isfinite(white) else max(len(rest) / effective(rest) for rest in parts)
+    return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
+
+
+def _parabolic(fit: Fit, along: Any, away: float) -> bool:
+    """Whether the sum of squares rises as a parabola so many standard errors away on either side, or as far as a bound is."""
+    told = []
+    for part, side in _sides(fit, along, away):
+        rest = fit.problem.residuals(fit.place + part * side)
+        told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
+    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
+
+
+def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
+    """So many standard errors, or as far as a bound is, and the direction, to either side; none where a bound is too near."""
+    low, high = fit.problem.bounds()
+    found = []
+    for side in (along, -along):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
+        found.append((min(float(np.min(room)), away), side))
+    return [(part, side) for part, side in found if part > _NEAR_BOUND]
+
+
+def _why(q: Quality, rest: Any) -> str:
+    """The interpretation of residuals that are not noise."""
+    narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
+    if q.coloured and not q.structure:
+        return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
+    return (
+        "the law or the drive is not that of the record; intervals suppose that it is, and are too narrow, "
+        f"by a factor of about {narrow:.2g} or more"
+    )

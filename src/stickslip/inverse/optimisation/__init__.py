@@ -1,0 +1,24 @@
+"""The best drive and the best machine, and how they depend on their numbers."""
+
+from stickslip.inverse.optimisation.derivative_columns import derivative
+from stickslip.inverse.optimisation.gradients import Gradient, gradient
+from stickslip.inverse.optimisation.optimise import optimise
+from stickslip.inverse.optimisation.optimum import Optimum, Search
+from stickslip.inverse.optimisation.pareto import pareto
+from stickslip.inverse.optimisation.propagation import Indices, Propagated, propagate
+from stickslip.inverse.optimisation.waveforms import Waveform, waveform
+
+__all__ = [
+    "Gradient",
+    "Indices",
+    "Optimum",
+    "Propagated",
+    "Search",
+    "Waveform",
+    "derivative",
+    "gradient",
+    "optimise",
+    "pareto",
+    "propagate",
+    "waveform",
+]

@@ -1,0 +1,43 @@
+"""How near a machine at rest is to being moved, which says where to look where all mean velocities are 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.errors import StickslipError
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
+
+Array = Any
+_POINTS = 256  # of a period
+
+
+def nearness(machines: Any, count: int, forwards: bool) -> Array | None:
+    """The largest force on a body at rest, in one direction, as a part of that which friction holds: array (count,).
+
+    It is above 1 where the body moves. None of machines of several bodies, and of laws that have no such force.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.Robot(0.8, 0.2, ss.Harmonic(amplitude=1e-4, omega=100.0), ss.Coulomb(0.1, 0.3))
+    >>> round(float(nearness(robot, 1, forwards=True)[0]), 4)  # 0.2 A omega^2 / (0.1 g)
+    0.2039
+    """
+    if not machine_of(machines).is_single:
+        return None
+    T = np.broadcast_to(np.asarray(machines.period, float), (count,))
+    t = np.arange(_POINTS)[:, None] / _POINTS * T
+    try:
+        limits = law_of(machines).limits(machines.load(t, 0.0))
+        force = machines.total_mass * machines.acceleration(t, 0.0, 0.0, 0.0)
+    except (StickslipError, TypeError):
+        return None
+    if limits is None:
+        return None
+    back, ahead = (abs(np.asarray(limit, float)) for limit in limits)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = force / ahead if forwards else -force / back
+    return np.nanmax(np.broadcast_to(part, t.shape), axis=0)

@@ -1,0 +1,90 @@
+"""Numbers of many machines at once: the columns of a sweep, a lane for each machine."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.basics.fields import leaves, replace_leaf
+from stickslip.basics.quantities import pretty_unit
+from stickslip.basics.variables import VARIABLES, in_units_of
+from stickslip.inverse.optimisation.peaks import LIMITS
+from stickslip.models.machine_adapter import machine_of
+from stickslip.studies.models_of_points import Group
+from stickslip.studies.planning import SOLVER
+from stickslip.studies.result_columns import COLUMNS, dim_of, part_columns
+from stickslip.studies.solving import columns_of_group
+
+Array = Any
+#: Drive periods that a motion is given to settle.
+PERIODS = 400
+
+
+def results_of(
+    model: Any,
+    cases: int,
+    workers: int = 1,
+    start: dict[str, Any] | None = None,
+    rtol: float = 1e-6,
+    watch: Callable[[int, int], None] | None = None,
+    observe: dict[str, Any] | None = None,
+) -> dict[str, Array]:
+    """The columns of a sweep for every case of a batch; a case that fails has a status and NaN elsewhere.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = results_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.56e-4, 8e-4], law="coulomb-static"), 2)
+    >>> found["mean_velocity"].round(9).tolist()
+    [0.002032039, 0.004308808]
+    """
+    options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
+    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())
+    found.setdefault("mean_velocity", np.full(cases, np.nan))
+    return found
+
+
+def quantities(model: Any) -> list[str]:
+    """Names of the results of a machine that are numbers."""
+    known = [name for name, kind in COLUMNS.items() if kind == "f8" and name not in ("alpha_plus", "alpha_minus")]
+    if machine_of(model).is_single:
+        return [name for name in known if name not in ("body_velocity", "body_displacement", "slip_max", "slip_min")]
+    return [name for name in known if name not in ("drive_power", "cost_of_transport")]
+
+
+def unit_of_result(name: str, model: Any) -> str:
+    """The unit of a result of a machine or of a peak of its drives, as it stands behind the value; empty for a bare number.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> chain, joint = ss.Chain.example(), ss.Joint.example()
+    >>> unit_of_result("velocity_max.0", chain), unit_of_result("mean_velocity", joint), unit_of_result("relative_acceleration", chain)
+    ('m/s', 'rad/s', 'm/s²')
+    """
+    column = name.partition(".")[0]
+    unit = LIMITS.get(column) or (in_units_of(model, VARIABLES[column].unit) if column in VARIABLES else "")
+    return "" if unit == "1" else pretty_unit(unit)
+
+
+def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
+    """`InputError` of `what` for a name that is not a number of a result."""
+    known = quantities(model)
+    if not isinstance(name, str) or name.partition(".")[0] not in known:
+        near = did_you_mean(str(name), known)
+        raise InputError(what, [f"{argument} = {name!r}; allowed is a number of a run, such as 'mean_velocity'; {near}"])
+    column, parts = name.partition(".")[0], machine_of(model).part_names
+    each, dim = part_columns(column, parts), dim_of(column, parts)
+    if name not in each:
+        of = f" (that of {', '.join(parts[dim])})" if dim else ""
+        raise InputError(what, [f"{argument} = {name!r}; allowed is one of {', '.join(each)}{of}"])
+
+
+def moved_by(model: Any, moves: dict[str, Array]) -> Any:
+    """A batch of a machine with some of its numbers moved: an array of moves for each."""
+    count = len(next(iter(moves.values())))
+    return replace_leaf(model, {name: np.full(count, float(own)) + moves.get(name, 0.0) for name, own in leaves(model)})

@@ -1,0 +1,191 @@
+"""Forces on a moving body at given instants: the friction force, and the force that would hold the body."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.batch import flat, labels_of
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.fields import is_array, leaves
+from stickslip.models.contact_forces import columns_of_parts
+from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import normal_load
+
+_SLOW = 1e-12  # velocity [m/s] of very slow sliding
+_ORDINARY = 1e-3  # velocity [m/s] of ordinary sliding
+_LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
+_LIMITS = "return the static friction limits backwards (negative) and forwards (positive)"
+
+
+def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)") -> None:
+    """Note the reasons why an object is not a friction law."""
+    if isinstance(law, type) or not is_law(law):
+        problems.add(
+            f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
+            f"(dynamic law); type for example {example}"
+        )
+    elif not hasattr(law, "__dataclass_fields__"):
+        problems.add(f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known")
+    else:
+        for name, field in law.__dataclass_fields__.items():
+            value = getattr(law, name)
+            if field.type in (float, "float") and isinstance(value, (list, tuple)):
+                problems.add(
+                    f"friction.{name} = {value!r}; allowed is a number or an array; type for example {name}=np.array({list(value)!r})"
+                )
+
+        if adapted(law).dynamic:
+            _check_switches(law, problems)
+        else:
+            _check_breakaway(law, problems)
+
+
+def _check_switches(law: Any, problems: Problems) -> None:
+    """Note a law with whole-number memories but no switches: neither its rate nor its force would receive them."""
+    if getattr(law, "modes", 0) and not adapted(law).switching:
+        problems.add(
+            f"{type(law).__name__} has modes = {law.modes} and no switches; allowed are both or neither; "
+            "type def switches(self, v, z, load, mode)"
+        )
+
+
+def _check_breakaway(law: Any, problems: Problems) -> None:
+    """Note a set-valued law whose breakaway does not give two limits, in the right order and at least as large as sliding friction."""
+    try:
+        limits = law.breakaway(1.0)
+        if not isinstance(limits, (tuple, list)) or len(limits) != 2:
+            problems.add(
+                f"{type(law).__name__}.breakaway(load=1) gives {limits!r}; allowed are two forces; {_LIMITS}, such as return -force, force"
+            )
+            return
+        slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
+        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
+        rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
+    except Exception as error:  # other errors inside a law are reported, with a suggestion, when it is traced
+        if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and adapted(law).compiles:
+            why = f"{type(law).__name__} cannot take numbers that are arrays ({error})"
+            problems.add(f"{why}; write where(condition, yes, no), maximum or minimum from stickslip.maths instead of if, max or min")
+        return
+    kind, (low, high) = type(law).__name__, map(np.asarray, limits)
+    if np.any(low > high):
+        problems.add(f"{kind}.breakaway(load=1) gives {limits!r}, the larger force first; {_LIMITS}, in this order")
+    elif np.any(slow[1] > high + rounding[1]) or np.any(slow[0] < low - rounding[0]):
+        problems.add(
+            f"{kind}.breakaway(load=1) gives {limits!r}, less than its friction while it slides slowly ({slow[0]} and {slow[1]}); allowed "
+            "is as much or more: a body that breaks away would be stopped at once; make breakaway at least as large as sliding near v = 0"
+        )
+
+
+def inner_start(model: Any, x: Any = 0.0) -> Any:
+    """Initial inner states of a run from rest, given by the law's `start` if it has one, else zeros: array (cases, states).
+
+    Parameters
+    ----------
+    x : float or array
+        Position of the body at t = 0, flat in the order of the cases [m].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> inner_start(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    [[0.0], [0.0]]
+    """
+    cases = labels_of(model).cases
+    if not law_of(model).has_start:
+        return np.zeros((cases, law_of(model).states))
+    batch = flat(model)
+    law = law_of(batch)
+    try:
+        start = law.start(normal_load(batch, 0.0, x))
+        found = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
+    except (TypeError, ValueError, ArithmeticError) as error:
+        hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"
+        raise InputError(law.name, [f"start(load) cannot be computed ({error}); {hint}"]) from error
+    if not np.all(np.isfinite(found)):
+        raise InputError(law.name, [f"start(load) gives {start!r}; allowed are finite numbers"])
+    return found
+
+
+def rest_velocity(model: Any) -> Any:
+    """Velocity of the body at which the contact does not slip [m/s]: 0, or the speed of the belt."""
+    return 0.0 - model.contact_velocity(0.0)
+
+
+def offered_force(model: Any, t: Any, x: Any) -> Any:
+    """The net applied force [N]: the friction force that would hold the body at rest on its contact."""
+    return model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0)
+
+
+def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
+    """The impulses of a run up to and including `end`, in order: (time [s], jump of v [m/s]); none at t = 0.
+
+    For a machine of several bodies a jump is an array with a number for each body.
+    """
+    jumps = machine_of(model).jumps
+    if not jumps:
+        return []
+    T = float(model.period)
+    slack = 1e-9 * T
+    found = [(k * T + float(s), jump) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
+    together: list[tuple[float, Any]] = []
+    for t, jump in sorted(((t, jump) for t, jump in found if 0.0 < t <= end + slack), key=lambda impulse: impulse[0]):
+        if together and t - together[-1][0] <= slack:  # jumps at one instant are one impulse
+            together[-1] = (t, together[-1][1] + jump)
+        else:
+            together.append((t, jump))
+    return together
+
+
+def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:
+    """The velocity on the side given by `mode`, at least `least` in magnitude, so that laws are evaluated inside one branch."""
+    return mode * np.maximum(mode * v, least)
+
+
+def slip_ratio_of(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, memory: Any = ()) -> Any:
+    """Slip ratio 1 - (dz/dt)/v of the first inner state on the side given by `mode`: 0 in elastic deflection, 1 in steady sliding.
+
+    It is the ratio of the elastic part of the friction to its steady sliding value; z is an array (n, states).
+    """
+    slip = held_velocity(model.contact_velocity(v), mode, _LEAST * float(model.velocity_scale) or _LEAST)
+    return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
+
+
+def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> Any:
+    """Friction force R [N], equal to the net applied force on stuck bodies; z and its rate are one array for each state."""
+    law, load = law_of(model), normal_load(model, t, x)
+    slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
+    if law.dynamic:
+        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if law.needs_applied else None
+        return law.resolved(law.least_creep(model.velocity_scale), slip, z, zdot, load, memory, applied)
+    return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
+
+
+def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
+    """Acceleration and forces, with the motion of the inner mass if there is one, by the names in `stickslip.variables`."""
+    if not machine_of(model).is_single:
+        return columns_of_parts(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
+    ones = np.ones_like(t)
+    R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
+    acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)
+    found = {"acceleration": acceleration, "friction_force": R}
+    return found | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else found
+
+
+def _of_the_drive(model: Any, t: Any, acceleration: Any, ones: Any) -> dict[str, Any]:
+    machine = machine_of(model)
+    drive: Any = machine.drive
+    xi_acceleration, xi_rate = drive.acceleration(t) * ones, drive.velocity(t) * ones
+    F = model.actuator_force(t, acceleration) * ones
+    several = len(machine.inner_masses) > 1
+    return {
+        "drive_force": -machine.whole_inner_mass * xi_acceleration,
+        "xi": drive.position(t) * ones,
+        "xi_rate": xi_rate,
+        "xi_acceleration": xi_acceleration,
+        "actuator_force": F,
+        "actuator_power": model.actuator_power(t, acceleration) * ones if several else -F * xi_rate,
+    }

@@ -1,0 +1,273 @@
+"""Optional parts of a robot, a mechanism or a user-defined machine, with one default for each."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from stickslip.basics.contracts import Drive, Machine, Track
+from stickslip.basics.errors import InputError
+from stickslip.models.drives.drive_adapter import drive_of, unlikely
+from stickslip.models.drives.within import drives_within
+from stickslip.models.friction.law_adapter import LawAdapter
+from stickslip.models.mechanics import Mechanics, OneBody, declares_parts, parts_of
+from stickslip.models.state_layout import of_principal
+
+
+@dataclass(frozen=True, eq=False)
+class MachineAdapter:
+    """A machine with defaults for its optional parts.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
+    >>> robot.impulses, robot.breaks, robot.far_end_velocity, robot.drive is None
+    ((), (), 0.0, False)
+    """
+
+    model: Any
+
+    @cached_property
+    def mechanics(self) -> Mechanics:
+        """Its equations of motion, as functions of plain numbers."""
+        if self.is_single:
+            return OneBody(self.model)
+        return _mechanics_of_parts(self.model)
+
+    @cached_property
+    def declaring(self) -> Any:
+        """The object that declares the equations: the model, or the machine of several bodies into which its drive turns it."""
+        return parts_of(self.model)
+
+    @cached_property
+    def is_single(self) -> bool:
+        """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
+        return not declares_parts(self.model)
+
+    @property
+    def principal(self) -> str | None:
+        """The body whose motion counts as the machine's; None if there is none, and for one body on one contact."""
+        return None if self.is_single else getattr(self.declaring, "principal", None)
+
+    @property
+    def own(self) -> dict[str, int]:
+        """Numbers of its principal body and of that body's contact by dimension, or of its only ones; empty if it has neither."""
+        if self.principal is not None:
+            return of_principal(self.principal, self.mechanics.bodies, self.mechanics.slips_of)
+        return {"body": 0, "contact": 0} if self.is_single else {}
+
+    @property
+    def part_names(self) -> dict[str, tuple[str, ...]]:
+        """Names of its bodies, contacts and stops, for the dimensions that columns have; empty for one body on one contact.
+
+        For a machine with a principal body, columns have no dimension for bodies and contacts.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> machine_of(ss.Chain.example()).part_names
+        {'body': ('module 1', 'module 2'), 'contact': ('module 1', 'module 2')}
+        """
+        m = self.mechanics
+        found = {"body": m.bodies, "contact": m.contacts, "stop": tuple(name for name, _ in m.named_stops)}
+        own = self.own
+        return {dim: names for dim, names in found.items() if names and dim not in own}
+
+    @cached_property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of each contact."""
+        return self.mechanics.laws
+
+    @property
+    def law_names(self) -> str:
+        """The names of its laws, each once: "Coulomb + LuGre"."""
+        return " + ".join(dict.fromkeys(law.name for law in self.laws))
+
+    @cached_property
+    def has_inner_states(self) -> bool:
+        """Whether one of its laws has inner states, so that it is solved to a tolerance and not exactly."""
+        return any(law.dynamic for law in self.laws)
+
+    @property
+    def drive(self) -> Drive | None:
+        """The drive of its inner mass, or of the common centre of mass of several; None if it has none."""
+        return getattr(self.model, "whole_drive", getattr(self.model, "drive", None)) if self.is_single else None
+
+    @property
+    def inner_masses(self) -> tuple[tuple[Any, Any], ...]:
+        """Each inner mass [kg] with its drive; empty without a drive."""
+        if self.drive is None:
+            return ()
+        own = getattr(self.model, "inner_masses", None)
+        return ((self.model.inner_mass, self.drive),) if own is None else own
+
+    @property
+    def whole_inner_mass(self) -> Any:
+        """Sum of its inner masses [kg]."""
+        masses = [mass for mass, _ in self.inner_masses]
+        return sum(masses[1:], masses[0])
+
+    @property
+    def drive_name(self) -> str:
+        """The class names of the drives of its inner masses, such as "Harmonic + Harmonic"."""
+        return " + ".join(type(drive).__name__ for _, drive in self.inner_masses)
+
+    @property
+    def track(self) -> Track | None:
+        """Its track; None if it has none."""
+        return getattr(self.model, "track", None) if self.is_single else None
+
+    @property
+    def wavelength(self) -> Any:
+        """Wavelength of its track [m]; None if the track is not periodic, or uniform."""
+        return getattr(self.track, "wavelength", None)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Instants in (0, period) at which its equations are not smooth, of all its parts [s]."""
+        return tuple(sorted({float(s) for s in self.unsorted_breaks}))
+
+    @property
+    def unsorted_breaks(self) -> tuple[Any, ...]:
+        """The same instants unsorted, as numbers or symbols."""
+        parts = (self.model, self.drive, self.track) if self.is_single else (self.mechanics,)
+        return tuple(s for part in parts for s in getattr(part, "breaks", None) or ())
+
+    @property
+    def impulses(self) -> tuple[tuple[Any, Any], ...]:
+        """Jumps of its velocity: (instant in [0, period) [s], jump [m/s])."""
+        return tuple(getattr(self.model, "impulses", None) or ())
+
+    @property
+    def jumps(self) -> tuple[tuple[Any, Any], ...]:
+        """The same for any machine: a jump is a float for one body, and an array with a number for each of several bodies."""
+        if self.is_single:
+            return tuple((instant, float(jump)) for instant, jump in self.impulses)
+        import numpy as np
+
+        mechanics = self.mechanics
+        moves_with = [mechanics.coordinate_of(name) for name in mechanics.bodies]
+        return tuple((instant, np.array(jumps, float)[moves_with]) for instant, jumps in mechanics.jumps)
+
+    @property
+    def mirror_image(self) -> Callable[[], Any] | None:
+        """The function that makes its mirror image, if it has one."""
+        return getattr(self.model, "mirrored", None)
+
+    @property
+    def time_scale(self) -> Any:
+        """A typical time [s]: its period, or the one that it declares; None if unknown."""
+        said = self.model if self.is_single else self.mechanics
+        return getattr(said, "time_scale", None) if self.model.period is None else self.model.period
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity, against which errors are measured [m/s]."""
+        return self.model.velocity_scale if self.is_single else self.mechanics.velocity_scale  # type: ignore[attr-defined]
+
+    @property
+    def free_velocity(self) -> Any:
+        """The velocity that its drive would give the body without friction [m/s]."""
+        own = getattr(self.declaring, "free_velocity", None)
+        return self.velocity_scale if own is None else own
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on its numbers: its own, or those of its law; and on drives that no actuator can produce."""
+        unlikely_ones = [note for drive in drives_within(self.model) for note in unlikely(drive_of(drive))]
+        return list(dict.fromkeys([*unlikely_ones, *self._own_notes]))
+
+    @property
+    def _own_notes(self) -> list[str]:
+        own = getattr(self.model, "notes", None)
+        if own is not None:
+            return list(own)
+        mechanics = self.mechanics
+        found = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
+        return [note if self.is_single else f"{name}: {note}" for name, law, load in found for note in law.notes(load)]
+
+    @property
+    def input(self) -> tuple[Any, dict[str, Any]] | None:
+        """The meaning of a recorded torque, current or force: the machine without it, and the force per unit of it, by kind.
+
+        By default it is a force in addition to the machine's own; None if the machine has a driven inner mass.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> bare, per = machine_of(ss.Joint.example().replace(gear_ratio=50.0)).input
+        >>> bare.control is None, per
+        (True, {'torque': 50.0})
+        """
+        own = getattr(self.model, "input", None)
+        return own if own is not None else (self.model, {"applied force": 1.0}) if self.drive is None else None
+
+    @property
+    def is_pulled(self) -> bool:
+        """Whether a spring with a steadily moving far end pulls it."""
+        return hasattr(self.model, "far_end_velocity")
+
+    @property
+    def far_end_velocity(self) -> Any:
+        """Velocity of the far end of the spring that pulls it [m/s]; 0 if there is none."""
+        return self.model.far_end_velocity if self.is_pulled else 0.0
+
+
+def machine_of(model: Machine) -> MachineAdapter:
+    """The adapter of a machine."""
+    return MachineAdapter(model)
+
+
+_KEPT = 8  # machines whose equations are cached, because an analysis needs those of one repeatedly
+_kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
+
+
+def _mechanics_of_parts(model: Any) -> Mechanics:
+    """The equations of a machine of several bodies; cached for frozen dataclasses, which do not change."""
+    declared = getattr(type(model), "__dataclass_params__", None)
+    if declared is None or not declared.frozen:
+        return fresh_mechanics(model)
+    kept = _kept.get(id(model))
+    if kept is not None and kept[0] is model:
+        return kept[1]
+    made = fresh_mechanics(model)
+    _kept[id(model)] = model, made
+    while len(_kept) > _KEPT:
+        with suppress(KeyError):
+            _kept.popitem(last=False)
+    return made
+
+
+def fresh_mechanics(model: Any) -> Mechanics:
+    """The equations of a machine, made now: its bodies and contacts are asked again."""
+    if not declares_parts(model):
+        return OneBody(model)
+    from stickslip.models.several_bodies import SeveralBodies, mechanics_of
+
+    parts = parts_of(model)
+    if getattr(type(parts), "mechanics", mechanics_of) is not mechanics_of:
+        raise InputError(type(parts).__name__, [_OWN_MECHANICS])
+    return SeveralBodies(parts)
+
+
+def forget_mechanics() -> None:
+    """Forget the equations that are cached, because a function that made them gives others now."""
+    _kept.clear()
+
+
+_OWN_MECHANICS = (
+    "it overrides mechanics, which solvers and analyses do not read; allowed are the methods bodies, contacts, links, stops, forces and "
+    'controllers; type for example def forces(self, t, x, v): return {"cart": -self.k * x["cart"]} for forces, and '
+    'ss.Contact("cart", law, load=lambda t, x: ...) for loads; a system with other equations (masses that depend on the position, a load '
+    "that depends on another body) is an ss.SwitchingFlow with a field for each direction of slip and one for rest"
+)
+
+
+def is_machine(value: Any) -> bool:
+    """Whether an object has the methods that solvers need."""
+    return not isinstance(value, type) and (declares_parts(value) or (hasattr(value, "friction") and hasattr(value, "acceleration")))

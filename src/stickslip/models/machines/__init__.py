@@ -1,0 +1,28 @@
+"""Machines: the field's test benches with one contact, and bodies with contacts, links and stops, declared in plain Python.
+
+`MECHANISMS` lists by name what the table [mechanism] of a study file may contain.
+"""
+
+from typing import Any
+
+from stickslip.basics.contracts import Machine as OneContact
+from stickslip.models.machines.block_on_belt import BlockOnBelt
+from stickslip.models.machines.bodies import Bodies
+from stickslip.models.machines.chain import Chain
+from stickslip.models.machines.forced import Forced
+from stickslip.models.machines.forced_oscillator import ForcedOscillator
+from stickslip.models.machines.joint import Joint
+from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.moving_track import MovingTrack
+from stickslip.models.machines.parts import Body, Contact, Gait, Rigid, Spring, Stop
+from stickslip.models.machines.pid import PID
+from stickslip.models.machines.pulled_mass import PulledMass
+
+__all__ = [
+    "MECHANISMS", "PID", "BlockOnBelt", "Bodies", "Body", "Chain", "Contact", "Forced", "ForcedOscillator", "Gait", "Joint", "Machine",
+    "MovingTrack", "PulledMass", "Rigid", "Spring", "Stop",
+]  # fmt: skip
+
+_OF_ONE_CONTACT = (BlockOnBelt, ForcedOscillator, PulledMass)
+_KEEPING_THE_CONTRACT: tuple[type[OneContact], ...] = _OF_ONE_CONTACT  # mypy compares their methods
+MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_OF_ONE_CONTACT, Chain, Joint, MovingTrack)}

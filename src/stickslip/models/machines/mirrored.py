@@ -1,0 +1,162 @@
+"""The mirror image of a machine that lists its parts: each part with forwards and backwards exchanged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any
+
+from stickslip.basics.errors import Problems
+from stickslip.basics.fields import Frozen
+from stickslip.models.drives.turned import Reversed
+from stickslip.models.friction.law_adapter import mirrored as mirrored_law
+from stickslip.models.machines.machine import Machine
+from stickslip.models.machines.parts import Body, Contact
+from stickslip.models.several_bodies import several
+
+Ends = tuple[str, str | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Turned(Machine):
+    """A machine in the mirror: bodies, contacts, links, stops and forces of another one, turned round. The names stay.
+
+    Parameters
+    ----------
+    machine : Machine
+        The other one.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> pair = ss.Chain.example()
+    >>> there, here = Turned(pair).mechanics, pair.mechanics
+    >>> there.accelerations(0.01, (0.0, -0.1), (0.2, 0.0), (0.1, 0.0)) == tuple(-a for a in here.accelerations(0.01, (0.0, 0.1), (-0.2, 0.0), (-0.1, 0.0)))
+    True
+    """  # noqa: E501
+
+    machine: Any
+
+    period = property(attrgetter("machine.period"), doc="That of the machine [s].")
+    principal = property(attrgetter("machine.principal"), doc="That of the machine.")
+
+    def __getattr__(self, name: str) -> Any:
+        """Other attributes of the machine, such as its gravity or its velocity scale."""
+        if name.startswith("_") or name == "machine":
+            raise AttributeError(name)
+        return getattr(self.machine, name)
+
+    def mirrored(self) -> Any:
+        """The machine itself."""
+        return self.machine
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The bodies, on the other side of where positions are measured from."""
+        return {name: _body(body) for name, body in self.machine.bodies().items()}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The contacts, with laws in the mirror."""
+        return {name: _contact(contact) for name, contact in self.machine.contacts().items()}
+
+    def links(self) -> Mapping[Ends, Any]:
+        """The links, whose ends change places; those to the ground are turned themselves."""
+        return {_ends(ends): _turned(ends, link, _TurnedLink) for ends, link in self.machine.links().items()}
+
+    def stops(self) -> Mapping[Ends, Any]:
+        """The stops likewise."""
+        return {_ends(ends): _turned(ends, stop, lambda each: each.replace(side=-each.side)) for ends, stop in self.machine.stops().items()}
+
+    def controllers(self) -> Mapping[str, Any]:
+        """The controllers, which see the machine as it is and act the other way round here; what they hold stays."""
+        return {name: _TurnedController(part) for name, part in self.machine.controllers().items()}
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The forces, turned round."""
+        return _negative(self.machine.forces(t, _negative(x), _negative(v)))
+
+
+@dataclass(frozen=True, eq=False)
+class _TurnedController:
+    """A controller in the mirror."""
+
+    part: Any
+
+    states = property(attrgetter("part.states"), doc="Names of its states.")
+    sample = property(attrgetter("part.sample"), doc="Time between its samples [s].")
+    scales = property(attrgetter("part.scales"), doc="Sizes of its states.")
+
+    def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
+        """Its states when it is switched on."""
+        return self.part.start(t, _negative(x), _negative(v))
+
+    def rates(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+        """Rates of its states."""
+        return self.part.rates(t, _negative(x), _negative(v), z)
+
+    def sampled(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+        """Its states after a sample."""
+        return self.part.sampled(t, _negative(x), _negative(v), z)
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
+        """Its forces, turned round [N]."""
+        return _negative(self.part.forces(t, _negative(x), _negative(v), z))
+
+
+def _negative(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: -value for name, value in values.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _TurnedLink(Frozen):
+    """A link to the ground in the mirror."""
+
+    link: Any
+
+    @property
+    def stiffness(self) -> Any:
+        """That of the link [N/m]; None where it has none."""
+        return getattr(self.link, "stiffness", None)
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Tension, turned round [N]."""
+        return -self.link.force(-distance, -rate)
+
+
+class _TurnedMotion(Reversed):
+    """A motion in the mirror, which need not repeat as a drive does."""
+
+    def _check(self, problems: Problems) -> None:
+        """Whatever has a velocity may be one."""
+
+
+def _body(body: Any) -> Body:
+    def force(t: Any, x: Any, v: Any) -> Any:
+        return -body.applied(t, -x, -v)
+
+    def gravity(t: Any, x: Any, v: Any) -> Any:
+        return -body.weight_at(t, -x, -v)
+
+    jumps = tuple((instant, -jump) for instant, jump in body.jumps)
+    return Body(body.mass, force=force, position=-body.position, jumps=jumps, breaks=body.breaks, gravity=gravity)
+
+
+def _contact(contact: Any) -> Contact:
+    load = None if contact.load is None else lambda t, x: contact.normal(t, -x)
+    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, restitution=contact.restitution)
+
+
+def _on(on: Any) -> Any:
+    """The counterpart of a contact in the mirror image: a belt or a prescribed motion is reversed."""
+    if on is None or isinstance(on, str):
+        return on
+    return _TurnedMotion(on) if callable(getattr(on, "velocity", None)) else -on
+
+
+def _ends(ends: Ends) -> Any:
+    return ends if ends[1] is None else (ends[1], ends[0])
+
+
+def _turned(ends: Ends, parts: Any, one: Callable[[Any], Any]) -> Any:
+    """Links or stops: between two bodies it is the ends that change places, on the ground each part is turned round."""
+    return parts if ends[1] is not None else tuple(map(one, several(parts)))

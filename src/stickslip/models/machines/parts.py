@@ -1,0 +1,261 @@
+"""The parts of a machine: bodies, contacts, links and stops. Their numbers may be floats, arrays, or symbols while equations are traced."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.basics.errors import Problems
+from stickslip.basics.fields import Frozen
+from stickslip.basics.maths import maximum, minimum, pi, where
+from stickslip.basics.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, holding, positive, quantity
+from stickslip.models.drives.drive_adapter import lacking
+from stickslip.models.drives.shifted import Shifted, within_one
+
+
+@dataclass(frozen=True, eq=False)
+class Body(Frozen):
+    """One body of a machine, which moves along the track (or about the axis: then read rad, kg m^2 and N m).
+
+    Parameters
+    ----------
+    mass : float
+        Total mass that moves with it [kg].
+    force : float or callable, optional
+        Applied force, all but links and friction [N]: a number, or a function of time [s], its position [m] and its velocity [m/s].
+    position : float, optional
+        Initial position [m], unless a run specifies another one.
+    jumps : tuple of (instant, jump), optional
+        Known jumps of its velocity: instants in [0, period) [s] and what is added to the velocity there [m/s].
+    breaks : tuple of float, optional
+        Instants in (0, period) at which the force is not smooth [s]; conditions on time that are written with
+        `stickslip.maths.where` are found without being named.
+    gravity : float or callable, optional
+        The part of the applied force that is due to gravity, in the form of `force` [N]; `stickslip.energy` counts its work apart from that
+        of the drive.
+
+    Examples
+    --------
+    >>> head = Body(mass=0.072, force=lambda t, x, v: -0.3 * v)
+    >>> head.applied(t=0.0, x=0.0, v=0.1), Body(mass=1.0, force=2.0).applied(0.0, 0.0, 0.0)
+    (-0.03, 2.0)
+    """
+
+    mass: float = field(metadata=MASS)
+    force: Any = 0.0
+    position: float = field(default=0.0, metadata=quantity("position at the start", "m", "x_{0}", example=0.0))
+    jumps: Any = ()
+    breaks: Any = ()
+    gravity: Any = 0.0
+
+    def applied(self, t: Any, x: Any, v: Any) -> Any:
+        """Applied force, with gravity [N]."""
+        return _told(self.force, t, x, v)
+
+    def weight_at(self, t: Any, x: Any, v: Any) -> Any:
+        """The part of it that is due to gravity [N]."""
+        return _told(self.gravity, t, x, v)
+
+
+def _told(force: Any, t: Any, x: Any, v: Any) -> Any:
+    """A number, or what a function says."""
+    return force(t, x, v) if callable(force) else force
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(Frozen):
+    """A contact of a body with the track, with another body, or with a surface whose motion is prescribed.
+
+    Parameters
+    ----------
+    body : str
+        Name of the body.
+    friction : law
+        Any friction law; it receives the slip velocity, that of the body minus that of the opposing surface.
+    on : optional
+        The opposing surface: the track if not given; the name of another body; the speed of a belt [m/s]; or a motion, which has
+        `position(t)`, `velocity(t)` and `acceleration(t)` as every drive has.
+    load : float or callable, optional
+        Normal force [N]: a number, or a function of time [s] and the position of the body [m]. Without it, the weight of the body
+        where gravity is the machine's `gravity`, or 9.81 m/s^2.
+    restitution : float, optional
+        Coefficient of restitution, from 0 to below 1: the body takes off when the load falls to zero, and lands again. This must be its
+        only contact, and not with another body. If not given, and under a law with inner states, a run ends when the load falls to zero.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> foot = Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21), load=0.7)
+    >>> foot.normal(t=0.0, x=0.0)
+    0.7
+    """
+
+    body: str
+    friction: Any
+    on: Any = None
+    load: Any = None
+    restitution: Any = None
+
+    def normal(self, t: Any, x: Any) -> Any:
+        """Normal force [N]."""
+        return self.load(t, x) if callable(self.load) else self.load
+
+
+@dataclass(frozen=True, eq=False)
+class Spring(Frozen):
+    """A spring with a parallel damper, between two bodies or a body and the ground.
+
+    Parameters
+    ----------
+    stiffness : float
+        [N/m]; 0 is a damper alone.
+    damping : float, optional
+        [N s/m].
+    length : float, optional
+        Distance at which it is relaxed, from the second body to the first [m].
+    cubic : float, optional
+        Coefficient of the third power of its extension [N/m^3]: positive hardens, negative softens. Zero if left out.
+    clearance : float, optional
+        Play [m]: the spring acts where the distance differs from `length` by more than half of it. Zero if left out.
+
+    Examples
+    --------
+    >>> Spring(stiffness=1200.0, damping=0.4).force(distance=1e-3, rate=0.5)
+    1.4
+    >>> round(Spring(stiffness=1200.0, cubic=1e8).force(distance=2e-3, rate=0.0), 9)
+    3.2
+    >>> play = Spring(stiffness=1000.0, clearance=2e-3)
+    >>> [round(play.force(distance=d, rate=0.0), 9) for d in (0.5e-3, 3e-3, -3e-3)]
+    [0.0, 2.0, -2.0]
+    """
+
+    stiffness: float = field(metadata=STIFFNESS)
+    damping: float = field(default=0.0, metadata=DAMPING)
+    length: float = field(default=0.0, metadata=LENGTH)
+    cubic: float | None = field(default=None, metadata=quantity("cubic stiffness", "N/m^3", "k_{3}", example=1e8))
+    clearance: float | None = field(default=None, metadata=quantity("play of the spring", "m", "p", example=1e-3, rule=at_least(0.0)))
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]. The damper has no play."""
+        extension = self._extension(distance)
+        force = self.stiffness * extension + self.damping * rate
+        return force if self.cubic is None else force + self.cubic * (extension * extension * extension)
+
+    def _extension(self, distance: Any) -> Any:
+        """How much longer it is than relaxed, beyond its play [m]."""
+        longer = distance - self.length
+        if self.clearance is None:
+            return longer
+        play = 0.5 * self.clearance
+        return maximum(longer - play, 0.0) + minimum(longer + play, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid(Frozen):
+    """A rigid link: the two bodies move as one, each with its own contact.
+
+    Examples
+    --------
+    >>> Rigid().velocity(t=0.3)
+    0.0
+    """
+
+    def position(self, t: Any) -> Any:
+        """Change of the distance since the start [m], and its rates."""
+        return 0.0
+
+    velocity = acceleration = position
+
+
+@dataclass(frozen=True, eq=False)
+class Gait(Frozen):
+    r"""Links that prescribe the distances of a row of bodies: a wave that runs along it.
+
+    .. math:: x_j - x_{j+1} = l + \xi(\omega t - (j-1)\,\lambda), \qquad j = 1, 2, \dots
+
+    The distances follow their drive exactly; only the centre of mass moves freely.
+
+    Parameters
+    ----------
+    drive : any drive
+        Variation of the first distance.
+    lag : float
+        Phase lag of each distance behind the preceding one [rad]; if negative, the wave runs from tail to head.
+    length : float, optional
+        Distance about which it varies [m].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> wave = Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2.0944, length=0.02)
+    >>> round(wave.of_pair(0).position(0.125), 12), round(wave.of_pair(1).position(0.125 + 1 / 6), 6)
+    (0.002, 0.002)
+    """
+
+    drive: Any = field(metadata=holding({"the inner mass": "the distance"}))
+    lag: float = field(
+        metadata=quantity(
+            "lag of the wave", "rad", r"\delta", example=2.0944, rule=Rule(lambda x: abs(x) <= 2 * math.pi, "from -2 pi to 2 pi")
+        )
+    )
+    length: float = field(default=0.0, metadata=LENGTH)
+
+    def _check(self, problems: Problems) -> None:
+        if lacking(self.drive):
+            problems.add(f"drive = {self.drive!r}; allowed is a drive; type drive=ss.Harmonic(amplitude=2e-3, frequency=2.0)")
+
+    def of_pair(self, j: int) -> Any:
+        """The motion of one distance, counted from 0 at the head."""
+        if j == 0:
+            return self.drive
+        return Shifted(self.drive, within_one(-j * self.lag / (2 * pi), j))
+
+
+@dataclass(frozen=True, eq=False)
+class Stop(Frozen):
+    """A stop between two bodies, or a body and the ground: an instantaneous impact, or a stiff spring.
+
+    Parameters
+    ----------
+    gap : float
+        Distance from the second body to the first at which they touch [m].
+    restitution : float, optional
+        Coefficient of restitution of an impact, from 0 to 1. Give this, or a stiffness.
+    stiffness, damping : float, optional
+        Of an elastic stop [N/m], [N s/m]; it pushes and never pulls.
+    side : {1, -1}, optional
+        1 where the distance must stay below `gap`, -1 where it must stay above -`gap`.
+
+    Examples
+    --------
+    >>> wall = Stop(gap=0.01, stiffness=1e4)
+    >>> wall.gap_left(distance=0.008), wall.force(distance=0.012, rate=0.0)
+    (0.002, 20.0)
+    """
+
+    gap: float = field(metadata=quantity("gap of the stop", "m", r"\delta", example=0.01))
+    restitution: float | None = field(default=None, metadata=quantity("restitution", "1", "e", example=0.5, rule=between(0.0, 1.0)))
+    stiffness: float | None = field(default=None, metadata=quantity("stiffness of the stop", "N/m", "k", example=1e4, rule=positive))
+    damping: float = field(default=0.0, metadata=DAMPING | {"label": "damping of the stop"})
+    side: int = 1
+
+    def _check(self, problems: Problems) -> None:
+        if (self.restitution is None) == (self.stiffness is None):
+            told = f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two"
+            problems.add(f"{told}; type restitution=0.5 for hits that are over at once, or stiffness=1e4 [N/m] for an elastic stop")
+        if self.side not in (1, -1):
+            problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
+
+    def gap_left(self, distance: Any) -> Any:
+        """The remaining gap [m]; negative while an elastic stop is pressed."""
+        return self.gap - self.side * distance
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
+        depth = self.side * distance - self.gap
+        return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)
+
+
+#: The links by their names in a study file.
+LINKS: dict[str, Any] = {"spring": Spring, "rigid": Rigid, "gait": Gait}

@@ -1,0 +1,241 @@
+"""The equations of motion of any machine, as functions of plain numbers: one coordinate for each body that moves independently.
+
+Everything here takes floats, arrays of cases or symbols, so that the plain integrators and the tracer use the same declaration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import reduce
+from operator import add
+from typing import Any, Protocol
+
+from stickslip.models.controllers import NO_CONTROLLERS, Controllers
+from stickslip.models.friction.law_adapter import LawAdapter, law_of
+
+Numbers = Sequence[Any]
+
+
+class Mechanics(Protocol):
+    """The protocol between a machine and the solvers. Coordinates q [m] have velocities u; bodies, contacts and stops have names.
+
+    A contact's slip velocity is w = g u + b(t), with its row g of `directions` and its offset b.
+    """
+
+    model: Any
+    bodies: tuple[str, ...]
+    contacts: tuple[str, ...]
+    stops: tuple[Any, ...] = ()  # those with restitution
+    named_stops: Sequence[tuple[str, Any]] = ()  # all of them
+    controllers: Controllers = NO_CONTROLLERS
+
+    @property
+    def coordinates(self) -> int:
+        """Number of bodies, or groups of bodies, that move independently."""
+
+    @property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of each contact."""
+
+    @property
+    def masses(self) -> tuple[Any, ...]:
+        """The mass of each coordinate [kg]."""
+
+    @property
+    def directions(self) -> tuple[tuple[float, ...], ...]:
+        """For each contact, the coefficients of the coordinates' velocities in its slip."""
+
+    @property
+    def slips_of(self) -> tuple[tuple[float, ...], ...]:
+        """For each contact, the coefficients of the bodies' velocities in its slip."""
+        return self.directions
+
+    @property
+    def shares(self) -> tuple[Any, ...]:
+        """Weight of each coordinate in the displacement of the machine: that of its centre of mass."""
+        total = reduce(add, self.masses)
+        return tuple(mass / total for mass in self.masses)
+
+    @property
+    def start(self) -> tuple[Any, ...]:
+        """Default initial coordinates of a run [m]."""
+        return (0.0,) * len(self.masses)
+
+    @property
+    def period(self) -> Any:
+        """Period of the drives [s]; None if there is none."""
+        return self.model.period
+
+    @property
+    def jumps(self) -> tuple[tuple[Any, tuple[Any, ...]], ...]:
+        """Known jumps of the velocities: (instant in [0, period) [s], jump of each coordinate's velocity [m/s])."""
+        return ()
+
+    @property
+    def inner(self) -> tuple[int, ...]:
+        """Number of inner states of the law of each contact, and then of each controller."""
+        return (*(law.states for law in self.laws), *self.controllers.counts)
+
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+        """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N].
+
+        z are the states of the controllers; if not given, the controllers are switched on at this instant.
+        """
+
+    def offsets(self, t: Any) -> tuple[Any, ...]:
+        """Slip velocity of each contact while no coordinate moves [m/s]."""
+
+    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        """Normal force on each contact [N]."""
+
+    def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        """Position of each body [m]."""
+        return tuple(q)
+
+    def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        """Velocity of each body [m/s]."""
+        return tuple(u)
+
+    def control_start(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+        """States of the controllers when they are switched on."""
+        return self.controllers.start(t, *self._named(t, q, u))
+
+    def control_rates(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+        """Rates of the controllers' states between samples."""
+        return self.controllers.rates(t, *self._named(t, q, u), z)
+
+    def control_sampled(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+        """The controllers' states after a sample."""
+        return self.controllers.sampled(t, *self._named(t, q, u), z)
+
+    def control_answers(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+        """Rates of the controllers' states and the states themselves, for controllers switched on at these positions and velocities."""
+        z = self.control_start(t, q, u)
+        return (*self.control_rates(t, q, u, z), *z)
+
+    def _named(self, t: Any, q: Numbers, u: Numbers) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Positions and velocities of the bodies by their names."""
+        return (
+            dict(zip(self.bodies, self.positions(t, q), strict=True)),
+            dict(zip(self.bodies, self.velocities(t, u), strict=True)),
+        )
+
+    def coordinate_of(self, body: str) -> int:
+        """Number of the coordinate with which a body moves."""
+        return self.bodies.index(body)
+
+    def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
+        """Coordinates from the positions of the bodies, or their velocities from those of the bodies."""
+        return tuple(values)
+
+    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+        """Acceleration of each body [m/s^2] from those of the coordinates."""
+        return tuple(a)
+
+    def offset_rates(self, t: Any) -> tuple[Any, ...]:
+        """Rates of the contacts' offsets [m/s^2]."""
+        return (0.0,) * len(self.contacts)
+
+    def difference(self, i: int) -> bool:
+        """Whether the slip of a contact is a difference of varying velocities, so that a small slip suffers from cancellation."""
+        return False
+
+    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        """Slip velocity of each contact [m/s]."""
+        return tuple(_dot(g, u) + b for g, b in zip(self.directions, self.offsets(t), strict=True))
+
+
+class OneBody(Mechanics):
+    """A robot, a mechanism, or any object with friction, load, acceleration and contact velocity.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = OneBody(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
+    >>> robot.bodies, robot.contacts, robot.slips(0.0, (0.1,)), robot.directions
+    (('body',), ('contact',), (0.1,), ((1.0,),))
+    """
+
+    bodies, contacts, directions, coordinates = ("body",), ("contact",), ((1.0,),), 1
+
+    def __init__(self, model: Any):
+        self.model = model
+
+    @property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of its contact."""
+        return (law_of(self.model),)
+
+    @property
+    def masses(self) -> tuple[Any, ...]:
+        """Total mass that moves with the contact [kg]."""
+        return (self.model.total_mass,)
+
+    @property
+    def jumps(self) -> tuple[tuple[Any, tuple[Any, ...]], ...]:
+        """The model's impulses."""
+        return tuple((instant, (jump,)) for instant, jump in getattr(self.model, "impulses", None) or ())
+
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+        """The accelerations of the model."""
+        return (self.model.acceleration(t, q[0], u[0], R[0]),)
+
+    def offsets(self, t: Any) -> tuple[Any, ...]:
+        """Velocity at the contact of a body at rest."""
+        return (self.model.contact_velocity(0.0),)
+
+    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        """Velocity at the contact."""
+        return (self.model.contact_velocity(u[0]),)
+
+    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        """Normal force [N]."""
+        return (normal_load(self.model, t, q[0]),)
+
+
+def normal_load(model: Any, t: Any, x: Any) -> Any:
+    """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and position."""
+    return model.load(t, x) if callable(model.load) else model.load
+
+
+def lists_parts(model: Any) -> bool:
+    """Whether a model lists bodies and contacts itself, as a `stickslip.Machine` does."""
+    return callable(getattr(model, "bodies", None)) and callable(getattr(model, "contacts", None))
+
+
+def declares_parts(model: Any) -> bool:
+    """Whether a model is a machine of bodies and contacts: it lists them, or its drive defines them."""
+    return lists_parts(model) or _by_drive(model) is not None
+
+
+def parts_of(model: Any) -> Any:
+    """The object that lists a model's bodies and contacts: the machine into which its drive turns it, else the model itself.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.Robot(0.2, 0.07, ss.Forced.example(), ss.Coulomb(mu_plus=0.2, mu_minus=0.3))
+    >>> list(parts_of(robot).bodies()), parts_of(ss.Chain.example()) == ss.Chain.example()
+    (['body', 'inner'], True)
+    """
+    make = _by_drive(model)
+    return model if make is None else make(model)
+
+
+def _by_drive(model: Any) -> Any:
+    """The function by which a drive turns a model with a freely moving inner mass into a machine of several bodies, or None."""
+    make = getattr(getattr(model, "drive", None), "machine", None)
+    return make if callable(make) else None
+
+
+def _dot(g: Numbers, u: Numbers) -> Any:
+    """Scalar product with factors of 1, -1 and 0."""
+    total: Any = 0.0
+    for factor, value in zip(g, u, strict=True):
+        total = signed_less(total, -factor, value)
+    return total
+
+
+def signed_less(total: Any, factor: float, value: Any) -> Any:
+    """A sum minus a factor of 1, -1 or 0 times a value."""
+    return total if factor == 0.0 else total - value if factor == 1.0 else total + value

@@ -1,0 +1,332 @@
+"""The equations of motion of a machine that lists its bodies, contacts, links and stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property, reduce
+from operator import add, attrgetter
+from typing import Any
+
+from stickslip.basics.fields import Frozen
+from stickslip.basics.maths import maximum, minimum, pi, sqrt
+from stickslip.models.controllers import Controllers
+from stickslip.models.friction.law_adapter import LawAdapter, adapted
+from stickslip.models.mechanics import Mechanics, Numbers, signed_less
+
+GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
+_LOOKS = 8  # instants of a period at which applied forces are looked at for their size
+_LEAST = 1e-3  # of the velocity that a force as large as the load gives: the scale of an autonomous machine
+
+
+class Stopper:
+    """A stop between two bodies or a body and the ground: its gap is h q + d(t), and it is open while that is positive."""
+
+    restitution = property(attrgetter("part.restitution"), doc="Restitution of a hit; None of an elastic stop.")
+
+    def __init__(self, mechanics: SeveralBodies, ends: tuple[str, str | None], part: Any):
+        self.mechanics, self.ends, self.part = mechanics, ends, part
+        self.name = "-".join(end for end in ends if end is not None)
+        row = mechanics.row(*ends)
+        self.direction = tuple(-part.side * g for g in row)  # of the gap
+
+    def gap(self, t: Any, q: Numbers) -> Any:
+        """The distance left until they touch [m]."""
+        return self.part.gap_left(self.mechanics.distance(self.ends, self.mechanics.positions(t, q)))
+
+    def rate(self, t: Any, u: Numbers) -> Any:
+        """How fast the gap opens [m/s]."""
+        return -self.part.side * self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
+
+    def pressed(self, x: Numbers, v: Numbers) -> Any:
+        """How strongly an elastic stop pushes its ends apart [N], from the positions and velocities of the bodies."""
+        return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v))
+
+    def offset_rate(self, t: Any) -> Any:
+        """The contribution of prescribed distances to the acceleration of the gap [m/s^2]."""
+        return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
+
+
+class SeveralBodies(Mechanics):
+    """A machine that lists its bodies, contacts, links and stops.
+
+    Bodies that a link keeps at a prescribed distance share one coordinate, their centre of mass.
+    """
+
+    def __init__(self, model: Any):
+        self.model, self.parts = model, dict(model.bodies())
+        self.bodies, self.joints = tuple(self.parts), dict(model.contacts())
+        self.contacts = tuple(self.joints)
+        self.controllers = Controllers(model.controllers())
+        links = {ends: several(link) for ends, link in model.links().items()}
+        self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
+        self.prescribed = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
+        walls = [(ends, stop) for ends, each in model.stops().items() for stop in several(each)]
+        self.elastic_stops = [(ends, stop) for ends, stop in walls if stop.restitution is None]
+        self.elastic += self.elastic_stops
+        self.groups, self.arms = _groups(self.bodies, self.prescribed)
+        self.coordinate = {name: c for c, group in enumerate(self.groups) for name in group}
+        self.named_stops = _named([Stopper(self, ends, stop) for ends, stop in walls])
+        self.stops = tuple(stop for _, stop in self.named_stops if stop.part.restitution is not None)
+
+    # ---- what there is ----
+    @property
+    def coordinates(self) -> int:
+        """One for each body or group of bodies at prescribed distances."""
+        return len(self.groups)
+
+    @cached_property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of each contact."""
+        return tuple(adapted(contact.friction, contact.restitution) for contact in self.joints.values())
+
+    @cached_property
+    def masses(self) -> tuple[Any, ...]:
+        """All that moves with each coordinate [kg]."""
+        return tuple(_sum(self.parts[name].mass for name in group) for group in self.groups)
+
+    @property
+    def shares(self) -> tuple[Any, ...]:
+        """Part of each coordinate in the way that the machine makes: that of its principal body, else that of its centre of mass."""
+        principal = getattr(self.model, "principal", None)
+        if principal is None:
+            return super().shares
+        return tuple(float(c == self.coordinate[principal]) for c in range(self.coordinates))
+
+    @cached_property
+    def directions(self) -> tuple[tuple[float, ...], ...]:
+        """1 at the coordinate of the contact's body, -1 at that of the body it rubs on."""
+        return tuple(self.row(c.body, c.on if isinstance(c.on, str) else None) for c in self.joints.values())
+
+    @property
+    def slips_of(self) -> tuple[tuple[float, ...], ...]:
+        """1 at the contact's body, -1 at the body it rubs on."""
+        others = {contact: c.on if isinstance(c.on, str) else None for contact, c in self.joints.items()}  # a speed may be a symbol
+        return tuple(
+            tuple((name == c.body) - 1.0 * (name == others[contact]) for name in self.bodies) for contact, c in self.joints.items()
+        )
+
+    def row(self, first: str, second: str | None) -> tuple[float, ...]:
+        """Coefficients of the coordinates in the distance of two bodies, or of one from the ground."""
+        found = [0.0] * len(self.groups)
+        found[self.coordinate[first]] += 1.0
+        if second is not None:
+            found[self.coordinate[second]] -= 1.0
+        return tuple(found)
+
+    @cached_property
+    def start(self) -> tuple[Any, ...]:
+        """Centre of mass of the bodies of each coordinate, where they begin [m]."""
+        return tuple(
+            _sum(self.parts[name].mass * self.parts[name].position for name in group) / mass
+            if len(group) > 1
+            else self.parts[group[0]].position
+            for group, mass in zip(self.groups, self.masses, strict=True)
+        )
+
+    @property
+    def jumps(self) -> tuple[tuple[Any, tuple[Any, ...]], ...]:
+        """Those of the bodies, each as its part of its coordinate's mass."""
+        n, found = len(self.groups), []
+        for name, body in self.parts.items():
+            c = self.coordinate[name]
+            part = 1.0 if len(self.groups[c]) == 1 else body.mass / self.masses[c]
+            found += [(instant, tuple(part * jump if j == c else 0.0 for j in range(n))) for instant, jump in body.jumps]
+        told = [instant for motion in self._motions for instant, _ in getattr(motion, "jumps", None) or ()]
+        return (*found, *((instant, (0.0,) * n) for instant in told))  # there slips jump, and no coordinate does
+
+    @property
+    def breaks(self) -> tuple[Any, ...]:
+        """Instants in (0, period) at which applied forces, prescribed distances or motions are not smooth [s]."""
+        own = [s for part in (*self.parts.values(), *self._motions) for s in getattr(part, "breaks", None) or ()]
+        return (*own, *(getattr(self.model, "breaks", None) or ()))
+
+    @property
+    def _motions(self) -> list[Any]:
+        """Prescribed distances, and what contacts rub on that is neither the track nor a body."""
+        return [link for _, link in self.prescribed] + [c.on for c in self.joints.values() if c.on is not None]
+
+    @property
+    def time_scale(self) -> Any:
+        """A time in which something happens [s]: the period, what the machine says, or the fastest spring's; None where nobody knows."""
+        if self.period is not None:
+            return self.period
+        own = getattr(self.model, "time_scale", None)
+        stiff = [
+            (link.stiffness, self.masses[self.coordinate[ends[0]]])
+            for ends, link in self.elastic
+            if isinstance(getattr(link, "stiffness", None), (int, float)) and link.stiffness > 0
+        ]
+        return own if own is not None or not stiff else reduce(minimum, [2 * pi * sqrt(m / k) for k, m in stiff])
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity [m/s]: what the machine says, else what its applied forces and motions do in a part of the period."""
+        own = getattr(self.model, "velocity_scale", None)
+        if own is not None:
+            return own
+        time = self.time_scale
+        time = 1.0 if time is None else time
+        start, still = self.start, (0.0,) * len(self.groups)
+        largest: Any = 0.0
+        for q, contact in zip(self.loads(0.0, start), self.joints.values(), strict=True):
+            largest = maximum(largest, _LEAST * abs(q) / self.masses[self.coordinate[contact.body]] * time)
+        for k in range(_LOOKS if self.period is not None else 1):
+            t = time * (k / _LOOKS)
+            for a in self.accelerations(t, start, still, (0.0,) * len(self.contacts)):
+                largest = maximum(largest, abs(a) * time / (2 * pi))
+            for b in self.offsets(t):
+                largest = maximum(largest, abs(b))
+        return largest
+
+    def _middle(self, group: tuple[str, ...], values: dict[str, Any]) -> Any:
+        """The mass-weighted mean over the bodies of a coordinate."""
+        if len(group) == 1:
+            return values[group[0]]
+        return _sum(self.parts[name].mass * values[name] for name in group) / self.masses[self.coordinate[group[0]]]
+
+    # ---- motion ----
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+        """Newton's law for each coordinate."""
+        x, v = self._named(t, q, u)
+        total: list[Any] = [0.0] * len(self.groups)
+        for name, body in self.parts.items():
+            total[self.coordinate[name]] = total[self.coordinate[name]] + body.applied(t, x[name], v[name])
+        controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
+        for name, force in (*self.model.forces(t, dict(x), dict(v)).items(), *controlled):
+            total[self.coordinate[name]] = total[self.coordinate[name]] + force
+        for ends, link in self.elastic:
+            tension = link.force(self.distance(ends, tuple(x.values())), self.distance(ends, tuple(v.values())))
+            for c, g in enumerate(self.row(*ends)):
+                total[c] = signed_less(total[c], g, tension)
+        for g_row, force in zip(self.directions, R, strict=True):
+            for c, g in enumerate(g_row):
+                total[c] = signed_less(total[c], g, force)
+        return tuple(force / mass for force, mass in zip(total, self.masses, strict=True))
+
+    def distance(self, ends: tuple[str, str | None], values: Numbers) -> Any:
+        """Difference of what two bodies have; with the ground, what the first has."""
+        first = values[self.bodies.index(ends[0])]
+        return first if ends[1] is None else first - values[self.bodies.index(ends[1])]
+
+    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        """Normal force on each contact [N]."""
+        x = dict(zip(self.bodies, self.positions(t, q), strict=True))
+        gravity = getattr(self.model, "gravity", GRAVITY)
+        given = [(c, c.normal(t, x[c.body])) for c in self.joints.values()]
+        return tuple(self.parts[c.body].mass * gravity if load is None else load for c, load in given)
+
+    def offsets(self, t: Any) -> tuple[Any, ...]:
+        """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
+        told = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
+        return tuple(_offset(told, c) - _velocity(c.on, t) for c in self.joints.values())
+
+    def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        """Position of each body [m]."""
+        start, own = self.start, self.parts
+        arms = self._arms("position", t)
+        single = [len(self.groups[self.coordinate[name]]) == 1 for name in self.bodies]
+        return tuple(
+            q[self.coordinate[name]] if alone else q[self.coordinate[name]] + (own[name].position - start[self.coordinate[name]] + arm)
+            for name, arm, alone in zip(self.bodies, arms, single, strict=True)
+        )
+
+    def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        """Velocity of each body [m/s]."""
+        return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
+
+    def difference(self, i: int) -> bool:
+        """Where it rubs on a body or a motion, or its body moves otherwise than its coordinate."""
+        contact = self.joints[self.contacts[i]]
+        arms = self.arms[contact.body] or len(self.groups[self.coordinate[contact.body]]) > 1
+        return bool(arms) or isinstance(contact.on, str) or callable(getattr(contact.on, "velocity", None))
+
+    def coordinate_of(self, body: str) -> int:
+        """Number of the coordinate of its group."""
+        return self.coordinate[body]
+
+    def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
+        """Those of the centres of mass."""
+        named = dict(zip(self.bodies, values, strict=True))
+        return tuple(self._middle(group, named) for group in self.groups)
+
+    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+        """Acceleration of each body [m/s^2]."""
+        return tuple(_plus(a[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("acceleration", t), strict=True))
+
+    def offset_rates(self, t: Any) -> tuple[Any, ...]:
+        """Rates of the contacts' offsets [m/s^2]."""
+        told = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
+        return tuple(_offset(told, c) - _acceleration(c.on, t) for c in self.joints.values())
+
+    def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
+        """The contribution of prescribed distances to each body's position, velocity or acceleration, beyond its coordinate's."""
+        if not self.prescribed:
+            return (0.0,) * len(self.bodies)
+        found: dict[str, Any] = {}
+        for group in self.groups:
+            raw = {name: _sum(sign * getattr(link, what)(t) for sign, link in self.arms[name]) for name in group}
+            middle = self._middle(group, raw)
+            found |= {name: raw[name] - middle if len(group) > 1 else 0.0 for name in group}
+        return tuple(found[name] for name in self.bodies)
+
+
+#: The property of a machine that makes its equations; solvers make them themselves, of a machine whose own is this one.
+mechanics_of = property(SeveralBodies, doc="Its equations of motion, as functions of plain numbers.")
+
+
+def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[tuple[str, ...]], dict[str, list[tuple[float, Any]]]]:
+    """Bodies that prescribed distances join, and for each body the links, with their signs, from the first of its group to it."""
+    groups: list[tuple[str, ...]] = []
+    arms: dict[str, list[tuple[float, Any]]] = {}
+    left = list(bodies)
+    while left:
+        group, reached = [left[0]], dict[str, list[tuple[float, Any]]]({left[0]: []})
+        for at in group:  # grows while it is walked
+            for (a, b), link in told:
+                for here, there, sign in ((a, b, -1.0), (b, a, 1.0)):
+                    if here == at and there not in reached:
+                        reached[there] = [*reached[at], (sign, link)]
+                        group.append(there)
+        groups.append(tuple(group))
+        arms |= reached
+        left = [name for name in left if name not in reached]
+    return groups, arms
+
+
+def _named(stops: list[Stopper]) -> list[tuple[str, Stopper]]:
+    """Stops with their names, numbered where two bodies have several between them."""
+    names = [stop.name for stop in stops]
+    for k, (name, stop) in enumerate(zip(names, stops, strict=True)):
+        stop.name = name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}"
+    return [(stop.name, stop) for stop in stops]
+
+
+def _is_elastic(link: Any) -> bool:
+    return callable(getattr(link, "force", None))
+
+
+def several(parts: Any) -> tuple[Any, ...]:
+    """Links or stops between two bodies: one or more."""
+    return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
+
+
+def _offset(told: dict[str, Any], contact: Any) -> Any:
+    other = told[contact.on] if isinstance(contact.on, str) else 0.0
+    return told[contact.body] - other
+
+
+def _velocity(on: Any, t: Any) -> Any:
+    """Velocity of what a contact rubs on, where that is not a body [m/s]."""
+    return 0.0 if on is None or isinstance(on, str) else on.velocity(t) if callable(getattr(on, "velocity", None)) else on
+
+
+def _acceleration(on: Any, t: Any) -> Any:
+    return on.acceleration(t) if callable(getattr(on, "acceleration", None)) else 0.0
+
+
+def _sum(terms: Iterable[Any]) -> Any:
+    return reduce(add, terms, 0.0)
+
+
+def _plus(value: Any, arm: Any) -> Any:
+    return value if isinstance(arm, float) and arm == 0.0 else value + arm

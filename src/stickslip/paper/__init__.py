@@ -1,7 +1,0 @@
-"""The founding paper, end to end: every table, figure and claim recomputed, with a report."""
-
-from __future__ import annotations
-
-from stickslip.paper.reproduction import Reproduction, reproduce
-
-__all__ = ["Reproduction", "reproduce"]

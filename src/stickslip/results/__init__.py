@@ -1,0 +1,1 @@
+"""Runs: trajectories, their dense output, segments and events, steadiness, and their files."""

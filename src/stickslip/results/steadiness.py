@@ -1,0 +1,347 @@
+"""Whether a run has settled: what its mean velocity approaches, and how far from that it still is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.models.friction.law_adapter import law_of
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.mechanics import normal_load
+from stickslip.models.position_dependence import knows_position
+from stickslip.models.state_layout import of_one_contact
+from stickslip.results import recurrence
+from stickslip.results.part_notes import APART
+
+STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
+#: What a code of steadiness says.
+STEADINESS: dict[int, str] = {
+    STEADY: "steady",
+    UNSETTLED: "not settled",
+    IRREGULAR: "does not repeat",
+    UNKNOWN: "not known",
+}
+
+
+_LONGEST_SEARCH = 2000  # drive periods that `periodic_mean_velocity` runs at most, if no others are given
+_MOST_SEARCHED = 10**6  # drive periods that are still recommended
+_DECAYED = 1e-12  # what is left of a transient that has decayed, relative to what the drive does to a free body in a period
+_ALIKE = 0.1  # bodies drift apart if their distance grows evenly, to this part
+
+
+@dataclass(frozen=True)
+class Steadiness:
+    """Whether the mean velocity of a run is that of a steady motion.
+
+    Parameters
+    ----------
+    code : int
+        A code of `STEADINESS`: 0 steady, 1 not settled, 2 does not repeat, -1 not known.
+    period : int
+        Drive periods after which the motion repeats; 0 where it does not, or not yet.
+    mean_velocity : float
+        Over the window after settling [m/s].
+    approached : float
+        The mean velocity that it approaches by its last strobe points [m/s]: infinite where no end is in sight, not a number where it
+        does not repeat or nothing is known.
+    change : float
+        By how much the velocity, averaged over a drive period, changed per period at the end of the run [m/s].
+    tolerance : float
+        How far the mean velocity may be from the approached one, relative to it.
+    advice : str
+        What to type.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), periods=60).steadiness.word
+    'steady'
+    """
+
+    code: int
+    period: int
+    mean_velocity: float
+    approached: float
+    change: float = float("nan")
+    tolerance: float = recurrence.STEADY
+    advice: str = ""
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is."""
+        return self.code == STEADY
+
+    @property
+    def word(self) -> str:
+        """The code in words."""
+        return STEADINESS[self.code]
+
+    @property
+    def error(self) -> float:
+        """Estimated distance of the mean velocity from its steady value [m/s]."""
+        return abs(self.mean_velocity - self.approached)
+
+    @property
+    def note(self) -> str:
+        """A sentence on what is not steady, and what to type; empty where there is nothing to say."""
+        if self.code != UNSETTLED:
+            return ""
+        if not np.isfinite(self.change):
+            return f"the run is too short to say whether the motion has settled; {self.advice}"
+        if not np.isfinite(self.approached):
+            far = "no steady value is in sight"
+        else:
+            far = f"it is about {self.error:.2g} m/s from its steady value"
+        if self.period:
+            return f"the motion repeats, but the mean velocity holds a part of the transient: {far}; {self.advice}"
+        change = f"the mean velocity still changes by about {self.change:.2g} m/s in a drive period"
+        return f"the motion has not settled: {change}, and {far}; {self.advice}"
+
+
+def judged(mean: Any, approached: Any, period: Any, free_velocity: Any, tolerance: Any) -> Any:
+    """Codes of steadiness from mean velocities and those that they approach [m/s]."""
+    mean, approached = np.asarray(mean, float), np.asarray(approached, float)
+    with np.errstate(invalid="ignore"):
+        steady = (np.asarray(period) > 0) & recurrence.steady(mean, approached, free_velocity, tolerance)
+    lasting = np.where(np.isnan(approached), IRREGULAR, UNSETTLED)
+    return np.where(np.isfinite(mean), np.where(steady, STEADY, lasting), UNKNOWN).astype(np.int8)
+
+
+def strobe_tolerance(method: str, rtol: float) -> float:
+    """How close strobe points must come to count as one, in their scales: 30 rtol, at most 1e-3; for exact arcs 1e-8.
+
+    Examples
+    --------
+    >>> strobe_tolerance("exact", 1e-4), strobe_tolerance("radau", 1e-4), round(strobe_tolerance("Rodas5P", 1e-6), 9)
+    (1e-08, 0.001, 3e-05)
+    """
+    return 1e-8 if method == "exact" else min(30 * float(rtol), 1e-3)
+
+
+def mean_tolerance(method: str, rtol: float) -> float:
+    """The relative error allowed in a mean velocity that counts as steady: 1e-6, or the tolerance of the run."""
+    return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
+
+
+def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, float]:
+    """Period number of a run (0: none) and the displacement in a drive period that it approaches [m]; see `recurrence.outcome`.
+
+    `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
+    """
+    return _outcome(*_with_position(model, strobe), strobe_tolerance(method, rtol))
+
+
+def repetition_of(run: Any) -> tuple[Any, int, float]:
+    """Position at the strobe points, of several bodies that of their centre of mass; period number and displacement approached."""
+    way, strobe, scales = _strobe_of(run)
+    return way, *_outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
+
+
+def _with_position(model: Any, strobe: Any) -> tuple[Any, Any]:
+    """Strobe points with the position once more at their end, where the motion depends on it; and the scales of all but the first."""
+    matters = _position_matters(model, strobe[:, 0])
+    points = np.column_stack([strobe, *([strobe[:, 0]] if matters else [])])
+    return points, scales_of(model, strobe, matters)
+
+
+def _outcome(strobe: Any, scales: Any, tolerance: float) -> tuple[int, float]:
+    points = np.ascontiguousarray(strobe, float)[1:]
+    last = len(points) - 1
+    if last < 0:
+        return 0, float("inf")
+    count = min(last, recurrence.KEPT - 1)
+    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales, tolerance, tolerance)
+
+
+def _position_matters(model: Any, x: Any) -> bool:
+    """Whether forces differ between the positions of a run; a spring without stiffness is in the equations, and holds nothing."""
+    if not knows_position(model):
+        return False
+    times = np.linspace(0.0, float(model.period or 1.0), 8, endpoint=False)
+    forces = [[(float(model.acceleration(t, at, 0.0, 0.0)), float(normal_load(model, t, at))) for t in times] for at in (*x[-4:], x[0])]
+    return bool(np.ptp(np.array(forces), axis=0).any())
+
+
+def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
+    """Sizes of v, of each inner state, and of x where the motion depends on it.
+
+    Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
+    """
+    speed = float(machine_of(model).free_velocity)
+    typical = law_of(model).scale(normal_load(model, 0.0, 0.0))
+    inner = np.full(strobe.shape[1] - 2, np.nan) if typical is None else np.asarray(typical, float)
+    inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
+    shift = [speed * float(model.period or 2 * np.pi) / (2 * np.pi)] if with_position else []
+    scales = np.concatenate([[speed], inner, shift])
+    return np.where(scales > 0, scales, 1.0)
+
+
+def unsettled_note(codes: Any, errors: Any) -> list[str]:
+    """A sentence on the cases of a batch or a sweep that have not settled, and what to type; none where there are none.
+
+    Examples
+    --------
+    >>> unsettled_note([0, 1, 1], [1e-9, 2e-3, np.inf])[0][:64]
+    '2 cases have not settled: their mean velocity is up to 0.002 m/s'
+    """
+    late = np.asarray(codes) == UNSETTLED
+    number = int(late.sum())
+    if not number:
+        return []
+    far = np.asarray(errors, float)[late]
+    known = far[np.isfinite(far)]
+    by = f"up to {known.max():.2g} m/s from its steady value" if len(known) else "not known to be near a steady value"
+    who = "1 case has not settled: its" if number == 1 else f"{number} cases have not settled: their"
+    endless = f" ({number - len(known)} of them without an end in sight)" if 0 < len(known) < number else ""
+    return [f"{who} mean velocity is {by}{endless}, see steadiness and settling_error; type more periods"]
+
+
+def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bool:
+    """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
+    T = float(model.period)
+    mean, approached = found["displacement"] / (found["window"] * T), found["limit"] / T
+    return bool(judged(mean, approached, found["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
+
+
+def window_count(done: int, settle: int, period: int) -> int:
+    """Drive periods in the window of the mean, of so many done: whole motion periods where a period is known."""
+    count = max(done - settle, min(1, done))
+    return count - count % (period or 1) if count > (period or 1) else count
+
+
+def of_run(run: Any) -> Steadiness:
+    """The steadiness of a trajectory."""
+    if machine_of(run.model).is_single:
+        run = of_one_contact("run.steadiness", run, "it is judged by one mean velocity")
+    if run.model.period is None:
+        first, last = run.window
+        x = run.at(np.array([first, last]))["x"]
+        x = x if machine_of(run.model).is_single else way_of_machine(run.model, x)
+        return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
+    t, T = run.strobe_times, run.period_time
+    x, strobe, scales = _strobe_of(run)
+    tolerance = mean_tolerance(run.method, run.rtol)
+    known = run.known_period
+    period, limit = (int(known), float("nan")) if known else _outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
+    count = window_count(len(x) - 1, int(run.settle), period)
+    mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
+    if known:
+        return Steadiness(STEADY, period, mean, mean)
+    code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
+    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, x, int(run.settle), period, limit))
+
+
+def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
+    """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
+    model, z = run.model, run._strobe_inner
+    if machine_of(model).is_single:
+        strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if z is None else [z])])
+        return run.strobe_x, *_with_position(model, strobe)
+    mechanics, speed = machine_of(model).mechanics, float(machine_of(model).free_velocity)
+    x, v = run.strobe_x, run.strobe_v
+    way = way_of_machine(model, x)
+    apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
+    inner = np.empty((len(x), 0)) if z is None else z.reshape(len(x), -1)
+    there = ~np.isnan(inner[0])
+    sizes = [
+        _sizes(law, load, z.shape[2])
+        for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
+        if z is not None
+    ]
+    parts = mechanics.controllers
+    for part in parts.parts.values():
+        own = [float(size) for size in part.scales]
+        sizes.append(np.array([*own, *([np.nan] * (z.shape[2] - len(own)))]))
+    typical = np.concatenate(sizes)[there] if sizes else np.empty(0)
+    typical = np.where(np.isfinite(typical), typical, abs(inner[:, there]).max(axis=0, initial=0.0))
+    strobe = np.column_stack([way, v, inner[:, there], *apart])
+    length = speed * float(model.period) / (2 * np.pi)
+    scales = np.concatenate([np.full(v.shape[1], speed), typical, np.full(sum(a.shape[1] for a in apart), length)])
+    return way, strobe, np.where(scales > 0, scales, 1.0)
+
+
+def drifting_apart(run: Any) -> str:
+    """A sentence on bodies that drift apart, whose distance grew as much in the last quarter of a run as in the one before; or ""."""
+    if machine_of(run.model).is_single or run.model.period is None or len(run.bodies) < 2:
+        return ""
+    x, names = run.strobe_x, list(run.bodies)
+    quarter = (len(x) - 1) // 4
+    if quarter < 4:
+        return ""
+    grown = [x[-1 - k * quarter] - x[-1 - (k + 1) * quarter] for k in (0, 1)]
+    speeds = grown[0] / (quarter * float(run.model.period))
+    last, before = (np.ptp(each) for each in grown)
+    if not (np.ptp(speeds) > APART * float(machine_of(run.model).free_velocity) and abs(last - before) < _ALIKE * last):
+        return ""
+    fast, slow = names[int(np.argmax(speeds))], names[int(np.argmin(speeds))]
+    told = f"{fast} and {slow} drift apart, by {np.ptp(speeds):.3g} m/s: the mean velocity is that of the centre of mass"
+    return f"{told}; type ss.mean_velocity(run, body={fast!r})"
+
+
+def _sizes(law: Any, load: Any, states: int) -> Any:
+    """Typical sizes of a law's inner states, NaN where it does not say; as many as the law with the most has."""
+    typical = law.scale(load)
+    own = [np.nan] * law.states if typical is None else [float(size) for size in typical]
+    return np.array([*own, *([np.nan] * (states - law.states))])
+
+
+def way_of_machine(model: Any, x: Any) -> Any:
+    """Position of the principal body, or of the centre of mass where there is none, from those of the bodies (..., bodies) [m]."""
+    mechanics = machine_of(model).mechanics
+    q = np.stack(mechanics.coordinates_of(tuple(np.moveaxis(np.asarray(x), -1, 0))), axis=-1)
+    return q @ np.array([float(share) for share in mechanics.shares])
+
+
+def _place_matters(mechanics: Any, x: Any) -> bool:
+    """Whether forces or loads change when the whole machine is moved as far as it went."""
+    still, none = (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
+    q, T = mechanics.coordinates_of(x[-1]), float(mechanics.period)
+    for shift in (float(np.ptp(x)), 0.37 * float(np.ptp(x))):
+        for t in np.linspace(0.0, T, 8, endpoint=False):
+            here, there = (
+                np.array(
+                    [*mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at), *mechanics.control_answers(t, at, still)], float
+                )
+                for at in (q, tuple(value + shift for value in q))
+            )
+            if np.any(abs(here - there) > 1e-6 * np.max(abs(here), initial=0.0)):
+                return True
+    return False
+
+
+def _change(x: Any, T: float) -> float:
+    """Change of the velocity per drive period at the end, averaged over two periods each time [m/s]."""
+    return float(abs(x[-1] - 2 * x[-3] + x[-5]) / (4 * T)) if len(x) > 4 else float("nan")
+
+
+def _advice(model: Any, way: Any, settle: int, period: int, limit: float) -> str:
+    """What to type for a steady mean, from the way at the strobe points and the displacement per period that it approaches [m].
+
+    The steady motion itself is recommended only where the transient decays, with as many periods as it needs for that.
+    """
+    periods, word = len(way) - 1, "robot" if machine_of(model).drive is not None else type(model).__name__.lower()
+    needed = _periods_needed(way, period, limit, float(machine_of(model).free_velocity) * float(model.period))
+    if needed is None:
+        itself = ""
+    else:
+        longer = f", periods={needed}" if needed > _LONGEST_SEARCH else ""
+        itself = f", or ss.periodic_mean_velocity({word}{longer}) for the steady motion itself"
+    if period and settle < periods - 2 * period:
+        return f"type settle={periods - 2 * period}{itself}"
+    return f"type more periods, such as periods={10 * periods}{itself}"
+
+
+def _periods_needed(way: Any, period: int, limit: float, size: float) -> int | None:
+    """Drive periods until a geometric transient has decayed, with a margin of two; None where it does not decay or takes too long."""
+    window = (len(way) - 1) // 3
+    window -= window % (period or 2)
+    if window < 2 or not np.isfinite(limit):
+        return None
+    earlier, later = (abs((way[-1 - k * window] - way[-1 - (k + 1) * window]) / window - limit) for k in (1, 0))
+    if not later < 0.9 * earlier:
+        return None if later > _DECAYED * size else len(way) - 1
+    decades = np.log(max(later / (_DECAYED * size), 1.0)) / np.log(earlier / max(later, 1e-300))
+    needed = 2 * (len(way) - 1 + window * float(decades))
+    return int(np.ceil(needed / 1000) * 1000) if needed < _MOST_SEARCHED else None

@@ -1,0 +1,102 @@
+"""The command ``stickslip``: dispatch of its commands, and treatment of errors. Nothing heavy is imported for the help.
+
+Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong, 130 interrupted by Ctrl-C.
+Results go to stdout, everything else to stderr.
+Colours and progress bars appear in a terminal only.
+"""
+
+from __future__ import annotations
+
+import contextvars
+import importlib
+import os
+import sys
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip.basics.errors import InputError, StickslipError, did_you_mean
+from stickslip.basics.interruption import ended_early
+
+__all__ = ["COMMANDS", "done", "main"]
+
+INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
+_FOLDER = Path(__file__).parent / "commands"
+#: Command -> (module, description), from ``commands/_index.toml``.
+COMMANDS: dict[str, tuple[str, str]] = tomllib.loads((_FOLDER / "_index.toml").read_text(encoding="utf-8"))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments after ``stickslip``; by default those of this process.
+
+    Examples
+    --------
+    >>> main(["--version"])
+    stickslip ...
+    0
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    before = len(ended_early)
+    code = _done(words)
+    return INTERRUPTED if len(ended_early) > before else code
+
+
+def _done(words: list[str]) -> int:
+    """The exit code of a command that is not interrupted."""
+    try:
+        return contextvars.copy_context().run(_dispatch, words)  # the permissions of one command do not apply to the next
+    except InputError as error:
+        return _say(str(error), 2)
+    except StickslipError as error:
+        return _say(str(error), 1)
+    except KeyboardInterrupt as pressed:
+        return _say(str(pressed) or "interrupted", INTERRUPTED)
+    except BrokenPipeError:  # the reader of our stdout has closed it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except Exception as error:
+        if os.environ.get("STICKSLIP_TRACEBACK"):
+            raise
+        from stickslip.show.cli.user_errors import in_your_code
+
+        if yours := in_your_code(error):
+            return _say(yours, 2)
+        return _say(f"{type(error).__name__}: {error}\nThis is an error of stickslip itself; set STICKSLIP_TRACEBACK=1 to see where", 1)
+
+
+def _say(sentence: str, code: int) -> int:
+    print(f"stickslip: {sentence}", file=sys.stderr)
+    return code
+
+
+def _dispatch(words: list[str]) -> int:
+    if len(words) == 2 and words[0] == "help":
+        words = [words[1], "--help"]
+    if not words or words[0] in ("-h", "--help", "help"):
+        width = max(map(len, COMMANDS))
+        text = (_FOLDER / "help.txt").read_text(encoding="utf-8")
+        print(text.format(commands="\n".join(f"  {name:<{width}}  {about}" for name, (_, about) in COMMANDS.items())), end="")
+        return 0 if words else 2
+    if words[0] in ("-V", "--version"):
+        from stickslip import __version__
+
+        print(f"stickslip {__version__}")
+        return 0
+    name, rest = words[0], words[1:]
+    if name not in COMMANDS:
+        raise InputError("command", [f"{name!r} is not known; type stickslip --help for the list; {did_you_mean(name, COMMANDS)}"])
+    return done(name, rest)
+
+
+def done(name: str, words: list[str]) -> int:
+    """Run a command, whose module is imported only now, and show its results."""
+    from stickslip.show.cli.arguments import asked
+    from stickslip.show.cli.outputs import finish
+
+    found = asked(name, words)
+    return finish(found, importlib.import_module(f"stickslip.show.cli.{COMMANDS[name][0]}").act(found))

@@ -1,0 +1,366 @@
+"""The words after a command: one parser class and one grammar, NAME=VALUE, for all commands."""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.basics.typed_numbers import in_unit
+from stickslip.models.naming import axis_of, example_for
+from stickslip.show.cli.probing import probe, probe_axes
+from stickslip.show.cli.show import writable
+from stickslip.show.cli.study_files import ALLOW_CODE, SOLVER, found
+from stickslip.show.cli.transcripts import commands_in, transcript
+
+
+class _Allow(argparse.Action):
+    """``--allow-code`` is valid for one command only."""
+
+    def __call__(self, *_: Any) -> None:
+        ALLOW_CODE.set(True)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse with our own error messages; `files` maps arguments that name files to their option and extensions."""
+
+    def __init__(self, **how: Any):
+        super().__init__(**how)
+        self.files: dict[str, tuple[Any, Sequence[str]]] = {}
+
+    def error(self, message: str) -> NoReturn:
+        """Raise an `InputError`, with the closest option as a suggestion."""
+        name = self.prog.removeprefix("stickslip ")
+        raise InputError(name, [f"{self._in_our_words(message)} (type {self.prog} --help)"])
+
+    def _in_our_words(self, message: str) -> str:
+        """Translate a message of argparse into the given value, the allowed ones and what to type."""
+        if found := re.search(r"unrecognized arguments: (\S+)", message):
+            options = [option for option in self._option_string_actions if option.startswith("--")]
+            if found[1].startswith("-"):
+                return f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
+            return f"{found[1]!r} is an unexpected argument; options are {', '.join(options)}"
+        if found := re.search(r"arguments are required: (.+)", message):
+            missing = found[1].split(", ")
+            robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.56e-4"
+            verb = "is" if len(missing) == 1 else "are"
+            return f"{' and '.join(missing)} {verb} missing; {robot if 'ROBOT' in missing else f'type for example {self._example()}'}"
+        if found := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
+            return f"{found[1]} needs a value: {found[1]} {self._metavar(found[1])}"
+        if found := re.search(r"argument (\S+?)(?:/\S+)?: invalid (int|float) value: (.+)", message):
+            return f"{found[1]} {found[3]}; allowed is a {'whole number' if found[2] == 'int' else 'number'}"
+        return message
+
+    def _example(self) -> str:
+        """An example of this command's usage."""
+        command = self.prog.removeprefix("stickslip ")
+        typed = [line for line, _ in commands_in(transcript(command)) if line.split()[1] == command]
+        return typed[0] if typed else f"{self.prog} --help"
+
+    def _metavar(self, option: str) -> str:
+        action = self._option_string_actions[option]
+        return str(action.metavar or action.dest.upper())
+
+
+_FOLDER = Path(__file__).parent / "commands"
+_TYPES = {"int": int, "float": float}
+
+
+def parser(command: str) -> Parser:
+    """The parser of a command, from its file in ``cli/commands``.
+
+    Examples
+    --------
+    >>> parser("run").prog
+    'stickslip run'
+    """
+    told, plain = _told(command), argparse.RawDescriptionHelpFormatter
+    end = "\n\n".join(part.rstrip("\n") for part in (told.get("more", ""), transcript(command)) if part)
+    made = Parser(prog=f"stickslip {command}", description=told["about"], epilog=end, allow_abbrev=False, formatter_class=plain)
+    made.register("action", "allow", _Allow)
+    for names, how in _arguments(told):
+        ends = how.pop("ends", ())
+        action = made.add_argument(*names.split(", "), **how | ({"type": _TYPES[how["type"]]} if "type" in how else {}))
+        made.files |= {action.dest: (names.partition(",")[0] if action.option_strings else action.metavar, ends)} if ends else {}
+    return made
+
+
+def _told(command: str) -> dict[str, Any]:
+    return tomllib.loads((_FOLDER / f"{command}.toml").read_text(encoding="utf-8"))
+
+
+def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Names and properties of each argument; a name such as ``_json`` stands for arguments that several commands share."""
+    for names, how in told["arguments"].items():
+        if names.startswith("_"):
+            yield from _arguments(_told(names))
+        else:
+            yield names, how
+
+
+def asked(command: str, words: list[str]) -> Any:
+    """The parsed arguments of a command; output files are checked before the work."""
+    made, told = parser(command), _told(command)
+    mixed = any(action.nargs == "*" for action in made._actions)  # positional words of two kinds, with options between them
+    read = made.parse_intermixed_args if mixed else made.parse_args
+    found: Any = made.parse_known_args(words)[0] if told.get("open") else read(words)
+    if told.get("driven"):
+        check_driven(command, found.robot)
+    for name, (option, ends) in made.files.items():
+        setattr(found, name, writable(option, getattr(found, name), ends))
+    found.command, found.typed = command, " ".join(["stickslip", command, *words])
+    found.words = words
+    return found
+
+
+def value(text: str, unit: str = "") -> Any:
+    """The value after the = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
+
+    Examples
+    --------
+    >>> value("200"), value("5e-4"), round(value("65.4pi"), 3), value("lugre"), value("none"), value("0.55mm", "m")
+    (200, 0.0005, 205.46, 'lugre', None, 0.00055)
+    """
+    text = text.strip()
+    if re.fullmatch(r"[+-]?\d+", text):
+        return int(text)
+    multiple = re.fullmatch(r"([+-]?[\d.]*(?:e[+-]?\d+)?)\s*\*?\s*pi", text, re.IGNORECASE)
+    try:
+        if multiple:
+            return float({"": "1", "+": "1", "-": "-1"}.get(multiple[1], multiple[1])) * 3.141592653589793
+        return float(text)
+    except ValueError:
+        return None if text.lower() == "none" else in_unit(text, unit) if unit else text
+
+
+def ends(text: str) -> tuple[float, float]:
+    """Both numbers of A..B.
+
+    Examples
+    --------
+    >>> ends("1e-3..2")
+    (0.001, 2.0)
+    """
+    low, high = map(float, text.split(".."))
+    return low, high
+
+
+def values(text: str, unit: str = "") -> Any:
+    """As `value`, for a sweep, where a..b:n, a..b:n:log and a,b,c are several values.
+
+    Examples
+    --------
+    >>> values("1..3:3"), values("1..100:3:log"), values("4,5"), values("1mm..3mm:3", "m")
+    ([1.0, 2.0, 3.0], [1.0, 10.0, 100.0], [4, 5], [0.001, 0.002, 0.003])
+    """
+    spread = re.fullmatch(r"(.+?)\.\.(.+?):(\d+)(:log)?", text)
+    if spread:
+        first, last, count = value(spread[1], unit), value(spread[2], unit), int(spread[3])
+        if isinstance(first, (int, float)) and isinstance(last, (int, float)) and count >= 1:
+            steps = max(count - 1, 1)
+            if spread[4]:
+                return _by_a_factor(text, first, last, count)
+            return [first + (last - first) * (i / steps) if i < steps or count == 1 else float(last) for i in range(count)]
+        raise ValueError(f"{text!r} is not a range; allowed is a..b:n, such as 4e-4..8e-4:9")
+    if ".." in text:
+        raise ValueError(f"{text!r} does not say how many values; add their number, such as {text}:9")
+    if "," in text:
+        return [value(part, unit) for part in text.split(",") if part.strip()]
+    return value(text, unit)
+
+
+def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float]:
+    """Values that grow by a constant factor."""
+    if not first * last > 0:
+        raise ValueError(f"{text!r} is not a range by a factor; allowed are two numbers of one sign, such as 0.03..0.21:60:log")
+    inner = [first * (last / first) ** (i / max(count - 1, 1)) for i in range(1, count - 1)]
+    return [float(first), *inner, float(last)][:count]
+
+
+def units_of(make: Any) -> Callable[[str], str]:
+    """A function from the name of a number to the unit in which its maker takes it; "" if unknown."""
+    return lambda name: (axis_of(name, make) or ("", ""))[1]
+
+
+def named_words(words: list[str], problems: Problems, wanted: str, before: str = "") -> Iterator[tuple[str, str]]:
+    """The names and texts of NAME=TEXT words; other words, and names given twice, are noted as problems."""
+    seen = set()
+    for word in words:
+        name, _, text = word.partition("=")
+        if not name or not text:
+            problems.add(f"{before}{word!r} is not {wanted}")
+        elif name in seen:
+            problems.add(f"{before}{name} is given twice")
+        else:
+            seen.add(name)
+            yield name, text
+
+
+def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
+    """NAME=VALUE words as a dict, with numbers converted to the units of their names; errors are noted."""
+    found: dict[str, Any] = {}
+    for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.56e-4"):
+        if not many and (".." in text or ("," in text)):
+            example = f"{name}={example_for(name):.6g}"
+            problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
+        else:
+            try:
+                found[name] = values(text, units(name)) if many else value(text, units(name))
+            except ValueError as error:
+                problems.add(f"{name}: {error}")
+    return found
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The robot or function that a command works on, with its arguments.
+
+    Parameters
+    ----------
+    name : str
+        The preset or file.
+    make : callable or Robot
+        As `sweep` takes it.
+    arguments : dict
+        The arguments that were set.
+    options : dict
+        Arguments of the solver.
+    """
+
+    name: str
+    make: Any
+    arguments: dict[str, Any]
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def robot(self) -> Any:
+        """The robot itself."""
+        from stickslip.models.machine_adapter import is_machine
+
+        made = _builder(self.make)(self.arguments)
+        if not is_machine(made):
+            raise InputError(
+                self.name, [f"it returns {made!r}; allowed is a Robot, a mechanism or a machine; type for example return ss.Robot(...)"]
+            )
+        return made
+
+    @property
+    def dimensionless(self) -> bool:
+        """Whether the robots are dimensionless, with all units 1."""
+        from stickslip.models.presets import DIMENSIONLESS
+
+        return getattr(self.make, "__name__", "") in DIMENSIONLESS
+
+    def title(self) -> str:
+        """The robot and its settings, as typed on the command line."""
+        return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
+
+
+def subject(
+    name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER, own: tuple[str, ...] = (), strict: bool = True
+) -> Subject:
+    """The preset or study file of this name with its settings; all errors are reported together.
+
+    Entries of the file's [arguments] with a name in `own` are left to the command. A command that is not `strict` takes only the options
+    that it knows from the file's [solve]; the others are for other commands.
+    """
+    problems = Problems("arguments")
+    study = found(name)
+    if own or not strict:
+        kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
+        study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
+    units = units_of(study.make)
+    given = {**_from_file(study.arguments, words, many, problems, units), **settings(words, many, problems, units)}
+    needed, known = names_of(study.make)
+    tried = {word.partition("=")[0] for word in words} | set(study.arguments)
+    for missing in (n for n in needed if n not in tried):
+        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={example_for(missing):.6g}")
+    options = {k: v for k, v in given.items() if k in solver}
+    arguments = {k: v for k, v in given.items() if k not in solver}
+    for word in arguments:
+        if not _takes(study.make, known, word):
+            problems.add(f"{word!r} is not known; {_in_other_words(word, arguments[word], known) or did_you_mean(word, [*known, *solver])}")
+    axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
+    options = _start({**study.options, **options})
+    known_ones = {k: v for k, v in arguments.items() if _takes(study.make, known, k)}
+    timed = "duration" in solver and (strict or "duration" in options)  # a command that is not strict chooses the duration itself
+    for sentence in (probe_axes if many else probe)(
+        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}, timed
+    ):
+        problems.add(sentence)
+    problems.check()
+    return Subject(name, study.make, {**arguments, **axes}, options)
+
+
+def _takes(make: Any, known: Sequence[str], name: str) -> bool:
+    """Whether a maker takes a name. Names that stand for the numbers of several parts are only for `replace`, not for a function."""
+    from stickslip.basics.number_names import numbers_meant
+
+    return name in known or (not callable(make) and bool(numbers_meant(name, known)))
+
+
+def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:
+    """The suggestion for a number that the robot has under another name, or in another unit."""
+    one = value[0] if isinstance(value, list) and value else value
+    if word.rpartition(".")[2] == "tilt_deg" and "track.tilt" not in known and "drive.omega" in known:
+        return 'this robot\'s track is level; a study file has an incline under [robot.track], as kind = "incline" and tilt = 0.03 [rad]'
+    return other_words(word, one, known)
+
+
+def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems, units: Callable[[str], str]) -> dict[str, Any]:
+    """The [arguments] of a study file that the command line does not set itself."""
+    typed = {word.partition("=")[0] for word in words}
+    rest = {name: v for name, v in arguments.items() if name not in typed}
+    found = {name: v for name, v in rest.items() if not isinstance(v, (str, list)) or (many and isinstance(v, list))}
+    several = [f"{name}={','.join(map(str, v))}" if isinstance(v, list) else f"{name}={v}" for name, v in rest.items() if name not in found]
+    return {**found, **settings(several, many, problems, units)}
+
+
+def names_of(make: Any) -> tuple[list[str], list[str]]:
+    """The required arguments, and all arguments."""
+    if callable(make):
+        parameters = inspect.signature(make).parameters
+        return [p.name for p in parameters.values() if p.default is p.empty], list(parameters)
+    from stickslip.basics.fields import leaves
+
+    return [], [path for path, _ in leaves(make)]
+
+
+def check_driven(command: str, name: str) -> None:
+    """Raise an `InputError` if a study file holds an autonomous system and the command counts drive periods."""
+    model = found(name).make
+    if callable(model) or model.period is not None:
+        return
+    kind = type(model).__name__
+    why = f"{kind} has no period, and {command} counts drive periods; give a robot or a mechanism with a drive"
+    raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
+
+
+def several(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:
+    """The names of the arguments with several values, of which there must be `count`, and the other arguments."""
+    many = [name for name, value in arguments.items() if isinstance(value, list)]
+    if len(many) != count:
+        given = f"{' and '.join(many)} {'has' if len(many) == 1 else 'have'} several" if many else "no argument has several"
+        allowed = f"allowed {'is exactly one' if count == 1 else 'are exactly two'}, as NAME=a..b:n"
+        raise InputError(command, [f"{given} values; {allowed}; type for example {example}"])
+    return many, {name: value for name, value in arguments.items() if name not in many}
+
+
+def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:
+    return (lambda arguments: make(**arguments)) if callable(make) else make.replace
+
+
+def _kept(solver: tuple[str, ...]) -> dict[str, Any]:
+    """Options of a command that takes `samples`: it keeps the curves, which may be too large."""
+    return {"keep": "trajectory"} if "samples" in solver else {}
+
+
+def _start(options: dict[str, Any]) -> dict[str, Any]:
+    """Options with start.v and similar ones collected in `start`."""
+    start = {**options.pop("start", {}), **{k.partition(".")[2]: options.pop(k) for k in list(options) if k.startswith("start.")}}
+    return {**options, **({"start": start} if start else {})}

@@ -1,0 +1,85 @@
+"""Common arguments of the commands on measured records."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from stickslip.basics.errors import InputError
+
+_TYPED = Path(__file__).parent / "commands" / "_typed.toml"
+
+
+def typed(text: str, of: str = "records") -> str:
+    """A sentence with its advice for Python replaced by that for the command line.
+
+    Examples
+    --------
+    >>> typed('type units={"LDV": "m/s"} with the right one'), typed("settle=0 takes them as steady")
+    ('type --unit LDV=m/s with the right one', '--settle 0 takes them as steady')
+    >>> typed('type columns=["t [s]", "v [mm/s]"]'), typed('type for example free={"mu0": (0.05, 0.5)}')
+    ('type --columns "t [s],v [mm/s]"', 'type for example --free mu0=0.05..0.5')
+    >>> typed('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over', "searches")
+    'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
+    """
+    for pattern, words in tomllib.loads(_TYPED.read_text(encoding="utf-8"))[of]:
+        text = re.sub(pattern, words, text)
+    return text
+
+
+@contextmanager
+def in_words_of_the_shell(of: str = "records") -> Iterator[None]:
+    """Within this context, errors give advice for the command line."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.what, [typed(sentence, of) for sentence in error.problems]) from None
+
+
+def pairs(words: list[str], what: str) -> dict[str, str]:
+    """NAME=TEXT words as a dict."""
+    found = {}
+    for word in words:
+        name, equals, text = word.rpartition("=")
+        if not equals or not name or not text:
+            raise InputError(what, [f"{word!r} is not NAME=VALUE; type for example {what} LDV=m/s"])
+        found[name] = text
+    return found
+
+
+def opened(path: str, asked: Any) -> Any:
+    """The record at a path, read with the options."""
+    from stickslip.records import read
+
+    rec = read(
+        path,
+        units=pairs(asked.unit, "--unit"),
+        roles=pairs(asked.role, "--role"),
+        columns=None if asked.columns is None else [part.strip() for part in asked.columns.split(",")],
+        rate=asked.rate,
+        scale=pairs(asked.scale, "--scale"),
+        separator={"tab": "\t", "\\t": "\t", "space": " "}.get(asked.separator or "", asked.separator or None),
+        decimal=asked.decimal,
+    )
+    if not asked.between:
+        return rec
+    first, dots, last = asked.between.partition("..")
+    try:
+        return rec.between(float(first), float(last)) if dots else rec.between(float(first), float("inf"))
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("--between", [f"{asked.between!r} is not part of the record; type for example --between 20..60"]) from None
+
+
+def settle(asked: Any) -> int | str:
+    """The number of transient periods to leave out."""
+    if asked.settle == "auto":
+        return "auto"
+    if not asked.settle.isdigit():
+        raise InputError("--settle", [f"{asked.settle!r} is not a number of drive periods; type for example --settle 10"])
+    return int(asked.settle)

@@ -1,0 +1,54 @@
+"""Distinguishes our own exceptions from those raised by the code that a command was asked to run."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+
+
+def in_your_code(error: BaseException) -> str | None:
+    """Location and kind of an error in the user's own code, as a sentence; None if the error is ours.
+
+    The innermost frame outside this package, Python and its libraries decides.
+
+    Parameters
+    ----------
+    error : exception
+        With its traceback.
+
+    Examples
+    --------
+    >>> in_your_code(KeyError("nobody raised this")) is None
+    True
+    """
+    how = f"{type(error).__name__}: {error}"
+    if isinstance(error, SyntaxError) and error.filename and _is_yours(error.filename):
+        return _sentence(error.filename, error.lineno, f": {type(error).__name__}: {error.msg}")
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if _within(frame.filename, _OURS):
+            return None
+        if _is_yours(frame.filename):
+            return _sentence(frame.filename, frame.lineno, f", in {frame.name}: {how}")
+    return None
+
+
+def _sentence(file: str, line: int | None, what: str) -> str:
+    return f"your code: {file}, line {line}{what}; correct it there, or set STICKSLIP_TRACEBACK=1 to see how it was called"
+
+
+_OURS = (str(Path(__file__).resolve().parents[2]),)
+
+
+def _is_yours(file: str) -> bool:
+    """Whether a file belongs neither to this package nor to Python or an installed library."""
+    from stickslip.engine.cache import folder
+
+    paths = sysconfig.get_paths()
+    libraries = tuple(paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+    return not file.startswith("<") and not _within(file, (*_OURS, *libraries, str(folder())))
+
+
+def _within(file: str, folders: tuple[str, ...]) -> bool:
+    path = Path(file).resolve()
+    return any(path.is_relative_to(Path(folder).resolve()) for folder in folders)

@@ -1,0 +1,45 @@
+"""Python code that reproduces the page."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from stickslip.show.explorer.requests import State
+
+
+def spelled(record: Any, depth: int = 0) -> str:
+    """A record as the expression that recreates it, to the last digit.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> spelled(ss.Harmonic(amplitude=5e-4, omega=205.0))
+    'ss.Harmonic(amplitude=0.0005, omega=205.0)'
+    """
+    if not dataclasses.is_dataclass(record):
+        return repr(record)
+    given = [(f.name, getattr(record, f.name)) for f in dataclasses.fields(record) if not _is_default(f, getattr(record, f.name))]
+    inner = [f"{name}={spelled(value, depth + 1)}" for name, value in given]
+    whole = f"ss.{type(record).__name__}({', '.join(inner)})"
+    if depth or len(whole) < 80:
+        return whole
+    return f"ss.{type(record).__name__}(\n" + "".join(f"    {line},\n" for line in inner) + ")"
+
+
+def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:
+    if field.default_factory is not dataclasses.MISSING:
+        return bool(value == field.default_factory())
+    return field.default is not dataclasses.MISSING and bool(value == field.default)
+
+
+def python(state: State) -> str:
+    """The script for a state: its robot, the run, the figures of merit, the figure."""
+    lines = ["import stickslip as ss", "", f"robot = {spelled(state.robot())}", "run = ss.solve(robot, periods=200, rtol=1e-4)"]
+    lines += ['print(f"mean velocity {ss.mean_velocity(run):.6g} m/s")', "print(ss.motion(run))"]
+    runs = ["run"]
+    for law in state.also:
+        lines += ["", f"{law} = ss.solve(robot.replace(friction={spelled(state.robot(law).friction, 1)}), periods=200, rtol=1e-4)"]
+        runs.append(law)
+    lines += ["", f"ss.plot.velocity([{', '.join(runs)}])", "ss.plot.phase(run)"]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,147 @@
+"""Responses to a page: curves with the figures of merit, or maps around them; cancelled when a newer request supersedes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.motion import motion
+from stickslip.analysis.steady import mean_velocity
+from stickslip.basics.errors import InputError, StickslipError
+from stickslip.show.explorer.code import python
+from stickslip.show.explorer.effort import RTOL, affordable
+from stickslip.show.explorer.faster import faster_of
+from stickslip.show.explorer.frames import written
+from stickslip.show.explorer.kernels import Kernels, compiling
+from stickslip.show.explorer.machines import OF_A_ROBOT, Shown, picture
+from stickslip.show.explorer.models import FRICTION
+from stickslip.show.explorer.requests import Message, State
+from stickslip.show.explorer.surroundings import Stop, Stopped, map_of, strip_of
+from stickslip.solvers import solve
+
+#: Drive periods of a run while a slider moves, and after its release.
+COARSE, FINE = 40, 200
+SAMPLES, LONGEST = 256, 8
+
+
+def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
+    """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response."""
+    head = {"channel": asked.channel, "id": asked.id}
+    found: tuple[dict[str, Any], dict[str, Any]]
+    try:
+        if asked.wish is not None:
+            found = faster_of(asked, kernels, stop, shown), {}
+        elif asked.machine is not None:
+            found = _machine(asked, kernels, stop, shown), {}
+        else:
+            found = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
+    except InputError as error:
+        found = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
+    except StickslipError as error:
+        found = {"kind": "problems", "problems": [str(error)]}, {}
+    header, arrays = found
+    return written({**head, **header}, arrays)
+
+
+def sentence(problem: str) -> str:
+    """A problem as the page shows it, without the advice on Python code."""
+    return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
+
+
+def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) -> dict[str, Any]:
+    """The picture of the machine with the requested numbers."""
+    if shown is None or asked.machine is None:
+        raise InputError("machine", [OF_A_ROBOT])
+    model = shown.with_values(asked.machine)
+    if not kernels.ready(shown, "", model, False):
+        return {"kind": "machine", "waits": f"preparing {shown.title}: compiled once, which takes some seconds, and kept for later"}
+    return picture(shown, asked.fine, model, _stopped_by(stop))
+
+
+def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
+    """The callback that ends a run when its result is no longer needed."""
+
+    def tell(done: int, whole: int) -> None:
+        if stop is not None and stop():
+            raise Stopped
+
+    return tell
+
+
+# ---- curves ----
+def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: Stop | None = None) -> Any:
+    """The run of one law, cancelled when its result is no longer needed."""
+    made = state.robot(law) if robot is None else robot
+    periods = affordable(made, FINE if fine else COARSE)
+    return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=_stopped_by(stop))
+
+
+def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
+    state, laws, runs = asked.state, [], {}
+    for law in state.laws:
+        entry: dict[str, Any] = {"name": law, "label": FRICTION[law].label}
+        laws.append(entry)
+        robot = state.robot(law)
+        if not kernels.ready(state, law, robot, False):
+            entry["waits"] = compiling(state, law)
+            continue
+        if stop():
+            raise Stopped
+        runs[law] = run_of(state, law, asked.fine, robot, stop)
+        entry["mean_velocity"] = _mean(runs[law])
+    header: dict[str, Any] = {"kind": "curves", "fine": asked.fine, "laws": laws, "period": float(robot.period), "samples": SAMPLES}
+    header |= {"figures": None, "shown": 3, "once": 3}
+    if state.law in runs:
+        header["figures"] = _figures(runs[state.law])
+        count = header["figures"]["period_number"] or LONGEST
+        header |= {"once": min(count, LONGEST), "shown": 3 if count == 1 else min(2 * count, LONGEST)}
+    arrays: dict[str, Any] = {}
+    for law, run in runs.items():
+        arrays |= {f"{law}.{name}": column for name, column in _columns(run, header["shown"], law == state.law).items()}
+    if state.law in runs:
+        header["figures"]["power"] = _power(runs[state.law], count, arrays)
+    if asked.fine:
+        header["python"] = python(state)
+    return header, arrays
+
+
+def _mean(run: Any) -> float | None:
+    return None if len(run.strobe_times) < 3 else float(mean_velocity(run))
+
+
+def _figures(run: Any) -> dict[str, Any]:
+    """Figures of merit of a run."""
+    if len(run.strobe_times) < 3:
+        raise InputError("run", [f"{run.status} after {float(run.pieces.t[-1]):.4g} s, within the first periods"])
+    m = motion(run)
+    return {
+        "mean_velocity": float(mean_velocity(run)), "motion_type": m.type, "pattern": m.pattern, "margin": m.margin,
+        "period_number": m.period, "direction": m.direction, "stick_fraction": m.stick_fraction,
+        "forward_fraction": m.forward_fraction, "backward_fraction": m.backward_fraction,
+        "status": run.status, "periods": run.periods, "method": run.method, "notes": list(run.notes), "steadiness": run.steadiness.word,
+    }  # fmt: skip
+
+
+def _power(run: Any, count: int, arrays: dict[str, Any]) -> float:
+    """Mean power of the actuator in the steady motion [W]: dissipation by friction minus the power of gravity."""
+    law = next(name for name in arrays if name.endswith(".mode")).partition(".")[0]
+    last = slice(-(SAMPLES * count + 1), None)
+    t, v, R = (arrays[f"{law}.{name}"][last] for name in ("t", "v", "R"))
+    taken = np.trapezoid(R * v, t) / np.ptp(t)
+    return float(taken - run.model.total_mass * run.model.track.along(run.model.gravity) * np.trapezoid(v, t) / np.ptp(t))
+
+
+def _columns(run: Any, shown: int, main: bool) -> dict[str, Any]:
+    """The columns that the page draws, over the last periods, with times from their start."""
+    count = min(shown, len(run.strobe_times) - 1)
+    end = float(run.strobe_times[-1])
+    start = end - count * run.period_time
+    at = run.at(np.clip(np.linspace(start, end, SAMPLES * count + 1), start, end))
+    found = {"t": at["t"] - start, "v": at["v"], "x": at["x"] - at["x"][0], "R": at["friction_force"]}
+    if main:
+        found |= {"xi": at["xi"], "mode": at["mode"]}
+    kept = min(max(len(run.strobe_times) - 1 - int(run.settle), 1), 64)
+    drift, instants = float(at["x"][-1] - at["x"][0]) / (end - start), run.strobe_times[-kept:]
+    return found | {"strobe_s": run.strobe_x[-kept:] - at["x"][0] - drift * (instants - start), "strobe_v": run.strobe_v[-kept:]}

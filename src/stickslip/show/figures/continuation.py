@@ -1,0 +1,213 @@
+"""Branches of periodic motions along a parameter, with their special points, over the cloud of a bifurcation diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.arguments import Ax, Grid, Ways
+from stickslip.basics.errors import InputError
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.switching_flow import is_flow
+from stickslip.show.figures.special_kinds import marker_of, name_once
+from stickslip.show.figures.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
+
+_STABLE, _UNSTABLE = {"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
+_CLOUD = "#B4BCC6"
+
+
+@drawing
+def continuation(
+    branch: Ways,
+    observable: str | None = None,
+    ax: Ax = None,
+    diagram: Grid | None = None,
+    labels: Sequence[str] | None = None,
+    special: bool = True,
+) -> Any:
+    """Branches of periodic orbits: stable parts as solid lines, unstable ones dashed, special points marked.
+
+    A branch of period p shows the strobe points of all its p drive periods where `observable` is a coordinate of the state.
+
+    Parameters
+    ----------
+    branch : Branch or list of Branch
+        From `stickslip.continuation`.
+    observable : str, optional
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; for several bodies "v.body" and so on;
+        for limit cycles also "duration" and "x". The default is the velocity on the strobe; for a flow its first state; for limit cycles
+        their duration; for several bodies the mean velocity or, with a diagram, the velocity of the first body on the strobe.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    diagram : xarray.Dataset, optional
+        From `stickslip.bifurcation`: its points are drawn as pale dots below the branches.
+    labels : list of str, optional
+        Names of the branches. The default is their periods; for limit cycles, the number of turns of the spring.
+    special : bool
+        Whether to mark special points. Borders of motion types are marked under set-valued laws only, where they need no threshold.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=7e-4, stop=8e-4, tilt_deg=1.7, law="coulomb")
+    >>> ss.plot.continuation(branch, "mean_velocity").get_ylabel()
+    'mean velocity $V$ (mm/s)'
+    """
+    branches = list(branch) if isinstance(branch, (list, tuple)) else [branch]
+    if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
+        raise InputError("plot", [f"branch = {branch!r}; allowed is a Branch or a list of them, from ss.continuation"])
+    if labels is not None and len(labels) != len(branches):
+        raise InputError("plot", [f"labels has {len(labels)} texts for {len(branches)} branches; give one for each"])
+    parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
+    cycles = branches[0].orbits[0].model.period is None
+    observable = observable or _usual(branches[0], diagram, cycles)
+    shown = [_values(b, observable) for b in branches]
+    told = branches[0].points[observable].attrs
+    unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
+    up, mark = scaled(np.concatenate([s.ravel() for s in shown]), unit)
+    right, side = scaled(across.values, across.attrs["units"])
+    ax = axes(ax, height=2.6)
+    if diagram is not None:
+        _cloud(ax, diagram, parameter, observable, right, up)
+    for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
+        name = labels[i] if labels is not None else _called(b.period, cycles)
+        _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
+    if not all(o.stable for b in branches for o in b.orbits):
+        ax.plot([], [], color=INK, label="unstable", **_UNSTABLE)
+    if observable == "largest_multiplier":
+        ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
+    if special:
+        _marks(ax, branches, observable, right, up)
+    ax.set_xlabel(labelled(across, side))
+    ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, told.get("long_name", observable)), unit, mark))
+    handles, texts = ax.get_legend_handles_labels()
+    order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
+    legend_above(
+        ax, [handles[k] for k in order], [texts[k] for k in order], ncols=min(len(order), 4) if len(order) < 5 else 3,
+        columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
+    )  # fmt: skip
+    return ax
+
+
+def _usual(branch: Any, diagram: Any, cycles: bool) -> str:
+    """The default observable; with a diagram, one that branch and diagram have in common."""
+    first = branch.orbits[0]
+    parts = [n for n in first.names if n.startswith("v.")] if diagram is not None else []
+    known = ["duration"] if cycles else [*(first.names if is_flow(first.model) else ("v", *parts)), "mean_velocity"]
+    shared = [name for name in known if name in branch.points and (diagram is None or name in diagram)]
+    return shared[0] if shared else next((name for name in known if name in branch.points), "mean_velocity")
+
+
+def _called(period: int, cycle: bool) -> str:
+    """The default name of a branch."""
+    if cycle:
+        return "limit cycle" if period == 1 else f"limit cycle of {period} turns"
+    return f"period {period}"
+
+
+OBSERVABLES = {
+    "v": "velocity on the strobe $v$", "z": "bristle on the strobe $z$", "mean_velocity": "mean velocity $V$",
+    "largest_multiplier": "largest multiplier $|\\lambda|$", "margin": "margin of the motion type", "x": "position on the strobe $x$",
+}  # fmt: skip
+_OF_CYCLES = OBSERVABLES | {
+    "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
+    "duration": "duration of the cycle",
+}  # fmt: skip
+_ROUNDING = 1e-9  # relative to the velocity scale: a smaller mean velocity is rounding, and drawn as zero
+
+
+def _values(branch: Any, observable: str) -> Any:
+    """The observable along a branch, of shape (points, 1), or (points, period) for a coordinate of the state."""
+    numbers = [str(n) for n, column in branch.points.data_vars.items() if column.ndim == 1 and column.dtype.kind in "biuf"]
+    if observable not in numbers:
+        raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(numbers)}"])
+    first = branch.orbits[0]
+    if observable not in first.names or branch.period == 1 or first.model.period is None:
+        values = branch.points[observable].values.astype(float)
+        if observable == "mean_velocity":
+            values[abs(values) < _ROUNDING * np.array([np.max(machine_of(o.model).velocity_scale) for o in branch.orbits])] = 0.0
+        return values[:, None]
+    return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
+
+
+def _strobed(orbit: Any, observable: str) -> Any:
+    """A coordinate at the start of every drive period of an orbit; without a drive, at the start of the cycle."""
+    run, column = orbit.run, orbit.names.index(observable)
+    if run.model.period is None:
+        return orbit.state[column : column + 1]
+    if is_flow(run.model):
+        return run.strobe[: orbit.period, column]
+    if not machine_of(run.model).is_single:
+        return strobe_states(run)[: orbit.period, column]
+    if observable in ("x", "v"):
+        return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
+    family = observable.rstrip("0123456789")
+    found = np.asarray(run.strobe_memory if family == "memory" else run.strobe_z)[: orbit.period]
+    return found if found.ndim == 1 else found[:, int(observable[len(family) :] or 0)]
+
+
+def _line(ax: Any, branch: Any, observable: str, values: Any, right: float, up: float, colour: str, name: str) -> None:
+    x, values, stable = _with_changes(branch, observable, values / up)
+    x, values = x * right, values * up
+    for column in values.T:
+        for state, style in ((True, _STABLE), (False, _UNSTABLE)):
+            keep = stable == state
+            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # the parts meet where the stability changes
+            ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, zorder=4, **style)
+    ax.plot([], [], color=colour, label=name)
+
+
+def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, Any]:
+    """Parameter, observable and stability along a branch, including the special points at which the stability changes."""
+    x, stable = branch.values, np.array([o.stable for o in branch.orbits])
+    places, extra = [], []
+    for i in np.flatnonzero(stable[1:] != stable[:-1]):
+        low, high = sorted(x[i : i + 2])
+        here = [s for s in branch.special if s.changes_stability and low <= s.value <= high]
+        places += [i + 1] * len(here[:1])
+        extra += here[:1]
+    if not extra:
+        return x, values, stable
+    inserted = np.array([np.ravel(_at(s.orbit, observable))[: values.shape[1]] for s in extra])
+    x = np.insert(x, places, [s.value for s in extra])
+    return x, np.insert(values, places, inserted, axis=0), np.insert(stable, places, stable[places])
+
+
+def _at(orbit: Any, observable: str) -> Any:
+    """The observable of one orbit: a single value, or one for each of its drive periods."""
+    return _strobed(orbit, observable) if observable in orbit.names else [_of_orbit(orbit, observable)]
+
+
+def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float, up: float) -> None:
+    if observable not in diagram:
+        raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
+    y = diagram[observable]
+    x = diagram[parameter].broadcast_like(y).values.ravel() * right
+    dots = {"color": _CLOUD, "markersize": dot_size(diagram.sizes[parameter]), "markeredgewidth": 0}  # wider than the branches over them
+    ax.plot(x, y.values.ravel() * up, "o", zorder=1, rasterized=True, **dots)
+    ax.plot([], [], "o", label="brute force", **dots | {"markersize": 4})
+
+
+def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:
+    told: set[str] = set()
+    for b in branches:
+        for s in b.special:
+            if s.kind == "type-border" and machine_of(s.orbit.model).has_inner_states:
+                continue  # types that depend on thresholds are not properties of the dynamics
+            marker = marker_of(s.kind)
+            values = _at(s.orbit, observable)
+            face = COLOURS[6] if marker == "|" else "white"
+            style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
+            x = np.full(len(values), s.value * right)
+            ax.plot(x, np.asarray(values) * up, marker=marker, linestyle="", label=name_once(s.kind, told), **style)
+
+
+def _of_orbit(orbit: Any, observable: str) -> float:
+    return float(abs(orbit.multipliers).max()) if observable == "largest_multiplier" else float(getattr(orbit, observable))

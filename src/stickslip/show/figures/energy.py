@@ -1,0 +1,79 @@
+"""The energy balance of a run: stacked bars for each drive period."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+
+from stickslip.basics.arguments import Ax, Kind
+from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
+
+Balance = Annotated[Any, Kind(lambda v: hasattr(v, "friction_of"), "what ss.energy returns; type ss.energy(ss.solve(robot))")]
+
+_COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "damping": COLOURS[5]}
+_NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
+
+
+@drawing
+def energy(found: Balance, ax: Ax = None) -> Any:
+    """The energy balance of a run for each drive period: work supplied upwards, work dissipated downwards.
+
+    The bars of a period add up to the change of kinetic and potential energy, which is drawn as a line; transient periods, left out of
+    the mean velocity, are shaded.
+
+    Parameters
+    ----------
+    found : Energy
+        From `stickslip.energy`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> balance = ss.energy(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), periods=12))
+    >>> ss.plot.energy(balance).get_ylabel()
+    'work in a drive period (µJ)'
+    """
+    works = _works(found)
+    stored = np.asarray(found.kinetic) + np.asarray(found.potential)
+    count = len(stored)
+    factor, letter = prefix(*works.values(), stored)
+    number = np.arange(1, count + 1)
+    ax = axes(ax)
+    if found.settle and count > 1:
+        ax.axvspan(0.5, found.settle + 0.5, color=SHADE, linewidth=0, zorder=0, label="left out of the mean")
+    above, below = np.zeros(count), np.zeros(count)
+    for name, work in works.items():
+        up = work >= 0
+        ax.bar(number, factor * work, 0.8, np.where(up, above, below), color=_COLOUR[name], label=name, linewidth=0, zorder=2)
+        above, below = above + np.where(up, factor * work, 0.0), below + np.where(up, 0.0, factor * work)
+    ax.plot(number, factor * stored, ".-", color="black", markersize=3, linewidth=0.8, label="change of energy", zorder=4)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=3)
+    _axes(ax, count, letter)
+    legend_above(ax, ncols=3, columnspacing=1.2, handlelength=1.2)
+    return ax
+
+
+def _works(found: Any) -> dict[str, Any]:
+    """The works to draw as bars, with the sign of their contribution to the energy."""
+    works = {name: (1.0 if name in ("drive", "gravity") else -1.0) * np.asarray(getattr(found, name)) for name in _COLOUR}
+    largest = max((np.max(abs(work), initial=0.0) for work in works.values()), default=0.0)
+    return {name: work for name, work in works.items() if np.max(abs(work), initial=0.0) > _NONE * largest}
+
+
+def _axes(ax: Any, count: int, letter: str) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    ax.set_xlim(0.5, count + 0.5)
+    if count == 1:
+        ax.set_xticks([1], ["whole run"])
+        ax.set_ylabel(f"work ({letter}J)")
+        return
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    ax.set(xlabel="drive period", ylabel=f"work in a drive period ({letter}J)")

@@ -1,0 +1,149 @@
+"""The style of our figures: one column wide, colours for any colour vision, axes with SI prefixes."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.quantities import LINES, SUBSCRIPTS
+
+P = ParamSpec("P")
+T = TypeVar("T")
+#: Colours of Okabe and Ito (2008), dark ones first: distinguishable with any colour vision, and in grey.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+#: Dash patterns that accompany the colours, so that a figure can be printed without colour.
+DASHES = ("-", (0, (5, 1.6)), (0, (1, 1.1)), (0, (5, 1.2, 1, 1.2)), "-", "-", "-")
+INK, SHADE = "#333333", "#DFE3E8"
+#: Colour and marker of what has not settled.
+UNSETTLED, UNSETTLED_MARK = "#8A8A8A", "x"
+#: Width of a journal column [inch].
+WIDTH = 3.5
+
+_SETTINGS = Path(__file__).with_name("publication.mplstyle")
+
+
+@contextlib.contextmanager
+def publication() -> Iterator[None]:
+    """Context manager for figures in the style of this package; the previous settings are restored afterwards.
+
+    Examples
+    --------
+    >>> import matplotlib
+    >>> before = matplotlib.rcParams["font.size"]
+    >>> with publication():
+    ...     inside = matplotlib.rcParams["font.size"]
+    >>> float(inside), matplotlib.rcParams["font.size"] == before
+    (8.0, True)
+    """
+    import matplotlib as mpl
+
+    settings = mpl.rc_params_from_file(_SETTINGS, use_default_template=False)
+    before = {name: mpl.rcParams[name] for name in settings}
+    mpl.rcParams.update(settings)
+    try:
+        yield
+    finally:  # only these settings: loading a back end for a notebook's first figure turns `interactive` on, and it must stay on
+        mpl.rcParams.update(before)
+
+
+def drawing(function: Callable[P, T]) -> Callable[P, T]:
+    """Decorate a drawing function: it uses the style of this package, and its errors name arguments of a wrong kind."""
+    return publication()(explains_arguments(function))
+
+
+def axes(ax: Any = None, height: float = 2.1) -> Any:
+    """The given axes, or those of a new figure of one column's width."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(figsize=(WIDTH, height))[1]
+
+
+def dot_size(count: int) -> float:
+    """Diameter of a diagram's dots [point] for a number of values across a column's width: small if there are many.
+
+    Examples
+    --------
+    >>> dot_size(21), dot_size(100), dot_size(600)
+    (3.0, 1.8, 1.2)
+    """
+    return float(np.clip(180.0 / max(count, 1), 1.2, 3.0))
+
+
+def name_rows(ax: Any, names: Sequence[str], room: float = 0.0) -> None:
+    """Row names at the left, without ticks; `room` is the margin below the first and above the last row, in rows."""
+    ax.set_yticks(range(len(names)), names)
+    if room:
+        ax.set_ylim(-room, len(names) - 1 + room)
+    ax.tick_params(axis="y", length=0)
+
+
+def legend_above(ax: Any, *entries: Any, **options: Any) -> None:
+    """A legend above the frame, right-aligned; entries and options as for ``ax.legend``."""
+    ax.legend(*entries, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, **options)
+
+
+_SYMBOL = re.compile(rf"(?<!\S)([A-Za-zΑ-ωℓ])(?:_([0-9a-z,]+)|_?([0-9a-z+-]|[{SUBSCRIPTS}]*))$")
+
+
+def symbols(text: str) -> str:
+    """A name with the symbol at its end typeset for an axis: in italics, with its index.
+
+    Examples
+    --------
+    >>> symbols("Stribeck velocity vₛ"), symbols("tilt of the track θ"), symbols("rise")
+    ('Stribeck velocity $v_{s}$', 'tilt of the track $θ$', 'rise')
+    """
+
+    def typeset(found: re.Match[str]) -> str:
+        letter, long, short = found.groups()
+        index = (long or short or "").translate(LINES)
+        return f"${letter}_{{{index.replace('-', '{-}')}}}$" if index else f"${letter}$"
+
+    return _SYMBOL.sub(typeset, text)
+
+
+def prefix(*arrays: Any) -> tuple[float, str]:
+    """The SI prefix in which the largest of the numbers lies between 1 and 1000, as (factor, prefix).
+
+    Examples
+    --------
+    >>> prefix([0.0, -3.2e-3])
+    (1000.0, 'm')
+    >>> prefix([0.0])
+    (1.0, '')
+    """
+    largest = max((float(np.max(np.abs(a), initial=0.0)) for a in arrays), default=0.0)
+    if not 0 < largest < np.inf:
+        return 1.0, ""
+    power = int(np.clip(np.floor(np.log10(largest) / 3 + 1e-9), -5, 4))
+    return (1000.0**-power if power else 1.0), "fpnµm kMGT"[power + 5].strip()
+
+
+def named(text: str, unit: str, factor_prefix: str = "") -> str:
+    """An axis label with its symbol and unit, if it has one."""
+    text = symbols(text)
+    return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
+
+
+def scaled(values: Any, unit: str) -> tuple[float, str]:
+    """The scale factor and SI prefix of an axis with a unit; numbers without a unit are not scaled."""
+    return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
+
+
+def labelled(column: Any, factor_prefix: str = "") -> str:
+    """An axis label from the name and the unit of a dataset column."""
+    return named(column.attrs["long_name"], column.attrs["units"], factor_prefix)
+
+
+def side_of(column: Any) -> tuple[float, str]:
+    """Scale factor and axis label of a dataset column."""
+    factor, letter = scaled(column.values[np.isfinite(column.values)], column.attrs["units"])
+    return factor, labelled(column, letter)

@@ -1,0 +1,69 @@
+"""Influence of uncertain numbers: a bar for each, the longest on top."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from stickslip.basics.arguments import Ax, Kind
+from stickslip.basics.errors import InputError
+from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
+
+Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate returns; type ss.propagate(robot, uncertain=...)")]
+
+
+@drawing
+def tornado(found: Bands, ax: Ax = None) -> Any:
+    """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
+
+    The grey band is the joint effect of all of them: the central 90 % of the sample. First and total Sobol indices are shown at the
+    right, if they were computed.
+
+    Parameters
+    ----------
+    found : Propagated
+        From `stickslip.propagate`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> spread = {"friction.mu_plus": (0.15, "3%"), "friction.mu_minus": (0.21, "1%")}
+    >>> ax = ss.plot.tornado(ss.propagate(robot, uncertain=spread, samples=64))
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['friction.mu_minus', 'friction.mu_plus']
+    """
+    if not found.swings:
+        raise InputError("plot", ["what was propagated has no swings; give what ss.propagate returns"])
+    order = sorted(found.swings, key=lambda name: abs(found.swings[name][1] - found.swings[name][0]))
+    band = [found.quantile(q) for q in (0.05, 0.95)]
+    factor, letter = scaled([*band, found.nominal, *(v for pair in found.swings.values() for v in pair)], found.unit)
+    ax = axes(ax, 0.95 + 0.26 * len(order))
+    for i, name in enumerate(order):
+        for end, colour, word in zip(found.swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
+            label = word if i == 0 else None
+            ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
+    ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
+    ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
+    name_rows(ax, order)
+    ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
+    _indices(ax, found, order)
+    handles, labels = ax.get_legend_handles_labels()  # the band comes last: it belongs to all numbers
+    order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
+    legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
+    return ax
+
+
+def _indices(ax: Any, found: Any, order: list[str]) -> None:
+    """First and total index at the right end of each row."""
+    if found.indices is None:
+        return
+    side = ax.secondary_yaxis("right")
+    name_rows(side, [f"{found.indices.first[name]:.2f} / {found.indices.total[name]:.2f}" for name in order])
+    side.spines["right"].set_visible(False)
+    side.set_ylabel("first / total")

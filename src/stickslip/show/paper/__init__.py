@@ -1,0 +1,7 @@
+"""The founding paper, end to end: every table, figure and claim recomputed, with a report."""
+
+from __future__ import annotations
+
+from stickslip.show.paper.reproduction import Reproduction, reproduce
+
+__all__ = ["Reproduction", "reproduce"]

@@ -1,0 +1,96 @@
+"""Page on an atlas: regions, borders, special points with their accuracy, branches, and parts not reached."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.show.figures.atlas import atlas as drawn
+from stickslip.show.reports.charts import Figure, Table, tables_of
+from stickslip.show.reports.drawn import svg
+from stickslip.show.reports.html import page
+
+_ROWS = 400  # largest number of rows in a table
+_CAPTION = "Regions by the motions that attract there; lines are borders that were followed in both numbers."
+
+
+def atlas_page(found: Any, title: str, command: str = "") -> str:
+    """The page on an atlas.
+
+    Parameters
+    ----------
+    found : Atlas
+    title : str
+        Title of the page.
+    command : str
+        The command that makes the page, if it was made by one.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> over = {"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}
+    >>> found = ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
+    >>> "type-border" in atlas_page(found, "Where it walks")
+    True
+    """
+    return page(
+        "atlas.html",
+        title=title,
+        axes=_axes(found),
+        tables=tables_of((_regions(found), _special(found), _borders(found), _branches(found)), _ROWS),
+        notes=list(found.notes),
+        figures=[Figure(_CAPTION, svg(lambda ax: drawn(found, ax), 5.2, 4.2))],
+        command=command,
+        provenance=_provenance(),
+        sources=[],
+    )
+
+
+def _axes(found: Any) -> list[tuple[str, str]]:
+    """Both axes with their ranges, and the fixed numbers."""
+    told = []
+    for name in found.parameters:
+        axis = found.map[name]
+        unit = "" if axis.attrs["units"] in ("", "1") else f" {axis.attrs['units']}"
+        told.append((name, f"{axis.size} values, {float(axis[0]):.6g} to {float(axis[-1]):.6g}{unit}"))
+    told.append(("starts", f"{found.plane.count} at each point"))
+    return [*told, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
+
+
+def _regions(found: Any) -> Table:
+    rows = [(label, f"{100 * share:.1f} %") for label, share in found.regions.items()]
+    return "Regions, by the motions that coexist in them.", ("region", "share of the grid"), rows
+
+
+def _special(found: Any) -> Table:
+    head = ("special point", *found.parameters, "accuracy", "what changes")
+    return "Special points, to the digits that are certain.", head, found.rows()
+
+
+def _borders(found: Any) -> Table:
+    rows = []
+    for border in found.borders:
+        ends = [", ".join(f"{v:.6g}" for v in border.values[k]) for k in (0, -1)]
+        worst = max(max(pair) for pair in border.accuracy)
+        rows.append((border.kind, border.change, ends[0], ends[1], f"{worst:.1g}", "; ".join(dict.fromkeys(border.ended))))
+    return "Borders that were followed in both numbers.", ("kind", "what changes", "from", "to", "accuracy", "ends"), rows
+
+
+def _branches(found: Any) -> Table:
+    other = {found.parameters[0]: found.parameters[1], found.parameters[1]: found.parameters[0]}
+    rows = [
+        (b.parameter, f"{b.values[0]:.6g} to {b.values[-1]:.6g}", f"{other[b.parameter]} = {b.other:.6g}", str(b.period), b.ended)
+        for b in found.branches
+    ]
+    return "Branches that were followed.", ("along", "range", "at", "period", "ended"), rows
+
+
+def _provenance() -> list[tuple[str, str]]:
+    import numpy as np
+
+    import stickslip
+
+    return [("stickslip", stickslip.__version__), ("numpy", np.__version__)]

@@ -1,0 +1,168 @@
+"""The animation of a run as plain numbers: positions and sizes of bodies, their motion, and the modes of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from stickslip.basics.variables import unit_of
+from stickslip.models.machine_adapter import machine_of
+
+_MOMENTS = 480  # frames of the animation
+_LONGEST = 4  # largest number of drive periods shown
+_DIGITS = 6
+
+
+def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]:
+    """All moving parts over the last motion period, or over the whole run of an autonomous system.
+
+    Parameters
+    ----------
+    run : Trajectory
+    span : (float, float), optional
+        Start and end [s].
+
+    Returns
+    -------
+    dict
+        t from the start of the span in `unit` (ms, or s without a drive); bodies with name, mass [kg], place (position on the track from
+        left to right, level above it), displacement x [mm] and velocity v [mm/s] (None for an inner mass), and lift, the height of the
+        body above its track [mm] (None if it cannot leave it); rows with the name of a contact or stop, its stretches (from, to, sign;
+        sign 2 is a stop in contact, 3 flight) and hits, or landings; links, pairs of bodies with a flag for elastic ones; lengths and
+        speeds, the units of x and v, which are mrad and mrad/s for rotation about an axis.
+    """
+    import numpy as np
+
+    start, end = shown_span(run) if span is None else span
+    factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
+    at = run.parted.at(np.linspace(start, end, _MOMENTS))
+    lifts = _lifts(run, at)
+    return {
+        "t": _plain(factor * (at["t"] - start)),
+        "unit": unit,
+        "lengths": f"m{unit_of('x', run.model)}",
+        "speeds": f"m{unit_of('v', run.model)}",
+        "bodies": [_body(part, x, v, at) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
+        "rows": _rows(run, start, end, factor),
+        "links": _links(run.model),
+    }
+
+
+def shown_span(run: Any) -> tuple[float, float]:
+    """The last motion period of a run, or its last drive periods if it does not repeat soon; the whole run without a drive."""
+    from stickslip.analysis.steady import period_number
+
+    if run.model.period is None or not len(run.strobe_times) > 1:
+        return float(run.pieces.t[0]), float(run.pieces.t[-1])
+    count = min(period_number(run) or _LONGEST, _LONGEST, len(run.strobe_times) - 1)
+    end = float(run.strobe_times[-1])
+    return end - count * run.period_time, end
+
+
+def _plain(values: Any) -> list[float]:
+    return [float(f"{value:.{_DIGITS}g}") for value in values]
+
+
+# ---- bodies ----
+def stage(model: Any) -> list[dict[str, Any]]:
+    """Name, mass [kg] and place of each body: (position on the track from left to right, level above it).
+
+    Bodies in contact with the track stand on it, ordered by initial position, the head in front; others are placed above the body to
+    which they are linked or on which they slide.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> [(body["name"], body["place"]) for body in stage(ss.Chain.example())]
+    [('module 1', [1, 0]), ('module 2', [0, 0])]
+    """
+    machine = machine_of(model)
+    mechanics: Any = machine.mechanics
+    if machine.is_single:
+        masses = [float(mass) for mass, _ in machine.inner_masses]
+        bodies = [{"name": "body", "mass": float(mechanics.masses[0]) - sum(masses), "place": [0, 0]}]
+        names = ["inner mass"] if len(masses) == 1 else [f"inner mass {j + 1}" for j in range(len(masses))]
+        return bodies + [
+            {"name": name, "mass": mass, "place": [0, j + 1]} for j, (name, mass) in enumerate(zip(names, masses, strict=True))
+        ]
+    under = _standing_on(mechanics)
+    order = sorted((name for name in mechanics.bodies if under[name] is None), key=lambda n: _start(mechanics, n))
+    storeys: dict[str, int] = {}
+    found = []
+    for name in mechanics.bodies:
+        base = under[name] or name
+        storeys[base] = storeys.get(base, 0) + (base != name)
+        place = [order.index(base), storeys[base] if base != name else 0]
+        found.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": place})
+    return found
+
+
+def _start(mechanics: Any, name: str) -> tuple[float, int]:
+    """Sort key of a body: its initial position; of several at one position the first is in front."""
+    return float(mechanics.parts[name].position), -mechanics.bodies.index(name)
+
+
+def _standing_on(mechanics: Any) -> dict[str, str | None]:
+    """For each body, the one on the track above which it is drawn; None for those on the track."""
+    on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
+    joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.prescribed]] + [stop.ends for stop in mechanics.stops]
+    joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
+    found: dict[str, str | None] = dict.fromkeys(on_track)
+    for _ in mechanics.bodies:
+        for a, b in joined:
+            for upper, lower in ((a, b), (b, a)):
+                if upper is not None and upper not in found and lower in found:
+                    found[upper] = found[lower] or lower
+    return {name: found.get(name) for name in mechanics.bodies}
+
+
+def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
+    """Each body with its position and velocity; for a robot also its inner masses, without velocities."""
+    parts = stage(run.model)
+    single = machine_of(run.model).is_single
+    for i, part in enumerate(parts[: len(run.bodies)]):
+        yield part, at["x"] if single else at["x"][:, i], at["v"] if single else at["v"][:, i]
+    for part, (_, drive) in zip(parts[len(run.bodies) :], machine_of(run.model).inner_masses, strict=True):
+        yield part, at["x"] + drive.position(at["t"]), None
+
+
+def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str, Any]:
+    first = at["x"][0] if v is None else x[0]
+    return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
+
+
+def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
+    """Height of each body that can leave its track above it [mm]."""
+    from stickslip.analysis.moving_tracks import gaps
+
+    mechanics: Any = machine_of(run.model).mechanics
+    return {mechanics.joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}
+
+
+def _links(model: Any) -> list[list[int]]:
+    """Pairs of linked bodies by index, with 1 for elastic links and 0 for others; the ground is -1."""
+    machine = machine_of(model)
+    if machine.is_single:
+        return []
+    mechanics: Any = machine.mechanics
+    number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
+    joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.prescribed]
+    return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in mechanics.model.links()]
+
+
+# ---- contacts ----
+def _rows(run: Any, start: float, end: float, factor: float) -> list[dict[str, Any]]:
+    """A row for each contact, and one for each stop."""
+    from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
+
+    modes, landed = contact_modes(run, start, end), landings(run, start, end)
+    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, landed.get(name, [])) for name, of in modes.items()}
+    found |= stop_rows(run, start, end)
+    return [
+        {
+            "name": name,
+            "stretches": [[*_plain((factor * (a - start), factor * (b - start))), sign] for a, b, sign in stretches],
+            "hits": _plain(factor * (t - start) for t in struck),
+        }
+        for name, (stretches, struck) in found.items()
+    ]

@@ -1,0 +1,144 @@
+"""Page on one run: its motion with an animation, the numbers, and how to repeat it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from stickslip.basics.errors import InputError
+from stickslip.basics.fields import field_description, leaves
+from stickslip.basics.quantities import axis_in, pretty_unit
+from stickslip.models.machine_adapter import machine_of
+from stickslip.show.reports.charts import Figure, chart_library
+from stickslip.show.reports.drawn import svg
+from stickslip.show.reports.facts import facts, tables
+from stickslip.show.reports.html import page
+from stickslip.show.reports.moving import moments
+
+#: The remark on a page about dimensionless robots.
+UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
+
+
+def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False, search: dict[str, Any] | None = None) -> str:
+    """The page on a run of any machine.
+
+    Parameters
+    ----------
+    run : Trajectory
+    title : str
+        Title of the page.
+    command : str
+        The command that makes the page, if it was made by one.
+    dimensionless : bool
+        Whether all units of the robot are 1, which adds a remark.
+    search : dict, optional
+        Content on the search that found the machine (`of_optimum`).
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"), periods=20)
+    >>> text = run_page(run, "The rig on 1.7 degrees")
+    >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
+    (True, False)
+    """
+    is_robot = machine_of(run.model).drive is not None
+    return page(
+        "run.html",
+        title=title,
+        what="robot" if is_robot else "mechanism" if machine_of(run.model).is_single else "machine",
+        driven=run.model.period is not None,
+        rows=facts(run),
+        tables=tables(run),
+        search=search,
+        figures=[*_figures(run), *(search["figures"] if search else [])],
+        library=chart_library(),
+        moments=moments(run),
+        tex=_equations(run.model),
+        numbers=numbers_of(run.model),
+        notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
+        toml=_toml(run),
+        command=command,
+        provenance=_provenance(run),
+        sources=sources(run.model),
+    )
+
+
+def _figures(run: Any) -> list[Figure]:
+    """Velocity, contacts of a machine with several bodies, forces, phase portrait."""
+    from stickslip.show import figures as plot
+    from stickslip.show.reports import run_charts
+
+    driven, several = run.model.period is not None, not machine_of(run.model).is_single
+    over = "three drive periods" if driven else "the run"
+    shaded = "" if several else "; shaded where the contact sticks"
+    kind = "Drive force and friction" if machine_of(run.model).drive is not None else "Friction"
+    found = [Figure(f"Velocity over {over}{shaded}.", svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run))]
+    if several and run.contacts:
+        rows = len(run.contacts) + len(machine_of(run.model).mechanics.stops)
+        bars = svg(lambda ax: plot.contacts(run, ax=ax), height=max(2.6, 0.9 + 0.27 * rows))
+        found.append(Figure(f"State of each contact over {over}.", bars))
+        found.append(Figure("Friction force of each contact.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)))
+    elif not several:
+        found.append(
+            Figure(f"{kind} force, with the forces of break-away.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run))
+        )
+    phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
+    return [*found, Figure(phase, svg(lambda ax: plot.phase(run, ax=ax)))]
+
+
+def _equations(model: Any) -> str:
+    """The equations as LaTeX; empty if a part of the machine is not a formula, such as a record."""
+    from stickslip.engine.latex import latex
+
+    try:
+        return latex(model)
+    except InputError:
+        return ""
+
+
+def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: bool = True) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of numbers, given with (meaning, unit) or None."""
+    found = []
+    for name, value, axis in named:
+        meaning, unit = axis or ("", "")
+        shown = pretty_unit(unit) if units and unit != "1" else ""
+        found.append((name, f"{float(value):.10g} {shown}".rstrip(), meaning))
+    return found
+
+
+def numbers_of(model: Any) -> list[tuple[str, str, str]]:
+    """`numbers` for any machine, as described by its fields."""
+    return numbers((name, value, axis_in(field_description(model, name))) for name, value in leaves(model))
+
+
+def _toml(run: Any) -> str:
+    """The robot as a study file; empty if a part of it is a user-defined class."""
+    length = float(run.pieces.t[-1] - run.pieces.t[0])
+    how = f"duration = {length!r}" if run.model.period is None else f"periods = {run.periods}\nsettle = {run.settle}"
+    try:
+        return f"{run.model.to_toml()}\n[solve]\n{how}\n"
+    except InputError:
+        return ""
+
+
+def _provenance(run: Any) -> list[tuple[str, str]]:
+    made = run.provenance
+    told = [*made.get("versions", {}).items(), *made.get("settings", {}).items()]
+    return [(name, "-" if value is None else str(value)) for name, value in told]
+
+
+def sources(model: Any) -> list[str]:
+    """The references in the docstrings of a machine and its parts, without repetition."""
+    import inspect
+    import re
+
+    found: dict[str, None] = {}
+    for cls in dict.fromkeys(value for name, value in leaves(model, kinds=True) if name.endswith("__class__")):
+        text = re.search(r"^References\n-+\n(.*?)(?=\n\n\w|\Z)", inspect.getdoc(cls) or "", re.M | re.S)
+        found |= {" ".join(text[1].split()): None} if text else {}
+    return list(found)

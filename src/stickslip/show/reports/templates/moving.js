@@ -1,0 +1,162 @@
+"use strict";
+// A machine in motion: bodies to scale on their track, a velocity trace for each, and what every contact does, with one cursor.
+// Data: see moments() in show/reports/moving.py. Returns show(data), which draws other numbers at the same instant.
+function moving(box, first) { // eslint-disable-line no-unused-vars
+  const NS = "http://www.w3.org/2000/svg", W = 640, TALL = 190, STOREY = 62;
+  const minus = (text) => text.replace("-", "\u2212"), told = (value, n = 4) => minus(String(Number(value.toPrecision(n))));
+  const zeroed = (v, size) => (Math.abs(v) < 1e-9 * size ? 0 : v); // rounding is 0
+  const make = (name, told = {}, parent = null) => {
+    const node = document.createElementNS(NS, name);
+    for (const [key, value] of Object.entries(told)) node.setAttribute(key, value);
+    parent?.append(node);
+    return node;
+  };
+  const el = (name, kind = "", text = "") => Object.assign(document.createElement(name), { className: kind, textContent: text });
+  let m = first, cursors = [], shapes = [], dots = [], timer = null, n = m.t.length, up = null, zoom = 1;
+
+  const stage = make("svg", { class: "stage", role: "img" }), names = el("ul", "names"), lines = el("div", "lines"), line = el("p", "play");
+  const play = Object.assign(el("button", "", "Play"), { type: "button" }), when = Object.assign(el("input"), { type: "range", min: 0, step: 1, value: 0 });
+  const label = el("label", "", "instant "), out = el("output");
+  label.append(when);
+  line.append(play, " ", label, " ", out);
+  box.replaceChildren(stage, names, lines, line);
+
+  function across(t) { return (W * t) / m.t[n - 1]; }
+  const colour = (i) => `var(--c${i % 5})`;
+  const dash = (i) => ["", "7 3", "2 3", "8 3 2 3", "4 4"][i % 5];
+
+  // ---- the bodies on their track ----
+  function draw() {
+    const slots = Math.max(...m.bodies.map((b) => b.place[0])) + 1, storeys = Math.max(...m.bodies.map((b) => b.place[1]));
+    const slot = W / slots, most = Math.min(180, 0.6 * slot), heaviest = Math.max(...m.bodies.map((b) => b.mass));
+    const wide = (b) => Math.max(most * Math.sqrt(b.mass / heaviest), 22), high = (b) => (wide(b) * 46) / most;
+    const reach = Math.max(...m.bodies.flatMap((b) => b.x.map(Math.abs))) || 1, highest = Math.max(0, ...m.bodies.flatMap((b) => b.lift ?? []));
+    zoom = Math.min(Math.min(0.5 * (slot - most) * (slots > 1 ? 0.85 : 0.5), 110) / reach, highest > 0 ? TALL / highest : Infinity);
+    const ground = 76 + STOREY * storeys + zoom * highest;
+    stage.setAttribute("viewBox", `0 0 ${W} ${ground + 16}`);
+    stage.setAttribute("aria-label", `${m.bodies.map((b) => b.name).join(", ")} on the track`);
+    stage.replaceChildren();
+    make("line", { x1: 0, x2: W, y1: ground, y2: ground, class: "ink" }, stage);
+    const home = (b) => slot * (b.place[0] + 0.5), mid = (b) => ground - STOREY * b.place[1] - 0.5 * high(b);
+    shapes = m.bodies.map((b, i) => {
+      make("line", { x1: home(b), x2: home(b), y1: b.place[1] ? mid(b) - 0.5 * high(b) - 10 : ground, y2: b.place[1] ? mid(b) - 0.5 * high(b) - 2 : ground + 9, class: "ink" }, stage);
+      const shape = make("rect", { x: -0.5 * wide(b), width: wide(b), y: mid(b) - 0.5 * high(b), height: high(b), rx: 5, class: "bodybox" }, stage);
+      shape.style.fill = colour(i);
+      const name = make("text", { y: mid(b) }, stage);
+      name.textContent = b.name;
+      if (name.getComputedTextLength() > wide(b) - 6 || name.getBBox().height > high(b)) name.remove(); // the list below has every name
+      return { shape, name, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
+    });
+    shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
+    const one = zoom > 0 ? 10 ** Math.floor(Math.log10(120 / zoom)) : 1;
+    make("line", { x1: W - 10 - one * zoom, x2: W - 10, y1: 12, y2: 12, class: "scale" }, stage);
+    names.replaceChildren(...m.bodies.map((b, i) => {
+      const item = el("li"), swatch = make("svg", { viewBox: "0 0 26 10", "aria-hidden": "true" });
+      const mark = b.v ? make("line", { x1: 0, x2: 26, y1: 5, y2: 5, "stroke-width": 3, "stroke-dasharray": dash(i) }, swatch) : make("rect", { x: 6, y: 0, width: 14, height: 10 }, swatch);
+      mark.style[b.v ? "stroke" : "fill"] = colour(i);
+      item.append(swatch, b.name);
+      return item;
+    }), el("li", "", `bar: ${told(one)} ${m.lengths} of motion`), el("li", "soft", "areas are proportional to masses; distances between bodies are not to scale"));
+  }
+
+  // ---- velocities and contacts over time ----
+  function row(name, height, kind) {
+    const part = el("div", `row ${kind}`), svg = make("svg", { viewBox: `0 0 ${W} ${height}`, preserveAspectRatio: "none", role: "img" });
+    part.append(el("span", "", name), svg);
+    lines.append(part);
+    return svg;
+  }
+
+  function graphs() {
+    lines.replaceChildren();
+    const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
+    const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => zeroed(v, ends[1] - ends[0]));
+    up = (v) => 8 + (size * (high - v)) / (high - low || 1);
+    const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} ${m.speeds}`), bottom = el("small", "", told(low, 3));
+    svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} ${m.speeds}`);
+    svg.previousSibling.append(top, bottom);
+    make("line", { x1: 0, x2: W, y1: up(0), y2: up(0), class: "faint" }, svg);
+    for (const [i, b] of m.bodies.entries()) {
+      if (!b.v) continue;
+      const curve = make("polyline", { points: b.v.map((v, k) => `${across(m.t[k]).toFixed(1)},${up(v).toFixed(1)}`).join(" "), class: "trace", "stroke-dasharray": dash(i) }, svg);
+      curve.style.stroke = colour(i);
+    }
+    cursors = [make("line", { y1: 0, y2: TALL, class: "cursor" }, svg)];
+    for (const r of m.rows) {
+      const bars = row(r.name, 20, "bars"), share = (sign) => r.stretches.filter((s) => s[2] === sign).reduce((sum, [a, b]) => sum + b - a, 0) / m.t[n - 1];
+      const words = [[1, "forwards"], [-1, "backwards"], [0, "sticks"], [2, "pressed"], [3, "in flight"]].filter(([sign]) => share(sign) > 0).map(([sign, word]) => `${word} ${(100 * share(sign)).toFixed(0)} %`);
+      bars.setAttribute("aria-label", `${r.name}: ${[...words, ...(r.hits.length ? [`${r.hits.length} hits`] : [])].join(", ") || "never touched"}`);
+      for (const [a, b, sign] of r.stretches) {
+        const [y, height] = { 1: [1, 9], "-1": [10, 9], 0: [8, 4], 2: [1, 18], 3: [9, 2] }[sign];
+        make("rect", { x: across(a), width: Math.max(across(b) - across(a), 1), y, height, class: ["back", "stick", "fore", "press", "flight"][sign + 1] }, bars);
+      }
+      for (const t of r.hits) make("polygon", { points: `${across(t) - 6},2 ${across(t) + 6},2 ${across(t)},18`, class: "hit" }, bars);
+      cursors.push(make("line", { y1: 0, y2: 20, class: "cursor" }, bars));
+    }
+    const scale = el("div", "row ticks"), ticks = el("div");
+    ticks.append(...[0, 0.25, 0.5, 0.75, 1].map((s) => el("small", "", told(s * m.t[n - 1], 3) + (s === 1 ? ` ${m.unit}` : ""))));
+    scale.append(el("span"), ticks);
+    lines.append(scale);
+    const key = el("ul", "names key"), seen = new Set(m.rows.flatMap((r) => r.stretches.map((s) => s[2])));
+    if (m.rows.some((r) => r.hits.length)) seen.add(4);
+    for (const [sign, kind, word, y, height] of [[1, "fore", "forwards", 0, 5], [-1, "back", "backwards", 5, 5], [0, "stick", "sticks", 4, 2], [2, "press", "stop pressed", 0, 10], [3, "flight", "in flight", 4, 2], [4, "hit", "hit", 0, 10]]) {
+      if (!seen.has(sign)) continue;
+      const item = el("li"), swatch = make("svg", { viewBox: "0 0 26 10", "aria-hidden": "true" });
+      if (sign === 4) make("polygon", { points: "8,0 18,0 13,10", class: kind }, swatch);
+      else make("rect", { x: 0, width: 26, y, height, class: kind }, swatch);
+      item.append(swatch, word);
+      key.append(item);
+    }
+    lines.append(key);
+  }
+
+  // ---- one instant ----
+  function spring([a, b, gives, path]) {
+    const k = Number(when.value), ends = [a, b].filter((i) => i >= 0).map((i) => shapes[i]).sort((p, q) => p.at(k) - q.at(k)), [p, q] = ends, y = (s) => s.y - s.lift(k);
+    let x0 = 0, y0 = y(p), x1 = p.at(k) - p.half, y1 = y(p); // from the wall at the left
+    if (q && p.storey === q.storey) [x0, y0, x1, y1] = [p.at(k) + p.half, y(p), q.at(k) - q.half, y(q)];
+    else if (q) {
+      const [low, high] = p.storey < q.storey ? [p, q] : [q, p];
+      [x0, y0, x1, y1] = [low.at(k), y(low) - low.up, high.at(k), y(high) + high.up];
+    }
+    const way = Math.hypot(x1 - x0, y1 - y0) || 1, [nx, ny] = [(y0 - y1) / way, (x1 - x0) / way];
+    path.setAttribute("points", Array.from({ length: 13 }, (_, i) => {
+      const s = i / 12, off = gives && i > 1 && i < 11 ? (i % 2 ? 5 : -5) : 0;
+      return `${(x0 + s * (x1 - x0) + off * nx).toFixed(1)},${(y0 + s * (y1 - y0) + off * ny).toFixed(1)}`;
+    }).join(" "));
+  }
+
+  function at(k) {
+    for (const s of shapes) for (const node of [s.shape, s.name]) node.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
+    shapes.springs.forEach(spring);
+    for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
+    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
+    when.setAttribute("aria-valuetext", out.textContent);
+  }
+
+  function step() {
+    when.value = (Number(when.value) + 2) % n;
+    at(Number(when.value));
+    timer = requestAnimationFrame(step);
+  }
+
+  play.addEventListener("click", () => {
+    play.textContent = timer === null ? "Pause" : "Play";
+    if (timer === null) return step();
+    cancelAnimationFrame(timer);
+    timer = null;
+  });
+  when.addEventListener("input", () => at(Number(when.value)));
+
+  function show(data) {
+    m = data;
+    n = m.t.length;
+    when.max = n - 1;
+    draw();
+    graphs();
+    at(Math.min(Number(when.value), n - 1));
+    box.dataset.drawn = String(Number(box.dataset.drawn ?? 0) + 1);
+  }
+  show(first);
+  return show;
+}

@@ -1,0 +1,214 @@
+"""A sweep that is ready to run: the maker of the robots, the space, the solver's arguments, and the division into tiles."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.batch import Labels, some_of, spread
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.variables import VARIABLES
+from stickslip.models.machine_adapter import machine_of
+from stickslip.models.observables import checked, parted
+from stickslip.solvers.methods import SLOW
+from stickslip.studies.models_of_points import groups_of, refusals
+from stickslip.studies.result_columns import COLUMNS, part_columns
+from stickslip.studies.space import Space, space_of
+
+#: Arguments of `solve` that a sweep passes on, with their defaults in a sweep.
+SOLVER: dict[str, Any] = {
+    "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
+    "observe": None,
+}  # fmt: skip
+_LARGEST, _SMALLEST = 16384, 1024  # cases per tile: some tens of milliseconds of work, a file of some megabytes
+_SLOW = 16  # cases per tile if a case takes seconds
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The computation of a sweep.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        The maker of the robots.
+    space : Space
+        The space of their numbers.
+    options : dict
+        Arguments of `solve`.
+    start : dict
+        Initial values: a number, or an array with one for each point.
+    along : str, optional
+        Dimension along which each case starts from the final state of the previous one.
+    tile : int
+        Cases (with `along`: lines of cases) per tile.
+    """
+
+    make: Any
+    space: Space
+    options: dict[str, Any]
+    start: dict[str, Any] = field(default_factory=dict)
+    along: str | None = None
+    tile: int = _LARGEST
+
+    @property
+    def tiles(self) -> int:
+        """Number of tiles."""
+        return -(-self._units // self.tile)
+
+    @cached_property
+    def cases(self) -> int:
+        """Number of results: with `along`, two for each point, on the way up and on the way down."""
+        return self.space.cases * (2 if self.along else 1)
+
+    @property
+    def _units(self) -> int:
+        return self.space.cases // (self.space.sizes[self.along] if self.along else 1)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of the result; the followed one comes last."""
+        rest = tuple(d for d in self.space.dims if d != self.along)
+        return (*rest, "way", self.along) if self.along else rest
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the result."""
+        return tuple(2 if d == "way" and d not in self.space.sizes else self.space.sizes[d] for d in self.dims)
+
+    def bounds(self, k: int) -> tuple[int, int]:
+        """Index of the first result of tile k, and of the one after its last."""
+        each = self.cases // max(self._units, 1)
+        return k * self.tile * each, min((k + 1) * self.tile, self._units) * each
+
+    def points(self, k: int) -> Array:
+        """Indices, within the space, of the points of tile k: (cases,), or with `along` (lines, points of a line)."""
+        units = np.arange(k * self.tile, min((k + 1) * self.tile, self._units))
+        if self.along is None:
+            return units
+        sizes = self.space.sizes
+        rest = [d for d in self.space.dims if d != self.along]
+        index = dict(zip(rest, np.unravel_index(units, [sizes[d] for d in rest]), strict=True)) if rest else {}
+        steps = np.arange(sizes[self.along])
+        grid = [steps[None, :] if d == self.along else index[d][:, None] for d in self.space.dims]
+        return np.ravel_multi_index(np.broadcast_arrays(*grid), self.space.shape)
+
+    @cached_property
+    def parts(self) -> dict[str, tuple[str, ...]]:
+        """Names of the bodies, contacts and stops of the first machine by dimension; empty for one body on one contact."""
+        return {} if self.sample is None else machine_of(self.sample).part_names
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """The stored columns, with a separate one for each part."""
+        return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """Names of user-defined columns."""
+        return tuple(self.options.get("observe") or ())
+
+    @cached_property
+    def sample(self) -> Any:
+        """The first robot that can be made, from the first points; None if there is none."""
+        parts = itertools.pairwise(np.minimum([0, *4 ** np.arange(7)], self.space.cases))
+        tried = (groups_of(self.make, self.space, np.arange(*part), None)[0] for part in parts)
+        return next((groups[0].robot for groups in tried if groups), None)
+
+
+def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
+    """Check all arguments of a sweep, and divide it into tiles."""
+    space = space_of(make, designs, axes, [*_ARGUMENTS])
+    problems = Problems("sweep")
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in COLUMNS and not n.startswith("alpha_")):
+        problems.add(f"{name} is the name of a result, so no axis may have it; give the maker's argument another name")
+    for sentence in refusals(make, space):
+        problems.add(sentence)
+    if along is not None and (along not in space.sizes or along not in space.columns):
+        problems.add(f"continue_along = {along!r} is not an axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
+    if tile is not None:
+        problems.whole("tile", tile, 1, example=4096, what=" of cases")
+    starts = _starts(start, space, problems)
+    problems.check()
+    plan = Plan(make, space, options, starts, along, 1)
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in plan.parts):
+        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
+    problems.check()
+    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
+    _check_derived(plan)
+    if plan.observed and along is not None:
+        raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
+    _check_options(plan)
+    return replace(plan, tile=int(tile) if tile else _tile(plan))
+
+
+_ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard", "client", "retries", "tile", "continue_along")
+
+
+def _tile(plan: Plan) -> int:
+    """A tile size that depends only on the study, so that it can be resumed with a different number of workers."""
+    if plan.along:
+        return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
+    slow = plan.sample is not None and (plan.options["method"] in SLOW or not all(law.compiles for law in machine_of(plan.sample).laws))
+    return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
+
+
+def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
+    """Initial values as a number, or as one for each point."""
+    if start is not None and not isinstance(start, dict):
+        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
+        return {}
+    found: dict[str, Any] = {}
+    for name, value in (start or {}).items():
+        found[name] = value
+        if np.ndim(value) == 0:
+            continue
+        try:
+            found[name] = spread(value, Labels(space.shape, space.dims)) + 0.0
+        except ValueError as error:
+            problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
+    return found
+
+
+def _check_derived(plan: Plan) -> None:
+    """Check derivatives: they are defined for the steady motion from rest; further errors are found with the first robot."""
+    derived = parted(plan.options.get("observe"))[1]
+    if not derived:
+        return
+    if plan.start or plan.options["settle"] != "auto":
+        raise InputError("sweep", ['derivatives are of the steady motion from rest; leave start out, and settle="auto" as it is'])
+    if plan.sample is not None:
+        next(iter(derived.values())).values(some_of(plan.sample, [0]), 0, derived, 0)
+
+
+def _check_options(plan: Plan) -> None:
+    """Check the solver's arguments with the first robot."""
+    from stickslip.solvers.request import request
+
+    if plan.sample is None:
+        groups, refused = groups_of(plan.make, plan.space, np.arange(min(plan.space.cases, 64)), None)
+        if not groups and plan.space.cases <= 64:
+            raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
+        return
+    arguments = solver_arguments(plan.options)
+    request(plan.sample, start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+    if plan.along is not None:
+        from stickslip.studies.following import unfollowed
+
+        why = unfollowed(plan.sample, plan.options["method"])
+        if why is not None:
+            raise InputError("sweep", [why])
+
+
+def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of `solve`; with a duration, there are no periods to count."""
+    options = {**options, "observe": parted(options.get("observe"))[0] or None}
+    if options["duration"] is None:
+        return {name: value for name, value in options.items() if name != "duration"}
+    return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}

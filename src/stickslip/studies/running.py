@@ -1,0 +1,249 @@
+"""`sweep`: the tiles of a plan, one after the other, in threads or on a cluster, in memory or in a folder."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.contracts import Array
+from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
+from stickslip.basics.pool import shared
+from stickslip.basics.status import Status
+from stickslip.models.switching_flow import is_flow
+from stickslip.solvers.methods import takes_closed_arcs
+from stickslip.studies.designs import Design
+from stickslip.studies.labelling import dataset, provenance_of
+from stickslip.studies.model_identity import ModelIdentities
+from stickslip.studies.planning import Plan, planned
+from stickslip.studies.progress import Progress, Watch
+from stickslip.studies.result_columns import all_failed, base_of, empty, vacant
+from stickslip.studies.solving import solved_models
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Done = tuple[int, dict[str, Array], dict[str, int], str]  # index, columns, notes and identity of the models of a tile
+
+
+@explains_arguments
+@interruptible
+def sweep(
+    make: Maker,
+    *designs: Design,
+    periods: int = 200,
+    duration: float | None = None,
+    settle: int | str | None = "auto",
+    rtol: float = 1e-6,
+    workers: int = 1,
+    start: dict[str, Any] | None = None,
+    method: str = "auto",
+    slip_ratio: float = 0.75,
+    dwell: float = 0.03,
+    continue_along: str | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | str | None = None,
+    tile: int | None = None,
+    client: Any = None,
+    retries: int = 3,
+    progress: Callable[[Progress], Any] | bool | None = None,
+    observe: dict[str, Any] | None = None,
+    **axes: Any,
+) -> xr.Dataset:
+    """Solve a robot on a grid of its numbers, or on any other design.
+
+    Every keyword that holds several values becomes a dimension of that name, in the order in which they are written; single values stay
+    single and are kept as coordinates. A case that cannot be solved, such as one with a NaN, is marked by its status, and the sweep
+    continues.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        A function that makes a robot from the keyword arguments, such as a preset; or a robot, whose fields then have dotted names:
+        ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
+    *designs : stickslip.designs.Design
+        Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
+    periods, duration, settle, rtol, method, slip_ratio, dwell
+        As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
+        its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. For robots with Coulomb
+        friction and a harmonic drive the periodic motion is computed from a closed formula instead.
+    observe : dict of Observable, optional
+        User-defined columns by name: see `observable`.
+    workers : int
+        Threads. The results do not depend on it.
+    start : dict
+        Initial values of x, v and z: numbers, or labelled arrays over the axes. ``**{"start.v": [...]}`` makes them an axis.
+    continue_along : str, optional
+        An axis along which each case starts from where its neighbour ended, up and then down again: the dataset gets a dimension
+        ``way`` ("up", "down"), and the two differ where there is hysteresis.
+    out : path, optional
+        A study folder: the results are written there tile by tile, and memory does not grow with the number of cases.
+    resume : bool
+        Continue the study in `out`. The results are bit-identical to those of an uninterrupted run; a different study is refused.
+    shard : (i, n) or "i/n", optional
+        Compute only part i (from 1) of n, for the jobs of a batch queue; `merge` puts them together. Needs `out`.
+    tile : int, optional
+        Cases that are computed and written together.
+    client : dask.distributed.Client, optional
+        Compute there instead of locally: each tile is a task.
+    retries : int
+        How often a tile is retried after it failed or its worker was lost.
+    progress : callable or bool, optional
+        True for a progress line, or a function that is called with a `Progress`; return False to stop. The results obtained so far are
+        returned, as after Ctrl-C; the remaining cases have the status "not computed", and a note says how many they are.
+    **axes
+        Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis, also of words, such as ``law=["coulomb", "lugre"]``.
+
+    Returns
+    -------
+    xarray.Dataset
+        mean_velocity, motion_type, pattern, period, margin, fractions, extremes, drive_power, cost_of_transport and status, with units
+        and names. With `out` the data are read from the folder on access.
+
+    Raises
+    ------
+    InputError
+        All errors of the arguments, reported together before the computation. Also an error that occurs in every case, which means that
+        the law or the maker is wrong; with `out` the folder is then complete, and `open_study` reads it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
+    >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
+    ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
+    """
+    if is_flow(make):
+        from stickslip.studies.flow_sweeps import sweep_of_flow
+
+        periods = None if duration is not None and periods == 200 else periods  # type: ignore[assignment]
+        how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "tile": tile, "client": client}
+        how |= {"retries": retries, "slip_ratio": slip_ratio, "dwell": dwell, "observe": observe}
+        asked = {"periods": periods, "settle": settle, "start": start, "method": method, "duration": duration}
+        return sweep_of_flow(make, designs, axes, rtol, workers, progress, how, **asked, keep=None, samples=400, options={})
+    options = {
+        "periods": periods,
+        "duration": duration,
+        "settle": settle,
+        "rtol": rtol,
+        "method": method,
+        "slip_ratio": slip_ratio,
+        "dwell": dwell,
+        "observe": observe,
+    }
+    plan = planned(make, designs, axes, start, continue_along, tile, **options)
+    return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
+
+
+def carried_out(
+    plan: Plan,
+    tile: int | None = None,
+    workers: int = 1,
+    out: str | Path | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | str | None = None,
+    client: Any = None,
+    retries: int = 3,
+    progress: Callable[[Progress], Any] | bool | None = None,
+) -> Any:
+    """Run a plan, in memory or in a folder, and return its dataset; arguments as for `sweep`."""
+    problems = Problems("sweep")
+    problems.whole("workers", workers, 1, example=2)
+    if out is None and (resume or shard):
+        problems.add("resume and shard are for a study folder; give one with out=, such as out='study'")
+    problems.check()
+    watch = Watch(plan.cases, progress)
+    if out is None:
+        return _in_memory(plan, tile, workers, client, retries, watch)
+    from stickslip.studies.folder import Study
+    from stickslip.studies.opening import open_study
+    from stickslip.studies.tiles import read_tile
+
+    study = Study.begin(Path(out), plan, resume=resume, shard=shard)
+    watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
+    todo = study.todo
+    identities = ModelIdentities(plan, study.manifest["compared"])
+    with partial_result() as ending:
+        for k, columns, notes, models in tiles_of(plan, todo, workers, client, retries, watch, identities):
+            study.write(k, columns, notes, models)
+            watch.finished(k, columns["status"])
+    study.finish()
+    grid = open_study(out)
+    if ending.interrupted:
+        left = plan.cases - int(watch.now().done)
+        told = json.loads(grid.attrs.get("notes", "{}")) | {ending.note("not computed; resume=True (--resume) goes on"): left}
+        return grid.assign_attrs(notes=json.dumps(told, ensure_ascii=False))
+    if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):
+        kept = f"the folder {str(out)!r} is complete and says so of every case; correct this, and give another folder"
+        raise InputError("sweep", [*json.loads(grid.attrs.get("notes", "{}")), kept])
+    return grid
+
+
+def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
+    """The dataset of all columns of a plan; an error common to all cases is raised."""
+    if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
+        plan = replace(plan, tile=_tile_in_memory(plan, workers))
+    whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
+    with partial_result() as ending, taking_some_cases():
+        for k, columns, told, _ in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+            _put(whole, plan.bounds(k), columns)
+            notes.update(told)
+            left.remove(k)
+            watch.finished(k, columns["status"])
+            if (columns["status"] == Status.NOT_COMPUTED).any():
+                look()
+    for k in left:
+        first, last = plan.bounds(k)
+        _put(whole, (first, last), empty(last - first, plan.columns))
+    if ending.interrupted:
+        notes[ending.note(Status.NOT_COMPUTED.sentence)] = int((whole["status"] == Status.NOT_COMPUTED).sum())
+    if all_failed(whole["status"]):
+        raise InputError("sweep", list(notes))
+    return dataset(plan, whole, {"provenance": provenance_of(plan)}, notes)
+
+
+def _tile_in_memory(plan: Plan, workers: int) -> int:
+    """A tile size for threads that share the work: if cases are fast, small tiles only make the threads wait for each other."""
+    if plan.sample is not None and takes_closed_arcs(plan.options["method"], plan.sample):
+        return 32768 if plan.cases >= 8 * 32768 else 16384
+    return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
+
+
+def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Array]) -> None:
+    first, last = bounds
+    for name, values in columns.items():
+        if base_of(name) == "pattern" and values.itemsize > whole[name].itemsize:
+            whole[name] = whole[name].astype(values.dtype)
+        whole[name][first:last] = values
+
+
+def tiles_of(
+    plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch, identities: ModelIdentities | None = None
+) -> Iterator[Done]:
+    """Index, columns, notes and models of each tile, as they are finished.
+
+    The models are identified if the results are kept in a folder (`identities` is given) or come from a cluster.
+    """
+    todo = list(todo)
+    if client is not None:
+        from stickslip.studies.cluster import tiles_from
+
+        if plan.observed:
+            raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
+
+        yield from tiles_from(plan, todo, client, retries, watch, identities or ModelIdentities(plan))
+        return
+    several = workers > 1 and len(todo) > 1
+
+    def work(k: int) -> tuple[dict[str, Array], dict[str, int], str]:
+        return solved_models(plan, k, 1 if several else workers, partial(watch.at_work, k), identities)
+
+    for k, found in shared(work, todo, workers if several else 1):
+        yield (k, *found)

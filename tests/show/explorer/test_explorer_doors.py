@@ -1,0 +1,323 @@
+"""The explorer's doors, tried on the loopback: half-sent requests, slow uploads, silent pages, and files that end whoever reads them."""
+
+import contextlib
+import http.client
+import json
+import os
+import signal
+import socket
+import threading
+import time
+from urllib.parse import urlsplit
+
+import h5py
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from stickslip.show.explorer import server
+from stickslip.show.explorer.client_limits import LIMITS, Limits
+from stickslip.show.explorer.frames import read
+from stickslip.show.explorer.upload_reading import Readers
+
+#: Short times, so that the tests are: seconds stand for minutes.
+SHORT = Limits(headers=1.0, silence=1.0, upload=2.0, request=6.0, reading=20.0, first=1.0, idle=2.0, strangers=16, each=24, uploads=2)
+SOON = 20.0  # by when what is to end after these times has ended, on a machine with other work
+RECORD = ("t [ms];v [mm/s]\n" + "".join(f"{i}.0;{i % 2}.0\n" for i in range(50))).encode()
+
+
+class NoKernels:
+    """Stands for the kernels: nothing is ready, and nothing is compiled."""
+
+    def __init__(self, beside=True):
+        pass
+
+    def ready(self, *asked):
+        return False
+
+    def listen(self, tell):
+        pass
+
+    begin = end = lambda self, later=(): None
+
+
+class Served:
+    """A server in a thread, with short times, and what is needed to speak to it."""
+
+    def __init__(self, limits=SHORT, token=True):
+        told, ready = [], threading.Event()
+        self.server = server.server_of("127.0.0.1", 0, lambda address: (told.append(address), ready.set()), 1, token, limits)
+        self.app = self.server.config.app
+        self.thread = threading.Thread(target=self.server.run)
+        self.thread.start()
+        assert ready.wait(60)
+        parts = urlsplit(told[0])
+        self.port, token = parts.port, parts.query.partition("=")[2]
+        self.cookie = f"stickslip_token_{self.port}={token}"
+        self.head = f"Host: 127.0.0.1:{self.port}\r\nCookie: {self.cookie}\r\n"
+
+    def close(self):
+        self.server.should_exit = True
+        self.thread.join(60)
+
+    def raw(self, text=""):
+        """A connection on which this is sent, and no more."""
+        made = socket.create_connection(("127.0.0.1", self.port), timeout=SOON)
+        made.sendall(text.encode() if isinstance(text, str) else text)
+        return made
+
+    def status(self, path="/", method="GET", body=None):
+        """The status of a whole request with the token."""
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", self.port, timeout=SOON)) as connection:
+            connection.request(method, path, body, {"Cookie": self.cookie})
+            reply = connection.getresponse()
+            reply.read()
+            return reply.status
+
+    def upload(self, data=RECORD):
+        """What is said of a file."""
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)) as connection:
+            connection.request("POST", "/record/a.csv", data, {"Cookie": self.cookie})
+            reply = connection.getresponse()
+            body = reply.read()
+            return (reply.status, read(body)[0]) if reply.status == 200 else (reply.status, body.decode())
+
+    def page(self):
+        return connect(
+            f"ws://127.0.0.1:{self.port}/socket", additional_headers={"Cookie": self.cookie}, compression=None, open_timeout=SOON
+        )
+
+
+@pytest.fixture(scope="module")
+def served():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(server, "Kernels", NoKernels)
+        made = Served()
+        with contextlib.closing(made):
+            process_of(made.app.inner.state.uploads._readers).ask("velocity", "a.csv", RECORD, 120)  # it is ready
+            yield made
+
+
+def all_of(connection):
+    """What comes until the connection ends; it ends in time."""
+    found = bytearray()
+    with contextlib.suppress(ConnectionResetError):
+        while part := connection.recv(65536):
+            found += part
+    return bytes(found)
+
+
+def until(condition):
+    end = time.monotonic() + SOON
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+# strangers --------------------------------------------------------------------------------------------------------
+
+HALVES = [
+    "",
+    "GET / HT",
+    "GET / HTTP/1.1\r\nHost: 127.0.0.1",
+    "POST /record/a.csv HTTP/1.1\r\nContent-Length: 100\r\nHost: 1",
+    "\x00",
+    "{head}",
+]
+
+
+def test_half_sent_requests_keep_nobody_out(served):
+    """More of them than the server has room for: with every one more, a page is served as before."""
+    held = []
+    for number in range(620):
+        held.append(served.raw(HALVES[number % len(HALVES)].replace("{head}", f"GET / HTTP/1.1\r\n{served.head}")))
+        if number % 40 == 0:
+            assert served.status() == 200
+    assert served.status() == 200 and served.upload()[0] == 200
+    with served.page() as page:
+        page.send("{}")
+        assert read(page.recv(timeout=SOON))[0]["kind"] == "problems"
+    for connection in held:
+        connection.close()
+
+
+def test_strangers_are_few_and_the_oldest_goes_first(served):
+    first = served.raw("GET / HT")
+    others = [served.raw("GET / HT") for _ in range(SHORT.strangers + 4)]
+    assert all_of(first) == b""
+    assert len(served.app.connections._strangers) <= SHORT.strangers
+    for connection in (first, *others):
+        connection.close()
+
+
+@pytest.mark.parametrize("half", HALVES)
+def test_a_request_that_is_never_finished_ends(served, half):
+    with served.raw(half.replace("{head}", f"GET / HTTP/1.1\r\n{served.head}")) as connection:
+        assert b"200 OK" not in all_of(connection)
+
+
+def test_headers_that_come_a_byte_at_a_time_do_not_prolong_it(served):
+    with served.raw(f"GET / HTTP/1.1\r\n{served.head}X: ") as connection:
+        end = time.monotonic() + SOON
+        with pytest.raises(OSError):
+            while time.monotonic() < end:
+                connection.sendall(b"x")
+                time.sleep(0.1)
+
+
+def test_a_second_request_has_no_more_time_than_the_first(served):
+    with served.raw(f"GET /assets/icon.svg HTTP/1.1\r\n{served.head}\r\n") as connection:
+        assert connection.recv(65536).startswith(b"HTTP/1.1 200")
+        connection.sendall(b"GET / HT")
+        all_of(connection)
+
+
+def test_who_brings_no_token_is_sent_away_at_once(served):
+    with served.raw(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\n\r\n") as connection:
+        said = all_of(connection)
+    assert said.startswith(b"HTTP/1.1 403") and b"connection: close" in said.lower()
+    with served.raw(f"POST /record/a.csv HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Length: 1000000\r\n\r\n") as connection:
+        assert all_of(connection).startswith(b"HTTP/1.1 403")
+
+
+# what one client may hold -----------------------------------------------------------------------------------------
+
+
+def test_an_upload_that_stops_ends_and_makes_room(served):
+    half = f"POST /record/a.csv HTTP/1.1\r\n{served.head}Content-Length: 1000\r\n\r\n0,1\n"
+    held = [served.raw(half) for _ in range(SHORT.uploads)]
+    until(lambda: served.app.connections._held["127.0.0.1"] == SHORT.uploads)
+    status, said = served.upload()
+    assert status == 503 and "try again" in said
+    assert [all_of(connection).split(b"\r\n")[0] for connection in held] == [b"HTTP/1.1 408 Request Timeout"] * SHORT.uploads
+    assert served.upload()[0] == 200
+    for connection in held:
+        connection.close()
+
+
+def test_an_upload_that_trickles_ends(served):
+    with served.raw(f"POST /record/a.csv HTTP/1.1\r\n{served.head}Content-Length: 100000\r\n\r\n") as connection:
+        end, found = time.monotonic() + SOON, b""
+        connection.settimeout(0.1)
+        while b"408" not in found and time.monotonic() < end:
+            with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+                connection.sendall(b"1")
+            with contextlib.suppress(TimeoutError):
+                found += connection.recv(65536)
+        assert b"408" in found
+
+
+def test_an_answer_that_nobody_takes_is_given_up(served):
+    """Requests without end, behind each other, none of whose answers is read."""
+    with served.raw() as connection:
+        connection.settimeout(SOON)
+        end = time.monotonic() + SOON
+        with pytest.raises(ConnectionError):
+            while time.monotonic() < end:
+                connection.sendall(f"GET /assets/uPlot.iife.min.js HTTP/1.1\r\n{served.head}\r\n".encode() * 50)
+
+
+def test_a_page_that_asks_nothing_is_let_go(served):
+    with served.page() as page, pytest.raises(ConnectionClosed) as ended:
+        page.recv(timeout=SOON)
+    assert ended.value.rcvd.code == 4000
+    with served.page() as page, pytest.raises(ConnectionClosed) as ended:
+        page.send("{}")
+        while True:
+            page.recv(timeout=SOON)
+    assert ended.value.rcvd.code == 4000
+
+
+def test_one_address_has_its_share_of_pages(served):
+    with contextlib.ExitStack() as stack:
+        for _ in range(SHORT.each):
+            stack.enter_context(served.page()).send("{}")
+        with pytest.raises(InvalidStatus):
+            stack.enter_context(served.page())
+        assert served.status() == 503
+    until(lambda: not served.app.connections._held)
+    assert served.status() == 200
+
+
+def test_nothing_is_kept_of_those_who_went(served):
+    until(lambda: not served.app.connections._held and not served.app.connections._timers and not served.app.connections._strangers)
+
+
+# files ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def readers():
+    made = Readers(seconds=LIMITS.reading, count=1)
+    yield made
+    made.end()
+
+
+def said(answer):
+    return " ".join(read(answer)[0].get("problems", ()))
+
+
+def process_of(readers):
+    reader = readers._ready.get(timeout=60)
+    readers._ready.put(reader)
+    return reader
+
+
+def bomb(folder):
+    with h5py.File(folder / "a.h5", "w") as file:
+        file["t"] = np.arange(10.0)
+        file.create_dataset("v", shape=(2**30,), dtype="f8", chunks=(2**20,), fillvalue=0.0)
+    return (folder / "a.h5").read_bytes()
+
+
+def test_a_file_is_read_beside_the_server_and_the_next_one_by_the_same_process(readers):
+    process = process_of(readers)
+    for what in ("velocity", "velocity", "drive"):
+        readers.read(what, "a.csv", RECORD)
+    assert process_of(readers) is process
+    assert read(readers.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
+    assert "no table of numbers" in said(readers.read("velocity", "a.csv", b"no numbers"))
+    assert "has no known file extension" in said(readers.read("velocity", "a", RECORD))
+
+
+def test_a_file_that_unpacks_without_end_is_refused(readers, tmp_path):
+    assert "STICKSLIP_LARGEST" in said(readers.read("velocity", "a.h5", bomb(tmp_path)))
+
+
+def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(readers):
+    process = process_of(readers)
+    process.ask("velocity", "a.csv", RECORD, 60)
+    os.kill(process._process.pid, signal.SIGSEGV)
+    process._process.wait(60)
+    process.is_alive = lambda: True  # it ends while it reads
+    assert "the process that read the record crashed" in said(readers.read("velocity", "a.csv", RECORD))
+    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
+
+
+def test_a_file_that_takes_too_long_is_given_up_and_the_next_one_is_read(tmp_path):
+    readers = Readers(seconds=0.5, count=1)
+    process = process_of(readers)
+    process.ask("velocity", "a.csv", RECORD, 60)
+    os.kill(process._process.pid, signal.SIGSTOP)
+    assert "not read in time" in said(readers.read("velocity", "a.csv", RECORD))
+    readers._seconds = LIMITS.reading
+    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
+    readers.end()
+    assert all(reader._process.poll() is not None for reader in readers._all)
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="this system has no limits of memory")
+def test_a_file_that_needs_too_much_memory_is_said(monkeypatch, tmp_path):
+    monkeypatch.setenv("STICKSLIP_LARGEST", "1e12")  # the limit of the process remains
+    readers = Readers(seconds=60.0, count=1)
+    assert "more memory than" in said(readers.read("velocity", "a.h5", bomb(tmp_path)))
+    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
+    readers.end()
+
+
+def test_messages_of_nonsense_do_not_end_a_page(served):
+    with served.page() as page:
+        for text in ("", "{", "[" * 20000, json.dumps({"channel": "\ud800", "id": "\udfff"}), b"\xff\xfe", b"\x00" * 100):
+            page.send(text)
+            assert read(page.recv(timeout=SOON))[0]["kind"] == "problems"
