@@ -3,17 +3,23 @@
 Numba's own cache does not see edits in imported functions, and never hits for closures. So everything that a kernel
 needs stands in one file in the user's cache folder; a changed kernel has another name. The file's first lines import
 what it needs; every function in it has an explicit signature, so that importing it compiles it or loads it.
+
+Compiled code is run as it stands in its files, so a damaged file crashes or computes something else. Beside them stands
+a list of their checksums; what does not agree with it is deleted and compiled again.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import importlib.util
+import json
 import os
 import sys
 import threading
 import types
+import weakref
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -22,7 +28,10 @@ from stickslip.basics.interruption import held_together
 from stickslip.basics.whole_files import write_whole
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
 
-_loaded: dict[str, types.ModuleType] = {}
+#: How many modules that can be loaded from their files again are kept in memory; each takes some 40 kB.
+KEPT = 256
+
+_loaded: dict[str, types.ModuleType] = {}  # the least recently used first
 _lock = threading.RLock()
 _told: set[str] = set()
 
@@ -83,9 +92,37 @@ def load(source: str, name: str, label: str) -> types.ModuleType:
     with held_together():
         key = f"{name}_{_digest(source)}"
         with _lock:
-            if key not in _loaded:
-                _loaded[key] = _import(source, key, label)
-            return _loaded[key]
+            module = _loaded.pop(key, None) or _import(source, key, label)
+            _loaded[key] = module
+            _forget()
+            return module
+
+
+def _forget() -> None:
+    """Let go of modules that were not used for long. Those without a file stay: they would be compiled again."""
+    if len(_loaded) > KEPT:
+        from_files = [key for key, module in _loaded.items() if getattr(module, "__file__", None)]
+        for key in from_files[: len(_loaded) - KEPT]:
+            module = _loaded.pop(key)
+            sys.modules.pop(module.__name__, None)
+            _release(module)
+
+
+def _release(module: types.ModuleType) -> None:
+    """Make Numba let go of a module's compiled functions, so that they are freed with the last who holds one of them.
+
+    Numba keeps each in a table, and takes it out when its dispatcher is freed; but what does that holds, by the function's globals, the
+    dispatcher itself, which is therefore never freed. So it is done here.
+    """
+    functions = {id(part): part for part in vars(module).values() if hasattr(part, "overloads") and hasattr(part, "targetctx")}
+    for function in functions.values():
+        for compiled in function.overloads.values():
+            with contextlib.suppress(KeyError):
+                function.targetctx.remove_user_function(compiled.entry_point)
+    for finalizer in list(getattr(weakref.finalize, "_registry", ())):
+        alive = finalizer.peek()
+        if alive is not None and id(alive[0]) in functions:
+            finalizer.detach()
 
 
 @lru_cache(64)
@@ -98,40 +135,125 @@ def _digest(source: str) -> str:
 
 
 def _import(source: str, key: str, label: str) -> types.ModuleType:
-    path = _written(source, key)
-    if path is None:
-        _say(f"the cache folder {folder()} cannot be written; compiling {label} in memory for this process only …")
-        return _execute(source, key, None)
-    if not _compiled(path):
-        _say(f"compiling {label}, once …")
     try:
-        return _execute(source, key, path)
+        path = _written(source, key)
+        if _is_damaged(path):
+            _say(f"the compiled kernel {path.name} is damaged; compiling {label} again …")
+            _remove(_compilation(path))
+        elif not _compiled(path):
+            _say(f"compiling {label}, once …")
+    except OSError as error:  # nothing can be written, or something else stands where a file should be
+        return _in_memory(source, key, label, error)
+    try:
+        return _sealed(source, key, path)
     except OSError as error:  # Numba could not write what it has compiled, such as on a full disk
-        _say(f"the cache folder {folder()} cannot be written ({error.strerror}); compiling {label} in memory for this process only …")
-        return _execute(source, key, None)
+        return _in_memory(source, key, label, error)
     except Exception:
         if not _compiled(path):  # not a bad cache: the source itself fails
             raise
-        _say(f"the cached kernel {path.name} cannot be read; compiling {label} again …")
-        for file in _compilation(path):
-            file.unlink(missing_ok=True)
-        return _execute(source, key, path)
-
-
-def _written(source: str, key: str) -> Path | None:
-    """The kernel's file, written whole or not at all; None where the folder cannot be written."""
-    path = folder() / f"{key}.py"
-    text = "CACHE = True\n" + source
+    _say(f"the cached kernel {path.name} cannot be read; compiling {label} again …")
     try:
-        _remove_foreign(path)
-        if path.exists() and path.read_text(encoding="utf-8") == text:
-            probe = path.parent / "__pycache__"
-            return path if _compiled(path) or os.access(probe if probe.exists() else path.parent, os.W_OK) else None
-        make_folder(path.parent / "__pycache__")
+        _remove(_compilation(path))
+        return _sealed(source, key, path)
+    except OSError as error:
+        return _in_memory(source, key, label, error)
+
+
+def _in_memory(source: str, key: str, label: str, error: OSError) -> types.ModuleType:
+    """The module without files, and what is wrong with them."""
+    place = folder()
+    blocked = [Path(name) for name in (error.filename, error.filename2) if isinstance(name, str) and key in Path(name).name]
+    blocked = [file for file in blocked if file.is_dir()]
+    if blocked:
+        why = f"is damaged: {blocked[0]} is a folder where a file should be; delete it"
+    elif place.exists() and not place.is_dir():
+        why = "is not a folder; delete it, or set STICKSLIP_CACHE_DIR to a folder of yours"
+    else:
+        why = f"cannot be written ({error.strerror or error})"
+    _say(f"the cache folder {place} {why}; compiling {label} in memory for this process only …")
+    return _execute(source, key, None)
+
+
+def _written(source: str, key: str) -> Path:
+    """The kernel's file, written whole or not at all; OSError where the folder cannot be written."""
+    path, text = folder() / f"{key}.py", "CACHE = True\n" + source
+    beside = path.parent / "__pycache__"
+    if path.parent.is_dir() and not beside.is_dir() and (beside.exists() or beside.is_symlink()):
+        beside.unlink()  # a file, or a link that leads nowhere
+    _remove_foreign(path)
+    if path.is_dir():
+        _remove([path])
+    if not (path.exists() and _text_of(path) == text):
+        make_folder(beside)
         write_whole(path, text, lambda _, error: error)
-    except OSError:
-        return None
+    elif not (_compiled(path) or os.access(beside if beside.exists() else path.parent, os.W_OK)):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(beside))
     return path
+
+
+def _text_of(path: Path) -> str | None:
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        return None
+
+
+def _is_damaged(path: Path) -> bool:
+    """Whether the compiled files of a kernel are others than those whose checksums were noted when they were compiled.
+
+    Files without a list, of an earlier version or of a process that compiles them now, are taken; if they cannot be read they are
+    compiled again, and their list is written once they have been loaded.
+    """
+    if any(file.is_dir() for file in _compilation(path)):
+        return True
+    try:
+        noted = json.loads(_list_of(path).read_bytes())
+    except FileNotFoundError:
+        return False
+    except ValueError:
+        return True
+    return not isinstance(noted, dict) or any(noted.get(name) != code for name, code in _checksums(path).items())
+
+
+def _sealed(source: str, key: str, path: Path) -> types.ModuleType:
+    """The module, loaded from its files or compiled; the checksums of files that are new are noted."""
+    before = _stamps(path)
+    module = _execute(source, key, path)
+    if _stamps(path) != before or not _list_of(path).exists():
+        with contextlib.suppress(OSError):
+            write_whole(_list_of(path), json.dumps(_checksums(path), indent=1), lambda _, error: error)
+    return module
+
+
+def _list_of(path: Path) -> Path:
+    """The file of checksums of a kernel."""
+    return path.parent / "__pycache__" / f"{path.stem}.sums.json"
+
+
+def _code_files(path: Path) -> list[Path]:
+    return [file for file in _compilation(path) if file.suffix in (".nbi", ".nbc", ".pyc")]
+
+
+def _checksums(path: Path) -> dict[str, str]:
+    """SHA-256 of each compiled file, by its name."""
+    return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in _code_files(path)}
+
+
+def _stamps(path: Path) -> dict[str, tuple[int, int]]:
+    stats = {file.name: file.stat() for file in _code_files(path)}
+    return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in stats.items()}
+
+
+def _remove(files: list[Path]) -> None:
+    """Delete files, and empty folders that stand in their place; OSError where that cannot be done."""
+    for file in files:
+        if file.is_dir() and not file.is_symlink():
+            try:
+                file.rmdir()
+            except OSError as error:  # it holds something: not for us to delete
+                raise IsADirectoryError(error.errno, os.strerror(error.errno or errno.EISDIR), str(file)) from None
+        else:
+            file.unlink(missing_ok=True)
 
 
 def _remove_foreign(path: Path) -> None:

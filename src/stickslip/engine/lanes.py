@@ -116,7 +116,7 @@ class Results:
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
-_kernels: Remembered[Kernel] = Remembered()
+_kernels: Remembered[Kernel] = Remembered(most=cache.KEPT)
 _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
 

@@ -16,7 +16,7 @@ class Remembered(Generic[T]):
 
     Parameters
     ----------
-    most : int, optional
+    most : int
         How many are kept; the oldest gives way to the next.
 
     Examples
@@ -29,7 +29,7 @@ class Remembered(Generic[T]):
     (66, 10)
     """
 
-    def __init__(self, most: int | None = None):
+    def __init__(self, most: int = 1024):
         self._known: dict[Any, T] = {}
         self._most = most
 
@@ -45,9 +45,8 @@ class Remembered(Generic[T]):
         except TypeError:
             return find()
         found = find()
-        if self._most is not None:
-            for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
-                self._known.pop(oldest, None)  # other threads may take it away as well
+        for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
+            self._known.pop(oldest, None)  # other threads may take it away as well
         self._known[key] = found
         return found
 
