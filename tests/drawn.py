@@ -8,6 +8,7 @@ import numpy as np
 
 import stickslip as ss
 from registries import examples
+from stickslip.basics.fields import leaves
 from stickslip.models.friction.law_adapter import adapted
 
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
@@ -94,7 +95,7 @@ def robot(i, seed=12):
     speed = float(frame.velocity_scale * frame.mass_ratio)
     grip = speed * 2 * math.pi / float(frame.period) / 9.81  # friction that holds against the drive
     rubs = law(rng, name, grip, speed, exponent)
-    scaled = {n: v * frame.total_mass * 9.81 for n, v in ss.fields.leaves(rubs) if n.split(".")[-1].startswith(("viscous", "quadratic"))}
+    scaled = {n: v * frame.total_mass * 9.81 for n, v in leaves(rubs) if n.split(".")[-1].startswith(("viscous", "quadratic"))}
     frame = frame.replace({"track.tilt": min(grip, 1.0) * rng.uniform(-0.1, 0.1) * int(rng.integers(2))})
     return frame.replace(friction=rubs.replace(**scaled) if name != "sum" else rubs.replace(scaled))
 

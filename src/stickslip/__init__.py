@@ -44,9 +44,31 @@ PUBLIC_MODULES = {
     "paper": "show.paper",
     "plot": "show.figures",
     "presets": "models.presets",
+    "quantities": "basics.quantities",
     "testing": "analysis.law_claims",
     "tracks": "models.tracks",
     "variables": "basics.variables",
+}
+
+#: Modules that have moved, for those who imported them: what to type instead.
+_MOVED = {
+    "benching": "analysis.bench",
+    "checking": "analysis.checking",
+    "cli": "show.cli",
+    "errors": "basics.errors",
+    "explorer": "show.explorer",
+    "exporting": "show.export",
+    "fields": "basics.fields",
+    "flow": "models.switching_flow",
+    "identifying": "inverse.identification",
+    "io": "results.loading",
+    "mechanics": "models.mechanics",
+    "optimising": "inverse.optimisation",
+    "report": "show.reports",
+    "robot": "models.robot",
+    "sweeps": "studies",
+    "trajectory": "results.trajectory",
+    "units": "basics.units",
 }
 
 
@@ -57,6 +79,8 @@ class _PublicModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         package, _, rest = fullname.partition(".")
         first, dot, more = rest.partition(".")
         if package != __name__ or first not in PUBLIC_MODULES:
+            if package == __name__ and first in _MOVED:
+                raise ModuleNotFoundError(f"{fullname} has moved; type {__name__}.{_MOVED[first]}{dot}{more}", name=fullname)
             return None
         return importlib.machinery.ModuleSpec(fullname, self, origin=f"{__name__}.{PUBLIC_MODULES[first]}{dot}{more}")
 

@@ -1,11 +1,14 @@
 """The house is in order: what README promises is there, floors hold, public names explain themselves."""
 
 import ast
+import importlib.util
 import inspect
 import re
 import subprocess
 import sys
 import tomllib
+
+import pytest
 
 from house import PAGES, ROOT, blocks
 
@@ -111,6 +114,9 @@ def test_public_modules_are_the_same_under_their_short_and_their_long_name():
         print_same = f"print(m['stickslip.{short}'] is m['stickslip.{long}'] is ss.{short}, m['stickslip.{long}'].__spec__.name)"
         assert python(f"{code}; {print_same}").split() == ["True", f"stickslip.{long}"]
     assert python("from stickslip.friction.lugre import LuGre; import stickslip as ss; print(LuGre is ss.LuGre)").strip() == "True"
+    with pytest.raises(ModuleNotFoundError, match=r"stickslip\.errors has moved; type stickslip\.basics\.errors"):
+        importlib.import_module("stickslip.errors")
+    assert all(importlib.util.find_spec(f"stickslip.{there}") for there in stickslip._MOVED.values())
 
 
 #: Modules that still import one another, all inside functions: what adds up to a sum, and what chooses among all methods.

@@ -84,7 +84,7 @@ def quantity(
     example : float or tuple of float
         A typical value: the suggestion in messages, and the initial position of the slider.
     rule : Rule, optional
-        The allowed values, such as ``stickslip.basics.quantities.positive``; any finite number if not given.
+        The allowed values, such as ``stickslip.quantities.positive``; any finite number if not given.
     allowed : str, optional
         The allowed values in words, if those of the rule are not sufficient.
     range : (float, float), optional
@@ -126,7 +126,7 @@ def _check(label: Any, unit: Any, symbol: Any, example: Any, rule: Any, allowed:
     if not all(map(_is_number, example if isinstance(example, tuple) else (example,))) and example is not None:
         problems.add(f"example = {example!r}; allowed is a number, or a tuple of numbers; type for example example=0.1")
     if not (rule is None or callable(rule)):
-        problems.add(f"rule = {rule!r}; allowed is a function of a number; type rule=stickslip.basics.quantities.positive")
+        problems.add(f"rule = {rule!r}; allowed is a function of a number; type rule=stickslip.quantities.positive")
     if range is not None and not (isinstance(range, tuple) and len(range) == 2 and all(map(_is_number, range)) and range[0] < range[1]):
         problems.add(f"range = {range!r}; allowed are two numbers that rise; type for example range=(0.0, 1.0)")
     if isinstance(shown, str) and shown and shown not in _SHOWN and shown[0] not in _FACTORS:

@@ -194,7 +194,7 @@ def test_pictures_of_every_template_have_a_size_and_load_at_once():
     for template in (ROOT / "src/stickslip/show/reports/templates").glob("*.html"):
         text = template.read_text(encoding="utf-8")
         assert "<img" not in text and "lazy" not in text, template.name  # the filter `image` writes them
-    with pytest.raises(ss.errors.InputError, match="viewBox"):
+    with pytest.raises(ss.InputError, match="viewBox"):
         image("<svg/>", "no size")
 
 

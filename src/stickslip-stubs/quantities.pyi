@@ -1,0 +1,1 @@
+from stickslip.basics.quantities import *
