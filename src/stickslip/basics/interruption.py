@@ -366,7 +366,7 @@ def held_together() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    mine = _takes_signals()
+    mine = _listening is None and _takes_signals()  # a long call takes them already
     if mine:
         signal.signal(signal.SIGINT, _pressed)
     _held += 1

@@ -69,7 +69,7 @@ def first_of(flow: Any, n: int) -> First:
     def check() -> Any:
         return check_repeatable(_WHAT, _calls(plain, t, y), _calls(plain, s, x), _calls(plain, t, y))
 
-    return First(lambda: answers(_calls(plain, t, y)), check)
+    return First(lambda: answers(_calls(plain, t, y)), check, (plain,))
 
 
 def check_flow_as_written(flow: Any, n: int) -> None:

@@ -1,8 +1,9 @@
 """Kinds of models: all that their equations depend on but numbers, as the key of what is cached about them.
 
 Functions of a model may read what is no part of it: a global name, an attribute of a class, a variable of the function around them. So
-a kind has an edition: the first model of a kind is asked again, with the same arguments, whenever a solver begins; where it answers
-otherwise than before, what is cached about its kind is outdated, and the edition is the next.
+a kind has an edition: whenever a solver begins, all that the functions of a kind read is compared with what it was (`References`). Where
+that differs, or cannot all be compared, the first model of the kind is asked again, with the same arguments; where it answers otherwise
+than before, what is cached about its kind is outdated, and the edition is the next.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any
 from stickslip.basics.batch import cases_of
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
+from stickslip.basics.references import References
 from stickslip.engine.remembered import OfFrozen
 from stickslip.engine.symbolic import numbers_of
 from stickslip.models.declaration import answers, answers_of, calls, instants, same_answers
@@ -34,7 +36,8 @@ class Editions:
     Examples
     --------
     >>> factor, editions = [2.0], Editions()
-    >>> make = lambda: First(lambda: {"f": (factor[0],)}, lambda: {"f": (factor[0],)})
+    >>> f = lambda: {"f": (factor[0],)}
+    >>> make = lambda: First(f, f, (f,))
     >>> editions.check("f", make), editions.check("f", make), editions.of("f")
     (False, False, 1)
     >>> factor[0] = 3.0
@@ -43,7 +46,7 @@ class Editions:
     """
 
     def __init__(self, most: int | None = None):
-        self._known: dict[Any, tuple[First, Any, int]] = {}
+        self._known: dict[Any, tuple[First, Any, int, References]] = {}
         self._most, self._count = most, itertools.count(1)
 
     def of(self, key: Any) -> int:
@@ -58,9 +61,13 @@ class Editions:
             first = make()
             self._keep(key, first, first.check())
             return False
-        first, before, _ = known
+        first, before, _, read = known
+        if read.complete and read.unchanged():
+            return False
         now = first.ask()
         if now.keys() == before.keys() and all(same_answers(before[name], answer) for name, answer in now.items()):
+            if read.complete:
+                self._known[key] = first, before, known[2], References(*first.reading)
             return False
         first.check()
         self._keep(key, first, now)
@@ -70,15 +77,16 @@ class Editions:
         if self._most is not None:
             for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
                 self._known.pop(oldest, None)
-        self._known[key] = first, answers, next(self._count)
+        self._known[key] = first, answers, next(self._count), References(*first.reading)
 
 
 @dataclass(frozen=True)
 class First:
-    """The functions that are asked for a key: what they answer, and the same with a check that they answer it twice."""
+    """The functions that are asked for a key: what they answer, the same with a check that they answer it twice, and what has them."""
 
     ask: Callable[[], Any]
     check: Callable[[], Any]
+    reading: tuple[Any, ...]
 
 
 _editions = Editions()
@@ -137,9 +145,9 @@ def _first_of(case: Any) -> First:
         allowed = "allowed are functions of time, positions and velocities that return a number for all of them"
         raise InputError(type(case).__name__, [f"{told}; {allowed}; type for example lambda t, x, v: -2.0 * x"]) from error
     except Exception:  # outside of its domain: said where the run comes to it
-        return First(dict, dict)
+        return First(dict, dict, (case,))
 
 
 def _asked(case: Any) -> First:
     at = instants(case, fresh_mechanics(case), 1)[0]
-    return First(lambda: answers(calls(fresh_mechanics(case), at)), lambda: answers_of(case))
+    return First(lambda: answers(calls(fresh_mechanics(case), at)), lambda: answers_of(case), (case,))
