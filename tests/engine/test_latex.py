@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-from machines.test_mirrored_machines import WORM, Everything, Prescribed
 from matplotlib.mathtext import MathTextParser
 from stickslip.friction import LAWS
 from stickslip.maths import sin
@@ -14,6 +13,7 @@ from stickslip.maths import sin
 import stickslip as ss
 from every import DRY, SHAKEN, with_bodies
 from latex_values import value
+from models.machines.test_mirrored_machines import WORM, Everything, Prescribed
 from registries import examples
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
@@ -49,7 +49,7 @@ def test_a_chain_has_newtons_law_for_each_module_and_one_law_for_all():
     assert lines(with_bodies["Chain, set-valued laws"][0]) == [
         rf"\left(M_{{1}} + m_{{1}}\right) \ddot x_{{1}} &= {drive % ((1,) * 5)} - F_{{12}} - R_{{1}}",
         rf"\left(M_{{2}} + m_{{2}}\right) \ddot x_{{2}} &= {drive % ((2,) * 5)} + F_{{12}} - R_{{2}}",
-        r"F_{12} &= c \left(v_{1} - v_{2}\right) + k \left(- \ell + x_{1} - x_{2}\right)",
+        r"F_{12} &= c \left(v_{1} - v_{2}\right) + k \left(x_{1} - \ell - x_{2}\right)",
         r"N_{i} &= g_{i} \left(M_{i} + m_{i}\right)",
         r"R_{i} &= N_{i} \mu_{+,i}, && v_{i} > 0",
         r"R_{i} &= - N_{i} \mu_{-,i}, && v_{i} < 0",
@@ -60,8 +60,8 @@ def test_a_chain_has_newtons_law_for_each_module_and_one_law_for_all():
 
 def test_a_machine_of_ones_own_has_its_declared_names():
     assert lines(with_bodies["a machine of your own"][0]) == [
-        r"\mathrm{head} \, \ddot x_{\mathrm{head}} &= - F_{\mathrm{head},\mathrm{sledge}} - R_{\mathrm{head}} "
-        r"+ \mathrm{push} \, \sin{\left(\omega t \right)}",
+        r"\mathrm{head} \, \ddot x_{\mathrm{head}} &= \mathrm{push} \, \sin{\left(\omega t \right)} "
+        r"- F_{\mathrm{head},\mathrm{sledge}} - R_{\mathrm{head}}",
         r"\mathrm{sledge} \, \ddot x_{\mathrm{sledge}} &= F_{\mathrm{head},\mathrm{sledge}} - R_{\mathrm{sledge}}",
         r"F_{\mathrm{head},\mathrm{sledge}} &= c \left(v_{\mathrm{head}} - v_{\mathrm{sledge}}\right) "
         r"+ k \left(x_{\mathrm{head}} - x_{\mathrm{sledge}}\right)",
@@ -77,16 +77,16 @@ def test_a_machine_of_ones_own_has_its_declared_names():
 def test_an_elastic_stop_pushes_and_never_pulls():
     (stop,) = [line for line in lines(with_bodies["capsule with an elastic stop"][0]) if r"\max" in line]
     assert stop.startswith(r"F'_{\mathrm{hammer},\mathrm{capsule}} &= \begin{cases} \max\left(0, ") and r"0 & \text{otherwise}" in stop
-    assert r"d_{\mathrm{hammer},\mathrm{capsule}} &= - x_{\mathrm{capsule}} + x_{\mathrm{hammer}}" in lines(
+    assert r"d_{\mathrm{hammer},\mathrm{capsule}} &= x_{\mathrm{hammer}} - x_{\mathrm{capsule}}" in lines(
         with_bodies["capsule with an elastic stop"][0]
     )
 
 
 def test_hits_belts_jumps_and_prescribed_distances_have_their_lines():
     told = lines(Everything(300.0, DRY))
-    assert "v_{c}^+ - v_{a}^+ &= - 0.4 \\left(v_{c}^- - v_{a}^-\\right), && - x_{a} + x_{c} = 0.013" in told
+    assert "v_{c}^+ - v_{a}^+ &= - 0.4 \\left(v_{c}^- - v_{a}^-\\right), && x_{c} - x_{a} = 0.013" in told
     assert r"v_{a}^+ &= - \frac{1}{2} v_{a}^-, && x_{a} = -0.05" in told
-    assert r"w_{\mathrm{belt}} &= - \mathrm{belt} + v_{a}" in told and r"w_{\mathrm{pad}} &= - v_{a} + v_{c}" in told
+    assert r"w_{\mathrm{belt}} &= v_{a} - \mathrm{belt}" in told and r"w_{\mathrm{pad}} &= v_{c} - v_{a}" in told
     assert r"\Delta v_{a} &= 0.02, && t = 0.01" in told
     joined = lines(Prescribed(ss.Harmonic(2e-3, 60.0), DRY))
     assert r"x_{\mathrm{front}} - x_{\mathrm{rear}} &= A \sin{\left(\omega t \right)} + 0.1" in joined
@@ -197,3 +197,11 @@ def test_harmonics_count_from_one():
 def test_nested_laws_have_letters_without_dots():
     law = ss.latex(ss.Coulomb(0.2, 0.3) + ss.Viscous(0.1, 0.1))
     assert not re.search(r"_\{[^{}]*_", law)
+
+
+def test_lugre_friction_is_written_in_the_order_in_which_it_is_published():
+    force, forward, backward = lines(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4).friction)
+    assert force == r"R &= \sigma_{0} z + \sigma_{1} \dot z + \sigma_{2} v"
+    g = r"\left(\mu_{+} + \left(f_{+} - \mu_{+}\right) e^{- \frac{v^{2}}{v_{s}^{2}}}\right)"
+    assert forward == rf"\dot z &= v - \frac{{\sigma_{{0}} v z}}{{N {g}}}, && v > 0"
+    assert backward == rf"\dot z &= v + \frac{{\sigma_{{0}} v z}}{{N {g.replace('+}', '-}')}}}, && v < 0"

@@ -465,10 +465,11 @@ def _raised(base: Formula, power: Fraction) -> Formula:
 
 @functools.lru_cache(maxsize=4096)
 def order_of(atom: Atom) -> tuple[int, str]:
-    """Letters by their texts, then functions, then brackets."""
-    kind = (Letter, Power, Call, Extreme, Cases, Group).index(type(atom))
+    """Letters by their texts (a rate as the letter below its dots), then brackets, then functions."""
+    kind = (Letter, Group, Power, Call, Extreme, Cases).index(type(atom))
     inner = "".join(str(sorted((order_of(a), e) for a, e in factors)) for part in atom.parts() for factors in part.terms)
-    return kind, getattr(atom, "text", getattr(atom, "name", "")) + inner
+    dots, _, letter = getattr(atom, "text", getattr(atom, "name", "")).rpartition(r"dot ")
+    return kind, letter + dots + inner
 
 
 def expanded(value: Formula) -> Formula:

@@ -57,12 +57,22 @@ def text_of(value: Any) -> str:
 
 
 def _sum(value: Formula) -> str:
-    """Terms by their letters, numbers last."""
+    """Terms by their letters, then numbers, then terms with brackets; a sum does not begin with a minus if it has a positive term."""
     terms = sorted(
-        (not factors, [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
+        (_place(factors), [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
     )
-    text = " + ".join(term for *_, term in terms).replace("+ -", "-")
+    texts = [term for *_, term in terms]
+    first = next((term for term in texts if not term.startswith("-")), None)
+    if first is not None:
+        texts.remove(first)
+        texts.insert(0, first)
+    text = " + ".join(texts).replace("+ -", "-")
     return (text.replace("- ", "-", 1) or "0") if value.is_number else text
+
+
+def _place(factors: Factors) -> int:
+    """Where a term stands in a sum: 0 for letters and functions, 1 for a number, 2 for a term with a bracket."""
+    return 1 if not factors else 2 if any(isinstance(atom, Group) for atom, _ in factors) else 0
 
 
 def _term(factors: Factors, number: Fraction) -> str:

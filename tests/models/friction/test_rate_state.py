@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from friction.test_laws import integrated
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import stickslip as ss
+from models.friction.test_laws import integrated
 
 ROCK = ss.RateState(mu0=0.6, a=0.010, b=0.015, Dc=1e-5, v0=1e-6)
 END = 3300.0  # s, of four earthquakes

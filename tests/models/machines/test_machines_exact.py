@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from machines.test_several_bodies import assert_phases, last_period
 
 import problems
 import stickslip as ss
+from models.machines.test_several_bodies import assert_phases, last_period
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map
 
 ROWS = {**problems.COUPLED, **problems.MASSES}

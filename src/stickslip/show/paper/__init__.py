@@ -1,4 +1,4 @@
-"""The founding paper, end to end: every table, figure and claim recomputed, with a report."""
+"""The founding paper, end to end: every figure, printed number and claim recomputed, with a report."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ FIG22, FIG23 = (next(c for c in CASES if c.figure == n) for n in (22, 23))
 def rk4_ladder(study: Study) -> list[dict[str, Any]]:
     """Classical RK4 at mu0 = 0.03 against steps per period: mean velocity and period number if the solution stays finite.
 
-    The rows are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints the same ones.
+    The rows are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints those at 0.6 mm.
     """
     found = []
     plan = [(n, 200) for n in (FAST_STEPS if study.fast else STEPS)] + ([] if study.fast else list(LONG_STEPS))
