@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.steady import velocity_range
+from stickslip.basics.fields import leaves
 from stickslip.models.machine_adapter import machine_of
 
 ALPHAS = [(0.5, 1.2), (0.7, 0.9), (0.4, 0.8), (0.4, 0.5)]
@@ -70,7 +72,7 @@ def test_the_numbers_of_a_body_that_slides_by_itself_fit_together(law):
     e = ss.energy(run)
     missing = e.drive + e.gravity - e.friction - e.kinetic
     assert low < ss.mean_velocity(run) < high and (abs(e.gravity) > abs(e.drive)).all()
-    assert e.worst == abs(missing / e.gravity)[run.settle :].max() and e.worst < 1e-4
+    assert 0.2 < e.worst / abs(missing / e.gravity.max())[run.settle :].max() <= 1.0 and e.worst < 1e-4
     assert any("slides by itself" in note and "1.557 of the load" in note for note in run.notes)
     assert any("slides by itself" in note for note in robot.replace({"track.tilt": -1.0}).notes)
     assert any("slides by itself" in note for note in robot.replace({"track.tilt": np.array([0.0, 1.0])}).notes)
@@ -138,3 +140,56 @@ def test_what_moves_bodies_apart_is_found_beside_gravity_and_springs():
 
     balance = ss.energy(ss.solve(Press(), duration=0.125))
     assert balance.potential[-1] == pytest.approx(0.5 * 800.0 * 1e-6, rel=1e-12) and balance.worst < 1e-12
+
+
+_DRIVEN, _UNDRIVEN = ss.Harmonic(amplitude=1e-3, omega=10.0), ss.Harmonic(amplitude=0.0, omega=10.0)
+_SMOOTH = ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)
+_OSCILLATOR = ss.ForcedOscillator(1.0, 1.0, 0.3, 0.0, 0.7, ss.Coulomb(0.0, 0.0))
+#: Right runs: machines that move, that hardly move, that rest, that exchange energy without losing any, and that have lost all of it.
+RIGHT = {
+    **{
+        f"{law} at {amplitude} m on {tilt} degrees": (ss.presets.piezo_rig(tilt_deg=tilt, amplitude=amplitude, law=law), {"periods": 30})
+        for law in ("lugre", "coulomb-static") for amplitude in (1e-6, 2e-5, 6e-4) for tilt in (0.0, 1.7)
+    },
+    **{name: (model, length) for name, (model, length, _) in MACHINES.items()},
+    "no friction": (ss.Robot(1.0, 0.5, _DRIVEN, ss.Coulomb(0.0, 0.0)), {"periods": 60}),
+    "nearly no friction": (ss.Robot(1.0, 0.5, _DRIVEN, ss.Coulomb(1e-9, 2e-9)), {"periods": 60}),
+    "coasting without friction": (ss.Robot(1.0, 0.5, _UNDRIVEN, ss.Coulomb(0.0, 0.0)), {"periods": 60, "start": {"v": 1.0}}),
+    "coasting to rest": (ss.Robot(1.0, 0.5, _UNDRIVEN, _SMOOTH), {"periods": 30, "start": {"v": 1.0}}),
+    "undamped oscillator": (_OSCILLATOR.replace(damping=0.0), {"periods": 60, "start": {"x": 1.0}}),
+    "oscillator that has come to rest": (_OSCILLATOR, {"periods": 60, "start": {"x": 1.0}}),
+    "bristles that have come to rest": (_OSCILLATOR.replace(friction=_SMOOTH), {"periods": 60, "start": {"x": 1.0}}),
+    "block on a belt without friction": (ss.BlockOnBelt(1.0, 2.0, 0.1, ss.Coulomb(0.0, 0.0)), {"duration": 30.0, "start": {"x": 1.0}}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_the_residual_of_a_right_run_is_small_whatever_it_exchanges(name):
+    model, how = RIGHT[name]
+    balance = ss.energy(ss.solve(model, **how))
+    assert balance.worst <= abs(balance.residual).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("model", "number", "how"),
+    [
+        (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="lugre"), "friction.sigma0", {"periods": 30}),
+        (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), "friction.mu_plus", {"periods": 30}),
+        (ss.presets.two_modules(), "modules.0.friction.mu_minus", {"periods": 30}),
+        (ss.presets.capsule(), "friction.mu_plus", {"periods": 30}),
+        (
+            ss.Robot(1.0, 0.5, _UNDRIVEN, ss.Coulomb(0.01, 0.01)),
+            "friction.mu_plus",
+            {"periods": 30, "start": {"v": 1.0}},
+        ),
+        (_OSCILLATOR, "damping", {"periods": 60, "start": {"x": 1.0}}),
+        (ss.BlockOnBelt(1.0, 2.0, 0.1, ss.Coulomb(0.2, 0.2, 0.3, 0.3), load=1.0), "stiffness", {"duration": 9.0}),
+    ],
+    ids=["lugre", "coulomb", "modules", "capsule", "coasting", "oscillator", "belt"],
+)
+def test_the_residual_of_a_wrong_run_grows_with_what_is_wrong(model, number, how):
+    """The motion of a machine is balanced with the forces of one of whose numbers a part is wrong: in proportion to that part."""
+    run, right = ss.solve(model, **how), dict(leaves(model))[number]
+    wrong = (dataclasses.replace(run, model=model.replace({number: right * (1 + part)})) for part in (1e-3, 1e-1))
+    small, large = (abs(ss.energy(each).residual).max() for each in wrong)
+    assert small > 1e-5 and large == pytest.approx(100 * small, rel=0.15)

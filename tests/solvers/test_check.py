@@ -149,7 +149,7 @@ def test_what_has_no_period_is_judged_over_a_duration():
     assert told.mean_velocity == ss.mean_velocity(ss.solve(bench, duration=20.0))
     assert told.digits >= 8  # dop853 at 1e-11, some hundred steps
     assert {judge.name for judge in told.judges if judge.counts} == {"exact arcs", "scipy dop853"}
-    assert "hold for a run of this length only" in told.verdict and "largest work of the run" in str(told)
+    assert "hold for a run of this length only" in told.verdict and "largest energy exchanged in the run" in str(told)
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,7 @@ class Check(Drawn):
     period : int or None
         Period number of the motion.
     energy : float
-        Largest relative residual of the energy balance of a drive period after the transient.
+        Largest residual of the energy balance of a drive period after settling, relative as in `stickslip.energy`.
     judges : tuple of Judge
     notes : tuple of str
         Remarks on the robot's numbers.
@@ -128,7 +128,7 @@ class Check(Drawn):
         return "\n".join([*warned, *lines, "", self._balance(), self.verdict, *self._remarks()])
 
     def _balance(self) -> str:
-        of = "the drive's work in a period" if self.judges[0].periods else "the largest work of the run"
+        of = f"the largest energy exchanged in {'a period' if self.judges[0].periods else 'the run'}"
         return f"energy balance: worst residual {self.energy:.1e} of {of}"
 
     def _facts(self) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from stickslip.results.dense_output import HarmonicArcs
 #: Gauss-Legendre nodes on a piece. An arc may last a whole drive period: there 24 nodes integrate products of sines to rounding
 #: (error below (2 pi)^48 / 48! = 2e-23); a step of an integrator is far shorter than a period.
 NODES_ARC, NODES_STEP = 24, 10
+_FLOOR = 1e-9  # of the largest energies of a run: less is exchanged by what is at rest but for rounding
 
 
 @sealed
@@ -48,8 +49,9 @@ class Energy(Drawn):
     actuator : array (periods,)
         Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        What is missing in the balance, over the larger of W_d and W_g for a robot, over the largest work of the run for a
-        mechanism [-]; 0 if nothing is.
+        What is missing in the balance, over the largest energy that a force, the motion or a spring exchanges within a drive period [-]:
+        the integral of the size of a power, and the range of the kinetic energy, for periods after settling their largest ones
+        there. Works that cancel in a period, and a body that hardly moves, are no measure of an error.
     settle : int
         How many periods belong to settling.
     friction_of : dict of array (periods,)
@@ -148,7 +150,10 @@ def energy(run: Run) -> Energy:
     changes = {"kinetic": np.diff(_kinetic(run, v))}
     if not several:
         changes["potential"] = np.diff(_potential(run, borders, x))
-    residual = _residual(run, {**works, **changes})
+    gross = [integral(abs(p)) for n, part in powers.items() if n != "actuator" for p in (part.T if part.ndim == 2 else part[None])]
+    gross += [abs(w) for n, w in {**works, **changes}.items() if n != "actuator"]
+    energies = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
+    residual = _residual(run, {**works, **changes}, gross, energies, owner)
     told = {f"{n}_of": found for n, found in of_parts.items()}
     return Energy(**works, **changes, residual=residual, settle=min(int(run.settle), count), **told)
 
@@ -247,11 +252,16 @@ def _potential(run: Any, t: Array, x: Array) -> Array:
     return (run.model.potential(t, x) if hasattr(run.model, "potential") else 0.0) + np.zeros_like(t)
 
 
-def _residual(run: Any, works: dict[str, Array]) -> Array:
-    """Relative error of the energy balance."""
+def _residual(run: Any, works: dict[str, Array], gross: list[Array], kinetic: Array, owner: Array) -> Array:
+    """Relative error of the energy balance; `kinetic` is the kinetic energy at the nodes of each piece, `owner` the row of the piece."""
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
-    largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
+    count, settle = len(missing), min(int(run.settle), len(missing))
+    low, high = np.full(count, np.inf), np.zeros(count)
+    np.minimum.at(low, owner, kinetic.min(axis=1))
+    np.maximum.at(high, owner, kinetic.max(axis=1))
+    exchanged = np.max([*gross, high - np.minimum(low, high)], axis=0)
+    largest = exchanged.max(initial=0.0)
+    scale = np.where(np.arange(count) < settle, largest, exchanged[settle:].max(initial=0.0))
+    floor = max(_FLOOR, float(run.rtol)) * max(largest, high.max(initial=0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
-        given = np.where(abs(works["gravity"]) > abs(works["drive"]), works["gravity"], works["drive"])
-        base = np.where(given != 0, given, largest) if machine_of(run.model).drive is not None else np.max(largest)
-        return np.where(missing == 0, 0.0, missing / base)
+        return np.where(missing == 0, 0.0, missing / np.maximum(scale, floor))
