@@ -259,7 +259,15 @@ _FREQUENCY = "a positive angular frequency [rad/s] (or give frequency= in Hz)"
 MASS = quantity("mass", "kg", "m", example=0.05, rule=positive)
 BODY_MASS = quantity("mass of the body", "kg", "M", example=62.59e-3, rule=positive, range=(0.01, 0.2), shown="g")
 INNER_MASS = quantity("inner mass", "kg", "m", example=9.48e-3, rule=positive, range=(1e-3, 0.05), shown="g")
-GRAVITY = quantity("acceleration of gravity", "m/s^2", "g", example=9.81, rule=positive, range=(1.0, 15.0))
+#: Far beyond planets and centrifuges: below it nothing presses, and above it nothing slides.
+_SMALL_GRAVITY, _LARGE_GRAVITY = 0.01, 100.0  # of an asteroid, and of the largest planets a few times over
+GRAVITIES = between(1e-6, 1e6)
+GRAVITY = quantity(
+    "acceleration of gravity", "m/s^2", "g", example=9.81, rule=GRAVITIES, allowed="an acceleration from 1e-6 to 1e6 m/s^2",
+    range=(1.0, 15.0),
+)  # fmt: skip
+#: Of |v/v_s| and the like: measured ones lie between 0.05 and 4; with larger ones than these the powers overflow.
+EXPONENTS = between(0.01, 20.0)
 #: Amplitudes [m] of the four experiments of the founding paper by the tilt of the track [degrees]. The paper does not print them: they are
 #: inferred, those at which its eight simulated mean velocities and four motion types come out with break-away at f0 (`stickslip paper`).
 PAPER_AMPLITUDES = {1.7: 5.56e-4, 2.7: 6.04e-4, 4.7: 4.58e-4, 5.7: 1.487e-3}
@@ -285,3 +293,17 @@ TILT_DEG = quantity(
     "tilt of the track", "degrees", r"\theta", example=1.7, allowed="any angle below the friction angle [degrees]", range=(-8.0, 8.0)
 )  # fmt: skip
 VOLTAGE = quantity("voltage on the patches", "V", "V", example=20.0, rule=at_least(0.0), range=(0.0, 60.0))
+
+
+def remarks_on_gravity(gravity: Any) -> list[str]:
+    """A remark on a gravity that nobody has, such as one typed in mm/s^2.
+
+    Examples
+    --------
+    >>> remarks_on_gravity(9.81), remarks_on_gravity(9810.0)
+    ([], ['gravity = 9810 m/s^2 is 1e+03 times that of the Earth; if that is not meant, type gravity=9.81'])
+    """
+    import numpy as np
+
+    far = [float(g) for g in np.unique(np.asarray(gravity, float)) if not _SMALL_GRAVITY <= g <= _LARGE_GRAVITY]
+    return [f"gravity = {g:g} m/s^2 is {g / 9.81:.2g} times that of the Earth; if that is not meant, type gravity=9.81" for g in far[:1]]

@@ -11,7 +11,7 @@ from stickslip.basics.batch import check_shape, shape_of
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, describe, leaves
 from stickslip.basics.maths import is_symbol
-from stickslip.basics.quantities import BODY_MASS, GRAVITY, INNER_MASS
+from stickslip.basics.quantities import BODY_MASS, GRAVITY, INNER_MASS, remarks_on_gravity
 from stickslip.models.drives.drive_adapter import MISTAKEN, NEEDS, drive_of, lacking, needs_of
 from stickslip.models.drives.force import FORCE_NEEDS
 from stickslip.models.drives.together import Together, common_cycles
@@ -203,7 +203,7 @@ class Robot(Frozen):
     def notes(self) -> list[str]:
         """Remarks on these numbers that are not errors, such as a LuGre law that is not passive or a beam bent too far."""
         found = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
-        return found + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self)
+        return found + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self) + remarks_on_gravity(self.gravity)
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.quantities import positive, quantity
+from stickslip.basics.quantities import EXPONENTS, quantity
 from stickslip.models.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.models.friction.sides import by_side, signed_power
 from stickslip.models.friction.two_sided import Elastic
@@ -52,7 +52,7 @@ class Dahl(Elastic):
     exponent: float = field(
         default=1.0,
         metadata=quantity(
-            "exponent of Dahl's law", "1", "i", example=1.0, rule=positive, allowed="a positive number, mostly 1", range=(0.5, 3.0)
+            "exponent of Dahl's law", "1", "i", example=1.0, rule=EXPONENTS, allowed="a number from 0.01 to 20, mostly 1", range=(0.5, 3.0)
         ),
     )
 

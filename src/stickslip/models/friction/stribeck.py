@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.quantities import positive, quantity
+from stickslip.basics.quantities import EXPONENTS, quantity
 from stickslip.models.friction.coefficients import V_S, VISCOUS
 from stickslip.models.friction.sides import by_side, fading
 from stickslip.models.friction.two_sided import Fading, TwoSided
@@ -57,8 +57,8 @@ class Stribeck(Fading, TwoSided):
             "1",
             r"\delta",
             example=1.0,
-            rule=positive,
-            allowed="a positive number, mostly 1 or 2",
+            rule=EXPONENTS,
+            allowed="a number from 0.01 to 20, mostly 1 or 2",
             range=(0.5, 4.0),
         ),
     )

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import checked_number, describe, everywhere
-from stickslip.basics.quantities import positive
+from stickslip.basics.quantities import GRAVITIES, Rule, positive
 from stickslip.models.controllers import NEEDS
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import adapted
@@ -46,6 +46,8 @@ def check_parts(machine: Any, problems: Problems) -> None:
             _check_ends(what, ends, bodies, problems)
             for part in each if isinstance(each, tuple) else (each,):
                 _check_joint(what, ends, part, problems)
+    if any(isinstance(contact, Contact) and contact.load is None for contact in listed["contacts"].values()):
+        _check_gravity(getattr(machine, "gravity", None), problems)
     if machine.principal is not None and machine.principal not in bodies:
         problems.add(
             f"principal = {machine.principal!r}; allowed is None or the name of a body; {did_you_mean(str(machine.principal), bodies)}"
@@ -57,6 +59,13 @@ def check_parts(machine: Any, problems: Problems) -> None:
         _check_groups(mechanics, problems)
         _check_stops(mechanics, problems)
         _check_controllers(mechanics, problems)
+
+
+def _check_gravity(gravity: Any, problems: Problems) -> None:
+    """Note a gravity, from which loads follow, beyond sense."""
+    if gravity is not None:
+        allowed = Rule(lambda g: (g == 0) | GRAVITIES(g), "zero, or an acceleration from 1e-6 to 1e6 m/s^2")
+        checked_number("gravity", gravity, problems, allowed, allowed.words, "gravity=9.81")
 
 
 def periods_differ(name: str, period: Any, first: str, other: Any) -> str:

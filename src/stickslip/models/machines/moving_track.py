@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, maximum, sin
-from stickslip.basics.quantities import GRAVITY, MASS, TILT, Rule, holding, positive, quantity
+from stickslip.basics.quantities import GRAVITY, MASS, TILT, Rule, holding, positive, quantity, remarks_on_gravity
 from stickslip.models.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.forces import check_law
@@ -133,7 +133,7 @@ class MovingTrack(Machine):
     def notes(self) -> list[str]:
         """Remarks on these numbers that are not errors, such as a load that falls to zero under a law that cannot fly."""
         law, least = adapted(self.friction), self._least_load
-        found = law.notes(self.still_load)
+        found = [*law.notes(self.still_load), *remarks_on_gravity(self.gravity)]
         if law.dynamic and least <= 0:
             found.append(
                 f"the track throws the mass up: its load falls to {least:.4g} N, where a run ends, because a bristle has no impulse; under "
