@@ -114,7 +114,8 @@ def test_what_a_fit_does_not_know_is_told():
 def test_correlated_parameters_have_no_indices():
     asked = dict(tilt_deg=1.7, amplitude=[5e-4, 6e-4, 8e-4], law="coulomb")
     free = {"mu0": (0.05, 0.5), "body_mass": (0.05, 0.08)}
-    both = ss.identify([0.00161, 0.00241, 0.00431], ss.presets.piezo_rig, free=free, noise=5e-6, **asked)
+    true = ss.solve(ss.presets.piezo_rig(**asked, mu0=0.18, body_mass=0.065), periods=60, settle=30, keep="summary").mean_velocity
+    both = ss.identify([round(float(v), 5) for v in true], ss.presets.piezo_rig, free=free, noise=5e-6, **asked)
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     found = ss.propagate(robot, uncertain=both, samples=256)
     # the sample has the fit's covariance; 256 Sobol points err by less than 1/sqrt(256)
