@@ -1,10 +1,14 @@
 """Texts that were made to take long, and columns that are not numbers: each is read in one pass, or refused with a sentence."""
 
+import random
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from stickslip.basics.units import heading
+from stickslip.records.reading import read_bytes
+from stickslip.records.text import _Plain
 from stickslip.records.text_lines import MOST_COLUMNS, Lines
 
 BIG = 400_000
@@ -14,7 +18,7 @@ HOSTILE = {
     "one long line": (b"7" * BIG, "characters; allowed are 200000"),
     "an open quote": (b't,v\n1,2\n"' + b"1,2\n" * BIG, None),
     "open quotes in all lines": (b"t,v\n" + b'"1,2\n' * BIG, ""),
-    "quotes alone": (b'"\n' * BIG, "no table of numbers"),
+    "quotes alone": (b'"\n' * BIG, "a quote that they do not close"),
     "open brackets": (b"[(" * 90_000 + b"\n1,2\n2,3\n", None),
     "many columns": ((b"1," * (MOST_COLUMNS + 9) + b"5\n") * 30, f"columns; allowed are {MOST_COLUMNS}"),
     "numbers of many digits": (b"t,v\n" + (b"1" * 100_000 + b",2\n") * 9, None),
@@ -101,3 +105,73 @@ def test_units_in_names_give_times_and_roles():
     assert record["position"].name == "pos_deg" and record["position"].time.tolist() == [0.0, 1e-3, 2e-3]
     np.testing.assert_allclose(record["position"].si, [0.0, np.pi / 2, np.pi])
     np.testing.assert_allclose(record["velocity"].si, 2 * np.pi)
+
+
+def read_of(data, by_hand=False):
+    with pytest.MonkeyPatch.context() as patch:
+        if by_hand:
+            nothing = np.empty(0, int)
+            patch.setattr(_Plain, "all_rows", lambda self, data: None)
+            patch.setattr(_Plain, "rows", lambda self, data: (nothing, np.empty((0, self._dialect.width))))
+        try:
+            record = read_bytes(data, "log.txt")
+            return {name: (record[name].unit, record[name].values.tolist()) for name in record}, record.notes
+        except ss.InputError as error:
+            return str(error)
+
+
+ODD = ["", '""', "null", "-", "1,5",
+       '"2.5"', '"a, b"', '"a ""b"""', "oops", "1-2", ".", "-INF", "1D3", " 7 ", '"9', "1\0", "µ", "1\xa0", '"1;2"',
+       "1 000", "1_0", "-nan(ind)", "1e400", "9" * 1001]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_rows_that_are_read_at_once_are_those_that_are_read_cell_by_cell(seed):
+    rng = random.Random(seed)
+    mark, width, words, part = rng.choice(",;\t "), rng.randint(1, 4), rng.random() < 0.4, rng.choice([0.02, 0.06])
+    point = rng.choice(".,") if mark != "," else "."
+    lines = [mark.join(f"name{i}_mm_s" for i in range(width + words))]
+    for _ in range(50):
+        row = [f"{rng.uniform(-9, 9):.3f}".replace(".", point) if rng.random() > part else rng.choice(ODD) for _ in range(width)]
+        row = [*row[:1], rng.choice(["ok", f'"a{mark}b"', '"x ""y"""', "µ", "none"]), *row[1:]] if words else row
+        row = [*row, ""] if rng.random() < part else row[: width - (rng.random() < part)] if not words else row
+        lines += [rng.choice(["", " ", "\t", "7"])] if rng.random() < part else []
+        lines.append(mark.join(row))
+    data = "\n".join(lines).encode(rng.choice(["utf-8", "latin-1"]))
+    assert repr(read_of(data)) == repr(read_of(data, by_hand=True))
+
+
+def test_a_row_without_separators_is_no_row_of_a_table_with_words():
+    record = read_bytes(b"v [m/s],state\n" + b"1.5,ok\n" * 30 + b"7\n" + b"2.5,ok\n" * 9, "log.csv")
+    assert record["v"].values.tolist() == [1.5] * 30 + [2.5] * 9
+    assert any("1 lines are left out, the first is line 32" in note for note in record.notes)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_name_whatever_follows_it():
+    for data in (
+        "\ufefft [ms];µ [N]\n1;2\n2;3\n".encode(),
+        b"\xef\xbb\xbft [ms];\xb5 [N]\n1;2\n2;3\n",
+        b"\xef\xbb\xbf" * 2 + b"t [ms];v\n1;2\n2;3\n",
+    ):
+        record = read_bytes(data, "log.csv")
+        name = next(iter(record))
+        assert name in ("µ", "v") and record[name].time.tolist() == [1e-3, 2e-3]
+
+
+def test_a_table_is_looked_for_behind_a_long_preamble_or_the_error_says_how_far():
+    note = b"# " + b"a remark of the logger; " * 20 + b"\n"
+    record = read_bytes(note * 400 + b"t [s];v [mm/s]\n" + b"1,5;2,5\n2,5;3,5\n" * 20, "log.csv")
+    assert record["v"].values[:2].tolist() == [2.5, 3.5] and record["v"].unit == "mm/s"
+    said = read_of(note * 1200 + b"t [s];v [mm/s]\n" + b"1,5;2,5\n2,5;3,5\n" * 20)
+    assert "none of its first 1000 lines is a row of numbers" in said
+
+
+def test_a_utf_16_text_that_is_cut_within_a_letter_loses_that_letter():
+    assert read_bytes("t [s],v [m/s]\n0,1\n1,2\n2,3\n".encode("utf-16")[:-1], "log.csv")["v"].values.tolist() == [1, 2, 3]
+
+
+def test_json_of_lines_has_the_columns_of_all_its_lines():
+    lines = [f'{{"t [s]": {i}, "v": {i % 7}.5}}' for i in range(9000)] + ['{"t [s]": 9000, "w": 3}']
+    record = read_bytes("\n\n".join(lines).encode(), "log.jsonl")
+    assert record["v"].values[:8999].tolist() == [i % 7 + 0.5 for i in range(8999)] and np.isnan(record["v"].values[9000])
+    assert np.isnan(record["w"].values[:9000]).all() and record["w"].values[9000] == 3 and record["w"].time[-1] == 9000

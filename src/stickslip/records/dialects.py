@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import heading, unit_of
-from stickslip.records.text_lines import MOST_NUMBER, Lines, check_columns
+from stickslip.records.text_lines import MOST_NUMBER, MOST_PREAMBLE, Lines, check_columns
 
 _NUMBER = {
     ".": re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d+)?"),
@@ -24,7 +24,8 @@ _GROUPED = {
     ".": re.compile(r"[+-]?\d{1,3}(?:[, ']\d{3})+(?:\.\d*)?"),
     ",": re.compile(r"[+-]?\d{1,3}(?:[. ']\d{3})+(?:,\d*)?"),
 }
-_MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "-", "--", "null", "none", "nan(ind)", "-nan(ind)"}
+#: What stands in a cell without a number.
+MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "-", "--", "null", "none", "nan(ind)", "-nan(ind)"}
 _INFINITE = {"inf": np.inf, "+inf": np.inf, "-inf": -np.inf, "infinity": np.inf, "-infinity": -np.inf}
 _NO_COLUMN = ("", "Comment")  # last headings without a column: LabVIEW names its comments, of which most rows have none
 _BLANK = " \t\f\xa0\x1a"
@@ -64,9 +65,11 @@ class Dialect:
     whole: int = -1
 
     def cells(self, line: str) -> list[str]:
-        """The cells of a line that are read."""
+        """The cells of a line that are read; none where columns are left out and the line has more or fewer than the file."""
         cells = self.all_cells(line)
-        return [cell for i, cell in enumerate(cells) if i not in self.left_out] if self.left_out and len(cells) == self.whole else cells
+        if not self.left_out:
+            return cells
+        return [cell for i, cell in enumerate(cells) if i not in self.left_out] if len(cells) == self.whole else []
 
     def all_cells(self, line: str) -> list[str]:
         """The cells of a line."""
@@ -77,7 +80,9 @@ class Dialect:
         return cells[:-1] if len(cells) == max(self.width, self.whole) + 1 and cells[-1] == "" else cells
 
     def _quoted(self, line: str) -> list[str]:
-        """The parts of a line with quotes; where the csv module takes no part as long as one here, quotes part nothing."""
+        """The parts of a line with quotes; where one is not closed, or a part is longer than the csv module takes, they part nothing."""
+        if line.count('"') % 2:
+            return line.split(self.separator)
         bare = line.strip(" ")
         if self.separator not in line and bare[0] == '"' and '"' not in (inner := bare.strip('"')):
             return [inner]
@@ -95,7 +100,7 @@ class Dialect:
         if self.grouped and _GROUPED[self.decimal].fullmatch(cell):
             return float(re.sub(rf"[^\d+\-{self.decimal}]", "", cell).replace(",", "."))
         word = cell.lower()
-        return np.nan if word in _MISSING else _INFINITE.get(word)
+        return np.nan if word in MISSING else _INFINITE.get(word)
 
     def numbers(self, line: str) -> list[float | None]:
         """All cells of a line as numbers."""
@@ -103,7 +108,7 @@ class Dialect:
 
     def row(self, line: str) -> list[float | None] | None:
         """A line as numbers, if it is nothing else, and holds at least one that was measured."""
-        if not line.strip():
+        if not line.strip() or self._begins_with_words(line):
             return None
         row: list[float | None] = []
         for cell in self.cells(line):
@@ -112,6 +117,12 @@ class Dialect:
                 return None
             row.append(number)
         return row if any(np.isfinite(x) for x in row) else None  # type: ignore[arg-type]
+
+    def _begins_with_words(self, line: str) -> bool:
+        """Whether the first cell is no number, which spares the others of a long line."""
+        if self.left_out or '"' in line or self.separator == " ":
+            return False
+        return self.number(line.split(self.separator, 1)[0].strip(_BLANK)) is None
 
     @property
     def words(self) -> str:
@@ -172,7 +183,7 @@ def _all_tried(lines: Lines, separator: str | None, decimal: str | None, left_ou
 
 def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
     """How much of the text is a table in one dialect."""
-    beginning = lines[: lines.beginning(_PREAMBLE)]
+    beginning = lines[: lines.beginning(_PREAMBLE, MOST_PREAMBLE)]
     widths = Counter(len(row) for row in (loose.row(line) for line in lines.sample(0, _SAMPLED)) if row)
     widths = widths or Counter(len(row) for row in (loose.row(line) for line in beginning) if row)
     if not widths:
@@ -190,6 +201,9 @@ def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
 
 def _why_not(lines: Lines, best: _Tried | None) -> str:
     if best is None:
+        searched = lines.beginning(_PREAMBLE, MOST_PREAMBLE)
+        if searched < len(lines) and any(re.search(r"\d", line) for line in lines.sample(searched, _SAMPLED)):
+            return f"none of its first {searched} lines is a row of numbers; remove most of what stands before the table"
         example = next((line.strip()[:60] for line in lines if line.strip()), "")
         return f"it begins with {example!r}; {_TYPE} with what the file uses"
     return (

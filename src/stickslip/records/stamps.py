@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 
 from stickslip.basics.errors import InputError
-from stickslip.records.text_lines import Lines
+from stickslip.records.text_lines import MOST_PREAMBLE, Lines
 
 #: What one of the whole numbers is [s].
 STAMP_UNIT = 1e-9
@@ -48,7 +48,9 @@ class Stamped:
 def stamped(lines: Lines, words: bool = False) -> Stamped | None:
     """The same lines with whole nanoseconds for timestamps; None where the text has none beside its numbers, or `words`."""
     for comma in (True, False):  # a comma before the fraction of a second is one where commas part no columns
-        begin = next((i for i, line in enumerate(lines[: lines.beginning(_LINES)]) if _found(line, comma, words) is not None), None)
+        begin = next(
+            (i for i, line in enumerate(lines[: lines.beginning(_LINES, MOST_PREAMBLE)]) if _found(line, comma, words) is not None), None
+        )
         if begin is None:
             continue
         if comma and not re.search(r"[;\t]", lines[begin]):
@@ -72,8 +74,7 @@ def _found(line: str, comma: bool, words: bool) -> re.Match[str] | None:
 def _replaced(lines: Lines, begin: int, comma: bool, words: bool) -> Stamped:
     first = _found(lines[begin], comma, words)
     assert first is not None
-    matches = ((line, _found(line, comma, words)) for line in lines.from_line(begin))
-    day_first = bool(first["a"]) and _order_of_days(match for _, match in matches if match is not None)
+    day_first = bool(first["a"]) and _order_of_days(lines.from_line(begin))
     made, last, turns, zero = io.StringIO(), None, 0, None
     made.writelines(f"{line}\n" for line in lines[:begin])
     for i, line in enumerate(lines.from_line(begin)):
@@ -99,9 +100,12 @@ def _date_cell(match: re.Match[str]) -> str:
     return f"0{parted[0]}" if parted else ""
 
 
-def _order_of_days(found: object) -> bool:
+_STROKES = re.compile(rb"(?<![\d/])(\d\d?)/(\d\d?)/\d{4}(?!\d)")
+
+
+def _order_of_days(lines: Lines) -> bool:
     """Whether 03/04/2026 is the third of April; an error where days go on and nothing tells."""
-    pairs = {(int(m["a"]), int(m["b"])) for m in found if m["a"]}  # type: ignore[attr-defined]
+    pairs = {(int(match[1]), int(match[2])) for match in {m[0]: m for m in _STROKES.finditer(lines.data)}.values()}
     first, second = any(a > 12 for a, _ in pairs), any(b > 12 for _, b in pairs)
     if len(pairs) > 1 and first == second:
         shown = "/".join(map(str, min(pairs)))

@@ -30,9 +30,12 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     _check_nesting(text)
     found = _loaded(text)
     units: dict[str, Any] = {}
-    while isinstance(found, dict) and not _named_columns(found):
+    while isinstance(found, dict) and not isinstance(found, _ByName):
         if _named_rows(found):
             found = list(found.values())
+            break
+        check_columns(len(found), "the JSON")
+        if _named_columns(found):
             break
         told = found.get("units")
         units |= told if isinstance(told, dict) else {}
@@ -84,16 +87,40 @@ def _loaded(text: str) -> Any:
     except RecursionError:
         raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
     except ValueError as error:
-        lines = [part for line in Lines.of_text(text) if (part := line.strip())]
         try:
-            if all(line[0] == "{" and line[-1] == "}" for line in lines):  # many times faster than one by one
-                found = json.loads(f"[{','.join(lines)}]")
-                found = found if len(found) == len(lines) else []
-            else:
-                found = [json.loads(line) for line in lines]
-            return found if len(found) > 1 else _broken(error)
+            return _of_lines(Lines.of_text(text)) or _broken(error)
         except (ValueError, RecursionError):
             return _broken(error)
+
+
+class _ByName(dict[str, list[Any]]):
+    """Lists by name that were rows, whatever they hold."""
+
+
+_TOGETHER = 4096  # lines of JSON that are objects at once
+
+
+def _of_lines(lines: Lines) -> _ByName | None:
+    """The columns of a text with an object on each line; what a row does not have is missing. None for a text of one line."""
+    columns, count, given = _ByName(), 0, 0
+    for begin in range(0, len(lines), _TOGETHER):
+        some = [part for line in lines.part(begin, begin + _TOGETHER) if (part := line.strip())]
+        together = all(line[0] == "{" and line[-1] == "}" for line in some)  # many times faster than one by one
+        rows = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
+        if len(rows) != len(some):
+            raise ValueError
+        names, found = _rows(rows) if rows else ([], [])
+        given += sum(map(len, rows))
+        check_columns(len({*columns, *names}), "the JSON")
+        _check_filled(given, len({*columns, *names}), max(count + len(found), 1))
+        for name in names:
+            columns.setdefault(name, [None] * count)
+        for name, values in (_by_column(names, found) if rows else {}).items():
+            columns[name] += values
+        count += len(found)
+        for values in columns.values():
+            values += [None] * (count - len(values))
+    return columns if count > 1 else None
 
 
 def _broken(error: Exception) -> Any:
@@ -150,12 +177,21 @@ def _rows(rows: list[Any]) -> tuple[list[str], list[Any]]:
     if rows and all(isinstance(row, dict) for row in rows):
         names = list(dict.fromkeys(name for row in rows for name in row))
         check_columns(len(names), "the JSON")
+        _check_filled(sum(map(len, rows)), len(names), len(rows))
         return names, [[row.get(name) for name in names] for row in rows]
     if rows and all(isinstance(row, list) for row in rows):
         head = rows[0] if rows[0] and all(isinstance(cell, str) for cell in rows[0]) else None
         check_columns(width := max(map(len, rows)), "the JSON")
         return (list(head) if head else [f"column {i + 1}" for i in range(width)]), rows[1:] if head else rows
     raise InputError("read", [f"the JSON is a list of {type(rows[0]).__name__ if rows else 'nothing'}; {_FORMS}"])
+
+
+def _check_filled(given: int, columns: int, rows: int) -> None:
+    """Raise an `InputError` for rows that name so different columns that the table is empty but for a few cells."""
+    if columns * rows > 20 * given + 1_000_000:
+        raise InputError(
+            "read", [f"the rows of the JSON name {columns} columns and {given / rows:.3g} each: no table is as empty; {_FORMS}"]
+        )
 
 
 def _by_column(names: list[str], rows: list[Any]) -> dict[str, Any]:
@@ -170,15 +206,19 @@ def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) ->
     if set(map(type, values)) <= {int, float}:
         with contextlib.suppress(OverflowError):
             return Column(name, unit, np.array(values, float))
-    stamps = [nanoseconds(x) if isinstance(x, str) else None for x in values]
+    texts = {x for x in values if isinstance(x, str)}
+    known = {x: nanoseconds(x) for x in texts if ":" in x}
+    stamps = [known.get(x) if isinstance(x, str) else None for x in values] if known else [None] * len(values)
     if values and sum(stamp is not None for stamp in stamps) > 0.5 * len(values):
         first = next(s for s in stamps if s is not None)
         notes.append(f"times are counted from the first timestamp, {next(x for x, s in zip(values, stamps, strict=True) if s is not None)}")
         return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
-    strange = sum(x is not None and number_in(x) is None for x in values)
+    numbers = {x: number_in(x) for x in texts}
+    read = [numbers[x] if isinstance(x, str) else number_in(x) for x in values]
+    strange = sum(x is None and value is not None for x, value in zip(read, values, strict=True))
     if strange:
         notes.append(f"{name}: {strange} values are not numbers and became NaN")
-    return Column(name, unit, np.array([np.nan if (x := number_in(value)) is None else x for value in values], float))
+    return Column(name, unit, np.array([np.nan if x is None else x for x in read], float))
 
 
 def number_in(value: Any) -> float | None:

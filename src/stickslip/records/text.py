@@ -14,7 +14,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.units import heading, unit_of
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.columns_of_words import LeftOut, without_words
-from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
+from stickslip.records.dialects import MISSING, MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw, unmarked
@@ -26,14 +26,15 @@ Table = tuple[Lines, Stamped | None, Dialect, int]
 _PREAMBLE = 20_000  # characters before the table that are kept
 
 
+_MARK = b"\xef\xbb\xbf"  # of bytes that are UTF-8, or were until another program added some that are not
+
+
 def decoded(data: bytes) -> str:
     """The text that the bytes hold; an error if they are none."""
-    for mark, code in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
-        if data.startswith(mark):
-            try:
-                return data.decode(code)
-            except UnicodeDecodeError:
-                break
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data[: len(data) // 2 * 2].decode("utf-16", "replace")
+    while data.startswith(_MARK):  # once, or again where a file was saved by another program
+        data = data[len(_MARK) :]
     strange = len(data.translate(None, bytes(range(32, 256)) + b"\t\r\n\f\x1a"))
     if strange > 0.01 * len(data) + 2:
         raise InputError(
@@ -59,11 +60,11 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     lines = Lines.of_text(text)  # they end at line breaks, and at no control character that damage may bring
     del text
     lines.check()
+    _check_quotes(lines)
     lines, times, dialect, first = _table(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     body = lines.from_line(first)
-    values = _fast(body, dialect)
-    values = _slow(body, first, dialect, raw.notes) if values is None else values
+    values = _values(body, first, dialect, raw.notes)
     raw.info["dialect"] = dialect.words
     if not ended:
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
@@ -114,6 +115,18 @@ def is_json(text: str) -> bool:
     return bool(_JSON.match(text) or _NUMBERS.fullmatch(text))
 
 
+_OPEN = re.compile(r'(?:^|[,;\t])[ ]*"[^"]*$')
+
+
+def _check_quotes(lines: Lines) -> None:
+    """Raise an `InputError` where lines open quotes that they do not close; a damaged line or a heading may."""
+    sample = lines.sample(0, 400)
+    opened = [line for line in sample if line.count('"') % 2 and _OPEN.search(line)]
+    if len(opened) > MOST_BAD * len(sample) + 3:
+        why = f"{len(opened)} of {len(sample)} lines open a quote that they do not close, such as {opened[0][:40]!r}"
+        raise InputError("read", [f"{why}; a table has a whole row on each line: export it again"])
+
+
 # ---- headings ----
 def _headings(lines: Sequence[str], dialect: Dialect, raw: Raw) -> list[tuple[str, str | None]] | None:
     """Names and units from the lines before the numbers; what else stands there is kept as text."""
@@ -146,100 +159,57 @@ def _of_other_columns(row: list[str], dialect: Dialect) -> bool:
 # ---- numbers ----
 _PLAIN = b"0123456789eE+-.,;\t \nnNaAiIfFtTyY"  # with the letters of nan and inf
 _DIGITS = re.compile(rb"(?<!\d)\d{%d}" % MOST_NUMBER)
+_ASCII = bytes(i if 32 <= i < 127 or i in b"\t\n" else ord("?") for i in range(256))
+_BLANK_LINES = re.compile(rb"^[ \t]+$", re.MULTILINE)
+_EXPONENTS = re.compile(rb"(?<=[\d.])d(?=[+-]?\d)")
+_TOGETHER = 16384  # lines that are read at once
 
 
-def _fast(lines: Lines, dialect: Dialect) -> Any:
-    """All rows at once, if every one of them is as expected and made of digits only, but for columns that are left out."""
-    data = lines.data
-    if b'"' in data and not dialect.left_out and len(dialect.separator) == 1:
-        if not (_even(data, ord('"'))) or not _same_width(data, dialect, dialect.width):
-            return None
-        data = data.replace(b'"', b"")  # no separator stands within them
-    strange = data.translate(None, _PLAIN)
-    if (
-        len(dialect.separator) != 1
-        or (strange and (not dialect.left_out or b'"' in strange or not data.isascii()))
-        or (dialect.decimal == "," and b"." in data)
-        or (dialect.decimal == "." and dialect.separator != "," and b"," in data)
-        or _DIGITS.search(data)
-        or (dialect.left_out and not _same_width(data, dialect, dialect.whole))
-    ):
-        return None
-    del strange
-    plain = data.replace(b",", b".") if dialect.decimal == "," else data
-    used = [k for k in range(dialect.whole) if k not in dialect.left_out] if dialect.left_out else None
-    delimiter = None if dialect.separator == " " else dialect.separator
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            values = np.loadtxt(io.BytesIO(plain), delimiter=delimiter, comments=None, ndmin=2, usecols=used, encoding="latin-1")
-    except (ValueError, UserWarning):
-        return None
-    return values if values.shape[1] == dialect.width else None
-
-
-def _same_width(data: bytes, dialect: Dialect, width: int) -> bool:
-    """Whether every line that is not empty has so many cells."""
-    if dialect.separator == " ":
-        return False
-    counts = _in_each_line(data, ord(dialect.separator))
-    return bool(np.all((counts == width - 1) | (counts == 0)))
-
-
-def _even(data: bytes, letter: int) -> bool:
-    """Whether every line has an even number of a letter."""
-    return not (_in_each_line(data, letter) % 2).any()
-
-
-def _in_each_line(data: bytes, letter: int) -> Any:
-    """How often a letter stands in each line."""
-    letters = np.frombuffer(data, np.uint8)
-    starts = np.concatenate([[0], np.flatnonzero(letters == ord("\n")) + 1])
-    return np.add.reduceat(letters == letter, starts[starts < len(letters)], dtype=np.int32)
-
-
-_TOGETHER = 4096  # lines, one of which is wrong, that are read one by one
-_ROWS = 65536  # rows that are lists before they become an array
-
-
-def _slow(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
-    """Row by row: short and long rows are left out, cells that are not numbers become NaN, and both are noted."""
-    parts: list[Any] = []
-    rows: list[float] = []
+def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
+    """All rows: short and long ones are left out, cells that are not numbers become NaN, and both are noted."""
+    parts: list[Any] = [np.empty((0, dialect.width))]
     wrong: list[tuple[int, str]] = []
     strange: list[tuple[int, str]] = []
-    damaged, counted, number_of = 0, 0, _Numbers(dialect)
-    plain = dialect.decimal == "." and not dialect.grouped and lines.data.isascii() and b"_" not in lines.data
+    damaged, counted, number_of, plain = 0, 0, _Numbers(dialect), _Plain(dialect)
     for begin in range(0, len(lines), _TOGETHER):
         some = lines.part(begin, begin + _TOGETHER)
-        if (read := _fast(some, dialect)) is not None:
-            counted += len(read)
-            parts += [np.array(rows, float), read.ravel()]
-            rows = []
+        data = some.data
+        if not data.strip():
             continue
-        for number, line in enumerate(some, first + begin + 1):
+        read = plain.all_rows(data)
+        if read is not None:
+            counted += len(read)
+            parts.append(read)
+            continue
+        which, read = plain.rows(data)
+        simple = dialect.decimal == "." and not dialect.grouped and data.isascii() and b"_" not in data
+        left = np.ones(len(some), bool)
+        left[which] = False
+        places, rows = [], []
+        for at in np.flatnonzero(left).tolist():
+            line, number = some[at], first + begin + at + 1
             if not line.strip():
                 continue
             if (bad := len(wrong) + damaged) > MOST_BAD * len(lines) + 1:
                 raise InputError("read", [f"more than {bad} of {len(lines)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
             cells = dialect.cells(line)
             if len(cells) != dialect.width:
-                wrong.append((number, f"{len(cells)} of {dialect.width} cells"))
+                wrong.append((number, f"{len(dialect.all_cells(line))} of {max(dialect.width, dialect.whole)} cells"))
                 continue
-            counted += 1
+            places.append(at)
             try:
-                if not plain or len(line) > MOST_NUMBER:
+                if not simple or len(line) > MOST_NUMBER:
                     raise ValueError
-                rows += [*map(float, cells)]  # of a plain text it takes what a dialect takes, and faster
+                rows.append([*map(float, cells)])  # of a plain text it takes what a dialect takes, and faster
             except ValueError:
                 values = [number_of[cell] for cell in cells]
                 if None in values:
                     damaged += 1
                     strange += [(number, cell[:41]) for cell, x in zip(cells, values, strict=True) if x is None]
-                rows += [np.nan if x is None else x for x in values]
-            if len(rows) > _ROWS:
-                parts.append(np.array(rows, float))
-                rows = []
+                rows.append([np.nan if x is None else x for x in values])
+        counted += len(which) + len(rows)
+        order = np.argsort(np.concatenate([which, np.array(places, int)]), kind="stable")
+        parts.append(np.concatenate([read, np.array(rows, float).reshape(-1, dialect.width)])[order])
     bad = len(wrong) + damaged
     if bad > MOST_BAD * (counted + len(wrong)) and bad > 1:
         raise InputError("read", [f"{bad} of {counted + len(wrong)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
@@ -247,7 +217,96 @@ def _slow(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
         notes.append(f"{len(wrong)} lines are left out, {_shown(wrong)}")
     if strange:
         notes.append(f"{len(strange)} cells are not numbers and became NaN, {_shown(strange)}; {_MIXED}")
-    return np.concatenate([*parts, np.array(rows, float)]).reshape(-1, dialect.width)
+    return np.concatenate(parts)
+
+
+class _Plain:
+    """Rows as they are in almost all files: digits between separators, and NaN where a cell is missing; many are read at once."""
+
+    def __init__(self, dialect: Dialect):
+        self._dialect = dialect
+        self._able = len(dialect.separator) == 1 and dialect.separator != dialect.decimal
+        whole = dialect.whole if dialect.left_out else dialect.width
+        self._used = [k for k in range(whole) if k not in dialect.left_out] if dialect.left_out else None
+        blank = b" \t" if dialect.separator in " ;," else b" "
+        number = rb"[+-]?+(?:\d{1,%d}+(?:\.\d*+)?+|\.\d++)(?:e[+-]?+\d++)?+" % MOST_NUMBER
+        mark = re.escape(dialect.separator.encode())
+        number = rb"(?:%s|nan|[+-]?+inf)" % number
+        if dialect.separator == " ":
+            cells, word, between, edge = number, rb'[^ \t\n"]++', rb"[ \t]++", rb"[ \t]*+"
+        else:
+            cells = rb'(?:"%s"|[%s]*+%s[%s]*+)' % (number, blank, number, blank)
+            word, between, edge = rb'(?:"[^"\n]*+(?:""[^"\n]*+)*+"|[^"\n%s]*+)' % mark, mark, b""
+        kinds = [word if k in dialect.left_out else cells for k in range(max(whole, 1))] if self._able else [b""]
+        self._row = re.compile(rb"^%s%s%s$" % (edge, between.join(kinds), edge), re.MULTILINE)
+
+    def all_rows(self, data: bytes) -> Any:
+        """The rows of some lines, if all are made of digits only; else None."""
+        dialect = self._dialect
+        if (
+            not self._able
+            or self._used
+            or data.translate(None, _PLAIN)
+            or (dialect.decimal == "," and b"." in data)
+            or (dialect.decimal == "." and dialect.separator != "," and b"," in data)
+            or _DIGITS.search(data)
+        ):
+            return None
+        return self._loaded(data.replace(b",", b".") if dialect.decimal == "," else data)
+
+    def rows(self, data: bytes) -> tuple[Any, Any]:
+        """Which of some lines are plain, and their rows."""
+        nothing = np.empty(0, int), np.empty((0, self._dialect.width))
+        if not self._able:
+            return nothing
+        data = self._prepared(data)
+        if not (self._used or data.translate(None, _PLAIN) or _DIGITS.search(data) or b"\n\n" in data):
+            read, count = self._loaded(data), data.count(b"\n") + 1
+            if read is not None and len(read) == count:  # only numbers were missing
+                return np.arange(count), read
+        found = list(self._row.finditer(data))
+        if not found:
+            return nothing
+        read = self._loaded(b"\n".join([match[0] for match in found]))
+        if read is None or len(read) != len(found):
+            return nothing
+        ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
+        return np.searchsorted(ends, [match.start() for match in found]), read
+
+    def _prepared(self, data: bytes) -> bytes:
+        """The same lines, with points as decimal marks and NaN for what is missing."""
+        mark = self._dialect.separator.encode()
+        data = b"\n%s\n" % data.translate(_ASCII).lower()
+        if self._dialect.decimal == ",":
+            data = data.replace(b".", b"?").replace(b",", b".")
+        if b"d" in data and not self._used:
+            data = _EXPONENTS.sub(b"e", data)
+        if mark == b" ":
+            return data[1:-1]
+        data = data.replace(mark + b' "', mark + b'"')
+        if mark == b"\t":
+            data = _BLANK_LINES.sub(b"", data)  # they are no rows of missing numbers
+        words = [word.encode().replace(b",", b".") for word in MISSING if word != "nan"]
+        for word in [*words, *(b'"%s"' % word for word in words if word or b'""' in data)]:
+            if word in data:
+                data = data.replace(mark + word + mark, mark + b"nan" + mark).replace(mark + word + mark, mark + b"nan" + mark)
+                data = data.replace(mark + word + b"\n", mark + b"nan\n").replace(b"\n" + word + mark, b"\nnan" + mark)
+        return data[1:-1]
+
+    def _loaded(self, data: bytes) -> Any:
+        delimiter, quote = None if self._dialect.separator == " " else self._dialect.separator, '"' if b'"' in data else None
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                values = np.loadtxt(
+                    io.BytesIO(data), delimiter=delimiter, comments=None, ndmin=2, usecols=self._used, encoding="latin-1", quotechar=quote
+                )
+        except (ValueError, UserWarning):
+            return None
+        return values if values.shape[1] == self._dialect.width else None
+
+
+_ROWS = 65536  # texts of cells that are remembered
 
 
 class _Numbers(dict[str, float | None]):

@@ -11,8 +11,9 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 
 #: Bounds of a table in text, far beyond those of any instrument: characters of a line and of a number, columns, and characters in which
-#: its dialect is looked for.
-MOST_LINE, MOST_NUMBER, MOST_COLUMNS, SNIFFED = 200_000, 1000, 4096, 1 << 16
+#: its dialect is looked for, and its first row.
+MOST_LINE, MOST_NUMBER, MOST_COLUMNS, SNIFFED, MOST_PREAMBLE = 200_000, 1000, 4096, 1 << 16, 1 << 20
+_PIECE = 1 << 20  # characters in which line ends are looked for at once
 _TOGETHER = 4096  # lines that are decoded at once
 
 
@@ -36,9 +37,12 @@ class Lines(Sequence[str]):
     def __init__(self, data: bytes, starts: Array | None = None):
         self._data = data
         if starts is None:
-            ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
-            starts = np.empty(len(ends) + 2, np.int64)
-            starts[0], starts[1:-1], starts[-1] = 0, ends + 1, len(data) + 1
+            starts = np.empty(data.count(b"\n") + 2, np.int32 if len(data) < 2**31 - 2 else np.int64)
+            starts[0], starts[-1], letters, place = 0, len(data) + 1, np.frombuffer(data, np.uint8), 1
+            for begin in range(0, len(data), _PIECE):  # places of all at once would take eight times the memory of the text
+                ends = np.flatnonzero(letters[begin : begin + _PIECE] == ord("\n")) + (begin + 1)
+                starts[place : place + len(ends)] = ends
+                place += len(ends)
         self._starts = starts
 
     @classmethod
@@ -92,9 +96,9 @@ class Lines(Sequence[str]):
             why = f"line {number + 1} of the text has {int(sizes[number])} characters; allowed are {MOST_LINE}"
             raise InputError("read", [f"{why}; write a table with a line for each instant, or a binary format such as .mat, .tdms or .h5"])
 
-    def beginning(self, most: int) -> int:
-        """How many of the first `most` lines lie within the part in which a dialect is looked for; one at least."""
-        within = int(np.searchsorted(self._starts, self._starts[0] + SNIFFED, side="right"))
+    def beginning(self, most: int, characters: int = SNIFFED) -> int:
+        """How many of the first `most` lines lie within the first characters; one at least."""
+        within = int(np.searchsorted(self._starts, int(self._starts[0]) + characters, side="right"))
         return max(min(within, most, len(self)), min(len(self), 1))
 
     def sample(self, first: int, most: int) -> list[str]:
