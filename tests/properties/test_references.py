@@ -126,6 +126,12 @@ def test_a_change_of_what_a_function_reads_is_noticed(name):
         globals_of_test.pop("max", None)
 
 
+def _of_a_module_to_come(x):
+    import helper_to_come
+
+    return helper_to_come.K * x
+
+
 draw, counter = np.random.default_rng(1), itertools.count()
 UNKNOWN = {
     "a clock": lambda x: time.time() * x,
@@ -139,6 +145,7 @@ UNKNOWN = {
     "a name made of text": lambda x: globals()["FACTOR"] * x,
     "an attribute made of text": lambda x: getattr(HELD, "k" + "") * x,
     "text as code": lambda x: eval("FACTOR * x"),
+    "a module that is not imported yet": _of_a_module_to_come,
     "a large array": (lambda many: lambda x: many[0] * x)(np.zeros(100_000)),
 }
 
@@ -168,6 +175,7 @@ def test_a_method_that_is_put_into_a_class_of_the_package_is_noticed(monkeypatch
     read = References(MODELS["Coulomb"]())
     monkeypatch.setattr(ss.Coulomb, "sliding", lambda self, v, load: 0.05 * load)
     assert read.complete and not read.unchanged()
+    assert References(MODELS["Coulomb"]()).patched and not read.patched
 
 
 @dataclass(frozen=True, eq=False)

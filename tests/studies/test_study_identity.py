@@ -270,6 +270,36 @@ def test_another_model_is_another_study(way):
     )
 
 
+@pytest.mark.parametrize("way", MAKERS)
+def test_code_alone_tells_another_model(way, monkeypatch):
+    """Where the code of a maker is the same, its models are made for three tiles of the folder only; here for none."""
+    from stickslip.studies import manifest as module
+
+    made = []
+    monkeypatch.setattr(module, "_TILES", 0)
+    before = module.manifest(planned(MAKERS[way](1.0), (), {"amplitude": AMPLITUDES}, None, None, 2, **SOLVER))
+    monkeypatch.setattr(module.ModelIdentities, "of_tiles", lambda self, tiles: made.append(tiles) or [before["models"][k] for k in tiles])
+    other = MAKERS[way](0.5)
+    if module.code_of(other) == before["code"]:
+        assert before["code"] == ""
+    same = planned(other, (), {"amplitude": AMPLITUDES}, None, None, 2, **SOLVER)
+    module.manifest(same, before)
+    assert made[-1] == range(3)
+
+
+def test_a_study_goes_on_without_making_all_of_its_models(tmp_path, monkeypatch):
+    from stickslip.studies import manifest as module
+
+    made, of_tiles = [], module.ModelIdentities.of_tiles
+    monkeypatch.setattr(module.ModelIdentities, "of_tiles", lambda self, tiles: made.append(list(tiles)) or of_tiles(self, tiles))
+    amplitude, make = np.linspace(4e-4, 8e-4, 12), closure(0.5)
+    ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, shard=(1, 2))
+    whole = ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, resume=True)
+    assert made == [list(range(6)), [0, 3, 5]]
+    wanted = ss.sweep(make, amplitude=amplitude, tile=2)
+    assert np.array_equal(whole.mean_velocity, wanted.mean_velocity)
+
+
 @pytest.mark.parametrize("way", SETTINGS)
 def test_another_setting_is_another_study(way):
     make = MAKERS["partial"](1.0)

@@ -203,6 +203,8 @@ def stacked(what: str, models: list[Any]) -> Any:
     import numpy as np
 
     numbers = [name for name, _ in leaves(models[0])]
+    if (table := _table_of_one_kind(numbers, models)) is not None:
+        return replace_leaf(models[0], dict(zip(numbers, np.array(table).T.copy(), strict=True)))
     whole = [dict(leaves(model, kinds=True)) for model in models]
     first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)
     for other in others:
@@ -211,6 +213,27 @@ def stacked(what: str, models: list[Any]) -> Any:
     if many:
         raise InputError(what, [f"{', '.join(many)} of one point are arrays; allowed is one number for each"])
     return replace_leaf(models[0], {name: np.array([float(each[name]) for each in whole]) for name in numbers})
+
+
+def _table_of_one_kind(numbers: list[str], models: list[Any]) -> list[list[float]] | None:
+    """The numbers of models that are alike in everything else, a row for each; None if they may not be, which takes longer to find out."""
+    first = leaves(models[0], kinds=True)
+    named = set(numbers)
+    places = [k for k, (name, _) in enumerate(first) if name in named]
+    others = [(k, value) for k, (name, value) in enumerate(first) if name not in named]
+    names, table = [name for name, _ in first], []
+    for model in models:
+        own = leaves(model, kinds=True)
+        row = [own[k][1] for k in places] if len(own) == len(first) else []
+        if not row or any(type(value) is not float for value in row) or [name for name, _ in own] != names:
+            return None
+        if any(own[k][1] is not value and not (type(value) in _WORDS and same(own[k][1], value)) for k, value in others):
+            return None
+        table.append(row)
+    return table
+
+
+_WORDS = (str, bool, int, type(None), tuple)
 
 
 def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:

@@ -226,7 +226,7 @@ class Frozen:
 
     def _check_together(self, problems: Problems) -> None:
         """Check conditions on several fields; errors due to invalid fields are ignored, and records with symbols are not checked."""
-        if any(type(value) is not float and is_symbol(value) for _, value in leaves(self)):
+        if _holds_symbols(self):
             return
         try:
             self._check(problems)
@@ -533,6 +533,26 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str
         elif (holds != "kind" and value is not None) or kinds:
             found.append((full, value))
     return found
+
+
+def _holds_symbols(record: Any) -> bool:
+    """Whether one of the numbers of a record or of its parts is a symbol."""
+    for name, holds in _plan(type(record)):  # type: ignore[arg-type]
+        value = getattr(record, name)
+        if type(value) is float or value is None:
+            continue
+        if is_record(value):
+            if _holds_symbols(value):
+                return True
+        elif _are_records(value):
+            if any(map(_holds_symbols, value)):
+                return True
+        elif holds == "named":
+            if any(map(is_symbol, value.values())):
+                return True
+        elif holds != "kind" and (any(map(is_symbol, value)) if isinstance(value, tuple) else is_symbol(value)):
+            return True
+    return False
 
 
 @functools.lru_cache(maxsize=1024)

@@ -54,6 +54,8 @@ class References:
     ----------
     complete : bool
         Whether nothing else can change what the objects compute.
+    patched : bool
+        Whether a method of this package is somebody else's.
 
     Examples
     --------
@@ -70,7 +72,7 @@ class References:
     """
 
     def __init__(self, *things: Any):
-        self.complete = True
+        self.complete, self.patched = True, False
         self._read: dict[int, Any] = {}  # by id; the objects are held, so that their ids stay their own
         self._modules: dict[tuple[int, frozenset[str]], Any] = {}
         self._whole: list[tuple[Mapping[Any, Any], tuple[Any, ...]]] = []
@@ -183,6 +185,7 @@ class References:
                 if name in _ASIDE or (name in _MADE and getattr(getattr(part, "__code__", None), "co_filename", "") == "<string>"):
                     continue
                 if not library or _is_changed(part):
+                    self.patched |= library
                     self._search(part)
 
     def _object(self, thing: Any) -> None:
@@ -221,7 +224,9 @@ class References:
         used = tuple(sorted(names))
         self._named.append((known, used, tuple(known.get(name, _NOTHING) for name in used)))
         for name in imported:
-            self._value(sys.modules.get(name), attributes | names)
+            found = sys.modules.get(name)  # none for what is not imported yet, and for a name within a package
+            self.complete &= isinstance(found, types.ModuleType)
+            self._value(found, attributes | names)
         for name in used:
             if name in known:
                 self._value(known[name], attributes)
@@ -262,7 +267,8 @@ def _is_pure(module: str | None) -> bool:
 def _is_changed(part: Any) -> bool:
     """Whether a part of a class of this package is a function that somebody else put there."""
     inner = getattr(part, "fget", None) or getattr(part, "__func__", None) or getattr(part, "func", None) or part
-    return isinstance(inner, types.FunctionType) and inner.__code__.co_filename != "<string>" and not is_of_library(inner)
+    own = ("stickslip", "typing", "dataclasses")
+    return isinstance(inner, types.FunctionType) and not str(inner.__globals__.get("__name__")).startswith(own)
 
 
 @functools.lru_cache(maxsize=1024)

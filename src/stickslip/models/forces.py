@@ -62,22 +62,31 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
                 f"{type(law).__name__}.breakaway(load=1) gives {limits!r}; allowed are two forces; {_LIMITS}, such as return -force, force"
             )
             return
-        slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
-        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
-        rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
+        slow = [_values(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
+        faster = [_values(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
+        rounding = [1e-9 * abs(_values(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
     except Exception as error:  # other errors inside a law are reported, with a suggestion, when it is traced
         if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and adapted(law).compiles:
             why = f"{type(law).__name__} cannot take numbers that are arrays ({error})"
             problems.add(f"{why}; write where(condition, yes, no), maximum or minimum from stickslip.maths instead of if, max or min")
         return
-    kind, (low, high) = type(law).__name__, map(np.asarray, limits)
-    if np.any(low > high):
+    kind, (low, high) = type(law).__name__, map(_values, limits)
+    if _any(low > high):
         problems.add(f"{kind}.breakaway(load=1) gives {limits!r}, the larger force first; {_LIMITS}, in this order")
-    elif np.any(slow[1] > high + rounding[1]) or np.any(slow[0] < low - rounding[0]):
+    elif _any(slow[1] > high + rounding[1]) or _any(slow[0] < low - rounding[0]):
         problems.add(
             f"{kind}.breakaway(load=1) gives {limits!r}, less than its friction while it slides slowly ({slow[0]} and {slow[1]}); allowed "
             "is as much or more: a body that breaks away would be stopped at once; make breakaway at least as large as sliding near v = 0"
         )
+
+
+def _values(given: Any) -> Any:
+    """A float, or an array of what is none."""
+    return given if type(given) is float else np.asarray(given)
+
+
+def _any(condition: Any) -> bool:
+    return condition if type(condition) is bool else bool(np.any(condition))
 
 
 def inner_start(model: Any, x: Any = 0.0) -> Any:

@@ -135,10 +135,11 @@ class Study:
     @classmethod
     def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None) -> Study:
         """Begin a new folder for a plan, or continue an existing one if it belongs to the same study and may be resumed."""
-        folder, mine, part = folder.expanduser(), manifest(plan), shard_of(shard)
-        study = cls(folder, plan, mine, part)
-        if (folder / MANIFEST).exists():
-            study._check_same(read_manifest(folder))
+        folder, part = folder.expanduser(), shard_of(shard)
+        there = read_manifest(folder) if (folder / MANIFEST).exists() else None
+        study = cls(folder, plan, manifest(plan, there), part)
+        if there is not None:
+            study._check_same(there)
             if not resume and any(True for _ in study.done):
                 what = "results of this shard" if part else "results of this study"
                 raise InputError(

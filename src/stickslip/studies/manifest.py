@@ -13,6 +13,7 @@ import numpy as np
 
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import plain
+from stickslip.basics.references import References
 from stickslip.studies.labelling import about, attributes_of, maker_of, provenance_of
 from stickslip.studies.model_identity import ModelIdentities, model_differences
 from stickslip.studies.planning import Plan
@@ -60,10 +61,10 @@ def identity(plan: Plan, every: int, models: list[str]) -> dict[str, str]:
     return {name: value if isinstance(value, str) else json.dumps(value, default=str) for name, value in parts.items()}
 
 
-def manifest(plan: Plan) -> dict[str, Any]:
-    """The manifest of a study folder."""
-    compared = ModelIdentities(plan)
-    models = compared.of_tiles(range(plan.tiles))
+def manifest(plan: Plan, there: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The manifest of a study folder; `there` is the manifest of the folder that is continued, if it exists already."""
+    compared, code = ModelIdentities(plan), code_of(plan.make)
+    models = _models_there(plan, compared, code, there) or compared.of_tiles(range(plan.tiles))
     parts = identity(plan, compared.every, models)
     made = {
         "stickslip_format": FORMAT,
@@ -77,6 +78,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "cases_per_tile": plan.bounds(0)[1] if plan.tiles else 0,
         "models": models,
         "compared": compared.every,
+        "code": code,
         "unchecked": unchecked(compared),
         "columns": {each: kind_of(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
         **({"observed": about(plan)} if plan.observed else {}),
@@ -86,6 +88,39 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
     return {**made, SEAL: of_manifest(made)}
+
+
+def code_of(make: Any) -> str:
+    """The fingerprint of a maker that makes the same models whenever it is called: of all that it reads; empty if something is unknown.
+
+    Examples
+    --------
+    >>> import time
+    >>> mass = 0.06
+    >>> code_of(lambda mu: mu * mass) == code_of(lambda mu: mu * mass) != "", code_of(lambda mu: mu * time.time())
+    (True, '')
+    """
+    if not callable(make) or not (read := References(make)).complete or read.patched:
+        return ""
+    content = fingerprint(make)
+    return "" if content.unchecked else content.digest
+
+
+def _models_there(plan: Plan, compared: ModelIdentities, code: str, there: dict[str, Any] | None) -> list[str]:
+    """The identities in the manifest of a folder, if the code of the maker and all of its arguments are the same; else empty.
+
+    The models of three tiles are made nevertheless. So are those of each tile that is still to be solved, when its turn comes.
+    """
+    if there is None or not code or there.get("code") != code or there.get("unchecked") or there["tiles"] != plan.tiles:
+        return []
+    models = [str(each) for each in there.get("models", ())]
+    if len(models) != plan.tiles or plan.tiles <= _TILES or identity(plan, compared.every, models) != there["identity"]:
+        return []
+    some = [0, plan.tiles // 2, plan.tiles - 1]
+    return models if compared.of_tiles(some) == [models[k] for k in some] and not compared.unchecked else []
+
+
+_TILES = 3  # whose models are made in any case
 
 
 def unchecked(compared: ModelIdentities) -> list[str]:
