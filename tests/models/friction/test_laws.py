@@ -736,7 +736,7 @@ BAD = [
     (lambda: ss.Stribeck(0.2, 0.2, 0.1, None, v_s=1e-3),
      f"f_plus = 0.1 is below mu_plus = 0.2; allowed is f_plus >= mu_plus {STATIC}"),
     (lambda: ss.Stribeck(0.2, 0.2, None, None, v_s=1e-3, exponent=0),
-     "exponent = 0.0; allowed is a number frmber, mostly 1 or 2; type for example exponent=1"),
+     "exponent = 0.0; allowed is a number from 0.01 to 20, mostly 1 or 2; type for example exponent=1"),
     (lambda: ss.Dahl(0.2, 0.2, sigma0=-1.0), "sigma0 = -1.0; allowed is a positive stiffness [N/m]; type for example sigma0=400000"),
     (lambda: maxwell(weights=(0.5, 0.4), stiffness=(0.5, 0.5)),
      "weights = (0.5, 0.4) sum to 0.9; allowed are shares that sum to 1; divide each by their sum"),
