@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import sobol_indices
 
 import stickslip as ss
-from stickslip.inverse.optimisation.propagation import _estimated
+from stickslip.inverse.optimisation.propagation import _designed, _estimated, _indices
 
 G, MU, U, L = 9.81, 0.1315, 0.1, 0.01
 ROBOT = ss.Robot(1.0 - MU, MU, ss.TwoPhase(stroke=L, u1=U, u2=U), ss.Coulomb(0.15, 0.25))
@@ -40,6 +40,34 @@ def test_indices_of_a_sum_are_those_of_the_closed_form(found):
         assert found.indices.total[name] == pytest.approx(part, abs=0.03)
         low, high = found.indices.total_interval[name]
         assert low < found.indices.total[name] < high
+
+
+def test_indices_are_told_with_their_intervals(found):
+    """In words, in the table of a notebook, and beside the bars of a tornado."""
+    text, page, side = repr(found.indices), found.indices._repr_html_(), found._repr_html_()
+    labels = ss.plot.tornado(found).child_axes[0].get_yticklabels()
+    for name in SPREAD:
+        for value, ends in ((found.indices.first, found.indices.first_interval), (found.indices.total, found.indices.total_interval)):
+            low, high = ends[name]
+            span = f"{low:z.2f} to {high:z.2f}"
+            assert low < value[name] < high and span in text and span in page and span in side
+            assert any(f"{value[name]:.2f}({50 * (high - low):.0f})" in label.get_text() for label in labels)
+
+
+def test_intervals_of_indices_hold_the_true_ones():
+    """Sobol's g-function of three numbers, whose indices are known: 95 % intervals of 60 samples hold them as often, or more often."""
+    a = np.array([0.0, 1.0, 9.0])
+    parts = 1 / (3 * (1 + a) ** 2)
+    variance = np.prod(1 + parts) - 1
+    first, total = parts / variance, parts * np.prod(1 + parts) / (1 + parts) / variance
+    held = []
+    for seed in range(60):
+        u = _designed(3, 256, seed, indices=True)
+        g = np.prod((abs(4 * u - 2) + a[:, None, None]) / (1 + a[:, None, None]), axis=0)
+        indices, _ = _indices(("a", "b", "c"), g, seed)
+        for true, ends in ((first, indices.first_interval), (total, indices.total_interval)):
+            held += [low <= t <= high for t, (low, high) in zip(true, ends.values(), strict=True)]
+    assert np.mean(held) > 0.93
 
 
 def test_indices_are_those_of_scipy():

@@ -39,6 +39,11 @@ class Indices(Drawn):
         Fraction that would remain if all other numbers were known: larger than `first` if numbers interact.
     first_interval, total_interval : dict of (float, float)
         95 % intervals of the sample, by the bootstrap.
+
+    Examples
+    --------
+    >>> Indices({"mass": 0.8}, {"mass": 0.9}, {"mass": (0.71, 0.9)}, {"mass": (0.82, 0.97)})
+    <Indices, with 95 % intervals: mass 0.80 (0.71 to 0.90), total 0.90 (0.82 to 0.97)>
     """
 
     first: dict[str, float]
@@ -49,14 +54,19 @@ class Indices(Drawn):
     _drawn_by = "indices"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        ends = ((self.first_interval[n], self.total_interval[n]) for n in self.first)
-        spans = (tuple(f"{low:.2f} to {high:.2f}" for low, high in pair) for pair in ends)
-        rows = ((n, f"{self.first[n]:.2f}", a, f"{self.total[n]:.2f}", b) for n, (a, b) in zip(self.first, spans, strict=True))
-        return [[("number", "first index", "", "total index", ""), *rows]]
+        spans = (_spans(self, name) for name in self.first)
+        rows = ((n, f"{self.first[n]:z.2f}", a, f"{self.total[n]:z.2f}", b) for n, (a, b) in zip(self.first, spans, strict=True))
+        return [[("number", "first index", "95 % interval", "total index", "95 % interval"), *rows]]
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} {value:.3g} (total {self.total[name]:.3g})" for name, value in self.first.items())
-        return f"<Indices: {told}>"
+        ends = {name: _spans(self, name) for name in self.first}
+        told = (f"{n} {self.first[n]:z.2f} ({a}), total {self.total[n]:z.2f} ({b})" for n, (a, b) in ends.items())
+        return f"<Indices, with 95 % intervals: {'; '.join(told)}>"
+
+
+def _spans(indices: Indices, name: str) -> tuple[str, ...]:
+    """The intervals of both indices of a number, as text."""
+    return tuple(f"{low:z.2f} to {high:z.2f}" for low, high in (indices.first_interval[name], indices.total_interval[name]))
 
 
 @sealed
@@ -131,6 +141,9 @@ class Propagated(Drawn):
             "nine in ten": f"{low:.4g} to {high:.4g}",
         }
         return {"of": self.of, **{name: f"{text} {self.unit}".rstrip() for name, text in told.items()}, "cases": cases}
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return self.indices._tables() if self.indices is not None else []
 
     def __repr__(self) -> str:
         low, middle, high = (self.quantile(q) for q in (0.05, 0.5, 0.95))

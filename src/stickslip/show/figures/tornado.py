@@ -16,7 +16,7 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
     The grey band is the joint effect of all of them: the central 90 % of the sample. First and total Sobol indices are shown at the
-    right, if they were computed.
+    right, if they were computed, each with half the width of its 95 % interval in its last digits: 0.58(13) is 0.58 ± 0.13.
 
     Parameters
     ----------
@@ -64,6 +64,7 @@ def _indices(ax: Any, found: Any, order: list[str]) -> None:
     if found.indices is None:
         return
     side = ax.secondary_yaxis("right")
-    name_rows(side, [f"{found.indices.first[name]:.2f} / {found.indices.total[name]:.2f}" for name in order])
+    parts = ((found.indices.first, found.indices.first_interval), (found.indices.total, found.indices.total_interval))
+    name_rows(side, [" / ".join(f"{value[n]:z.2f}({50 * (ends[n][1] - ends[n][0]):.0f})" for value, ends in parts) for n in order])
     side.spines["right"].set_visible(False)
-    side.set_ylabel("first / total")
+    side.set_ylabel("first / total index")
