@@ -193,7 +193,8 @@ def _litter():
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_disk_that_fills_up_leaves_the_old_file(name, tmp_path, capfd):
+def test_a_disk_that_fills_up_leaves_the_old_file(name, tmp_path, tmp_path_factory, monkeypatch, capfd):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path_factory.mktemp("temporary")))  # other tests write beside this one
     writer, path = WRITERS[name], tmp_path / name
     path.write_text("old")
     writer(path)
