@@ -13,7 +13,7 @@ from collections import Counter
 from urllib.parse import quote
 
 import pytest
-from explorer.test_explorer_doors import NoKernels, Served
+from show.explorer.test_explorer_doors import NoKernels, Served
 
 from explorers import axis
 from records.test_read_damaged import damaged
