@@ -205,6 +205,7 @@ def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dic
 @functools.lru_cache(maxsize=256)
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     """The annotations, without those that cannot be evaluated."""
+    function = inspect.unwrap(function)  # a wrapper's annotations are evaluated among the names of what it wraps
     found = {}
     for name, text in function.__annotations__.items():
         with contextlib.suppress(NameError, AttributeError, TypeError):

@@ -263,7 +263,7 @@ INNER_MASS = quantity("inner mass", "kg", "m", example=9.48e-3, rule=positive, r
 _SMALL_GRAVITY, _LARGE_GRAVITY = 0.01, 100.0  # of an asteroid, and of the largest planets a few times over
 GRAVITIES = between(1e-6, 1e6)
 GRAVITY = quantity(
-    "acceleration of gravity", "m/s^2", "g", example=9.81, rule=GRAVITIES, allowed="an acceleration from 1e-6 to 1e6 m/s^2",
+    "acceleration of gravity", "m/s^2", "g", example=9.81, rule=GRAVITIES, allowed="a positive acceleration from 1e-6 to 1e6 m/s^2",
     range=(1.0, 15.0),
 )  # fmt: skip
 #: Of |v/v_s| and the like: measured ones lie between 0.05 and 4; with larger ones than these the powers overflow.

@@ -123,7 +123,7 @@ def check_functions(model: Any) -> None:
     Examples
     --------
     >>> import stickslip as ss
-    >>> check_functions(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    >>> check_functions(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4))
     """
     parts = _known_parts(model)
     try:

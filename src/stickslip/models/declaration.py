@@ -56,7 +56,7 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
     Examples
     --------
     >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb")
     >>> m = fresh_mechanics(robot)
     >>> list(calls(m, instants(robot, m, 1)[0]))
     ['period', 'masses', 'load', 'acceleration', 'contact velocity', 'sliding', 'breakaway']
@@ -188,7 +188,7 @@ def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
     Examples
     --------
     >>> import stickslip as ss
-    >>> answers_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))["contact velocity"]
+    >>> answers_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb"))["contact velocity"]
     (-0.0...,)
     """
     what, one, other = type(model).__name__, fresh_mechanics(model), fresh_mechanics(model)

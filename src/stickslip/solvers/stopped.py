@@ -36,7 +36,7 @@ def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     --------
     >>> import stickslip as ss
     >>> from stickslip.models.machine_adapter import machine_of
-    >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)).mechanics
+    >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)).mechanics
     >>> place(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
     'at t = 0.25 s, where contact has changed its mode 2 times in 3 steps and its slip velocity is 0.5 m/s'
     """

@@ -148,7 +148,7 @@ class ModelIdentities:
             if not all(law.compiles for law in machine_of(model).laws):
                 return None
             return equation_hash(model, observe)
-        except InputError:
+        except Exception:  # functions of the user's own may raise anything; the case then has a status that says so
             return None
 
 

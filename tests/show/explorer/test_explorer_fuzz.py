@@ -13,10 +13,10 @@ from collections import Counter
 from urllib.parse import quote
 
 import pytest
-from show.explorer.test_explorer_doors import NoKernels, Served
 
 from explorers import axis
 from records.test_read_damaged import damaged
+from show.explorer.test_explorer_doors import NoKernels, Served
 from stickslip.show.explorer import server
 from stickslip.show.explorer.exports import EXPORTS
 from stickslip.show.explorer.frames import read
