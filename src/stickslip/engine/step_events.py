@@ -214,6 +214,11 @@ class EventWriter:
         """Whether a guard that starts at zero goes to the other side: by its rate, or, where that is zero too, by where the step ends."""
         return f"({rate} * {side} < 0.0 or ({rate} == 0.0 and {out}))"
 
+    def _is_memory(self, k: int) -> bool:
+        """Whether the switch of a guard goes on without a jump of a velocity; stops, which have one, close where their rebounds end."""
+        switch = self.eq.switches[k]
+        return not switch.status and all(new is None for new in switch.states[: len(self.eq.offsets)])
+
     def _other_crossing(self, k: int, end: dict[str, str]) -> None:
         """The same for another guard; the one that goes first is kept."""
         w, guard, state = self.w, self.eq.guards[k], self.slips.get(k)
@@ -233,7 +238,7 @@ class EventWriter:
         if state is None and k < self.eq.signs:  # held where its event was located, its guard is off zero by what that left over
             held = f"_g{k}s < 0.0 and _g{k}s > -1e-7 * _size{k} and abs({self.guard_rate[k]} * _hh) < 1e-11 * _size{k}"
             w.line("_noise", f"_noise + _g{k}s if ({held}) else _noise")
-        elif state is None and not self.eq.switches[k].status:  # as near to zero as events are located, and rising: it has not fallen
+        elif state is None and self._is_memory(k):  # as near to zero as events are located, and rising: it has not fallen
             rising = f"({self.guard_rate[k]} > 0.0 or ({self.guard_rate[k]} == 0.0 and _g{k}e > _g{k}s))"
             w.line("_noise", f"_noise + _g{k}s if (_g{k}s < 0.0 and _g{k}s > -{_LOCATED} * _size{k} and {rising}) else _noise")
         w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
