@@ -106,7 +106,7 @@ def identify(
         Fit the transient too: each record is simulated from its first sample on, with a fitted velocity at the preceding strobe time and
         undeflected bristles. For forces over a motion that does not repeat, and for logs of machines, the bristle deflection at the first
         sample is fitted, of forces also without `transient` where `sensor` is None (``fit.sensor["start[0]"]``, from -1, as after slow
-            sliding backwards, to 1; 0 is undeflected).
+        sliding backwards, to 1; 0 is undeflected).
     sensor : dict, optional
         Effects of the sensors. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
         forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Otherwise a dict of effects: ``dict(offset=0.0,
