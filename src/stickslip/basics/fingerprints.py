@@ -215,16 +215,17 @@ def _function(walk: _Walk, function: Any) -> None:
     walk.several("defaults", function.__defaults__ or ())
     walk.named("keywords", function.__kwdefaults__ or {})
     names = _code(walk, function.__code__)
-    walk.several("closure", (_cell(cell) for cell in function.__closure__ or ()))
+    walk.several("closure", (content_of(cell) for cell in function.__closure__ or ()))
     walk.named("attributes", {name: value for name, value in vars(function).items() if name not in ("__wrapped__", "__doc__")})
     _globals(walk, function, names)
 
 
-def _cell(cell: Any) -> Any:
+def content_of(cell: Any, empty: Any = ...) -> Any:
+    """The value in a cell of a closure, or `empty` where its name is bound later."""
     try:
         return cell.cell_contents
-    except ValueError:  # empty: a name that is bound later
-        return ...
+    except ValueError:
+        return empty
 
 
 @dataclass(frozen=True)
@@ -373,9 +374,14 @@ def _class(walk: _Walk, cls: Any) -> None:
                 walk.of(part)
 
 
+def within_descriptor(part: Any) -> Any:
+    """The function in a property, a method of a class or a cached property; anything else as it is."""
+    return getattr(part, "fget", None) or getattr(part, "__func__", None) or getattr(part, "func", None) or part
+
+
 def _is_changed(part: Any, base: type) -> bool:
     """Whether a part of a class of this package is a function that somebody else put there, or a number."""
-    inner = getattr(part, "fget", None) or getattr(part, "__func__", None) or getattr(part, "func", None) or part
+    inner = within_descriptor(part)
     if isinstance(inner, types.FunctionType):
         return not is_of_library(inner)
     return isinstance(part, (int, float, np.ndarray))

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.fingerprints import is_of_library
+from stickslip.basics.fingerprints import content_of, is_of_library, within_descriptor
 
 _MOST, _LARGEST = 1500, 4096  # objects that are searched; numbers of an array
 _NOTHING = object()  # where a name is not defined
@@ -93,7 +93,7 @@ class References:
             if not all(map(is_, map(mapping.get, names, repeat(_NOTHING)), values)):
                 return False
         for cell, value in self._cells:
-            if _content(cell) is not value:
+            if content_of(cell, _NOTHING) is not value:
                 return False
         for function, code, defaults, keywords in self._functions:
             if function.__code__ is not code or function.__defaults__ is not defaults or function.__kwdefaults__ is not keywords:
@@ -213,7 +213,7 @@ class References:
         if vars(function):
             self._search(vars(function))
         for cell in function.__closure__ or ():
-            content = _content(cell)
+            content = content_of(cell, _NOTHING)
             self._cells.append((cell, content))
             if content is not _NOTHING:
                 self._search(content)
@@ -253,20 +253,13 @@ class References:
             self._value(held[name], attributes)
 
 
-def _content(cell: Any) -> Any:
-    try:
-        return cell.cell_contents
-    except ValueError:  # a name that is bound later
-        return _NOTHING
-
-
 def _is_pure(module: str | None) -> bool:
     return str(module or "builtins").partition(".")[0] in _PURE and not str(module).startswith("numpy.random")
 
 
 def _is_changed(part: Any) -> bool:
     """Whether a part of a class of this package is a function that somebody else put there."""
-    inner = getattr(part, "fget", None) or getattr(part, "__func__", None) or getattr(part, "func", None) or part
+    inner = within_descriptor(part)
     own = ("stickslip", "typing", "dataclasses")
     return isinstance(inner, types.FunctionType) and not str(inner.__globals__.get("__name__")).startswith(own)
 
