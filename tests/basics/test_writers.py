@@ -202,7 +202,8 @@ def fill_up(name, folder):
     size, kept = path.stat().st_size, b"old" if name == "command.json" else path.read_bytes()
     assert size > 500
     temporary = _litter()
-    for room in sorted({0, 1, 100, size // 3, size // 2, size - 1}):
+    nearly = size - (100 if name.endswith(".xlsx") else 1)  # a workbook holds its time, and packs it into some bytes more or less
+    for room in sorted({0, 1, 100, size // 3, size // 2, nearly}):
         if name == "command.json" and not path.exists():
             path.write_bytes(kept)
         with room_for(room), pytest.raises(ss.StickslipError, match=r"cannot write|not be written") as refused:

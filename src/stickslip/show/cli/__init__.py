@@ -51,7 +51,7 @@ def _done(words: list[str]) -> int:
     try:
         return contextvars.copy_context().run(_dispatch, words)  # the permissions of one command do not apply to the next
     except InputError as error:
-        return _say(str(error), 2)
+        return _say(_with_its_place(error), 2)
     except StickslipError as error:
         return _say(str(error), 1)
     except KeyboardInterrupt as pressed:
@@ -67,6 +67,14 @@ def _done(words: list[str]) -> int:
         if yours := in_your_code(error):
             return _say(yours, 2)
         return _say(f"{type(error).__name__}: {error}\nThis is an error of stickslip itself; set STICKSLIP_TRACEBACK=1 to see where", 1)
+
+
+def _with_its_place(error: InputError) -> str:
+    """What is wrong, and where in the user's own code if an exception there is the cause."""
+    from stickslip.show.cli.user_errors import in_your_code
+
+    yours = in_your_code(error.__cause__) if error.__cause__ is not None else None
+    return f"{error}\n{yours}" if yours else str(error)
 
 
 def _say(sentence: str, code: int) -> int:
