@@ -110,7 +110,7 @@ def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]
     made = inspect.unwrap(make)
     hints = _hints(made) if hasattr(made, "__annotations__") and hasattr(made, "__globals__") else {}
     extras = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
-    return {name: told for name, found in extras.items() for told in found if isinstance(told, Mapping)}
+    return {name: description for name, annotations in extras.items() for description in annotations if isinstance(description, Mapping)}
 
 
 def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
@@ -122,8 +122,11 @@ def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems:
 @functools.lru_cache(maxsize=64)
 def _rules(make: Callable[..., Any]) -> dict[str, tuple[Any, str, str, str | None]]:
     """Rules for the numbers among a maker's arguments: rule, its description, an example, and the unit."""
-    described = {name: told for name, told in described_arguments(make).items() if told}
-    return {n: (told.get("rule"), allowed_in(told), f"{n}={example_of(told)}", told.get("unit")) for n, told in described.items()}
+    described = {name: description for name, description in described_arguments(make).items() if description}
+    return {
+        n: (description.get("rule"), allowed_in(description), f"{n}={example_of(description)}", description.get("unit"))
+        for n, description in described.items()
+    }
 
 
 def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
@@ -197,20 +200,20 @@ def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dic
     hints = _hints(function)
     more = next((p.name for p in inspect.signature(function).parameters.values() if p.kind is p.VAR_KEYWORD), None)
     values = {name: value for name, value in given.items() if name != more}
-    found = [(name, value, hints[name]) for name, value in values.items() if name in hints]
-    found += [(name, value, hints[more]) for name, value in given.get(more, {}).items() if more in hints] if more else []
-    return [f"{name} = {_short(value)}; allowed is {_words(hint)}" for name, value, hint in found if not _fits(value, hint)]
+    annotated = [(name, value, hints[name]) for name, value in values.items() if name in hints]
+    annotated += [(name, value, hints[more]) for name, value in given.get(more, {}).items() if more in hints] if more else []
+    return [f"{name} = {_short(value)}; allowed is {_words(hint)}" for name, value, hint in annotated if not _fits(value, hint)]
 
 
 @functools.lru_cache(maxsize=256)
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     """The annotations, without those that cannot be evaluated."""
     function = inspect.unwrap(function)  # a wrapper's annotations are evaluated among the names of what it wraps
-    found = {}
+    hints = {}
     for name, text in function.__annotations__.items():
         with contextlib.suppress(NameError, AttributeError, TypeError):
-            found[name] = eval(text, {}, _Names(function.__globals__)) if isinstance(text, str) else text
-    return found
+            hints[name] = eval(text, {}, _Names(function.__globals__)) if isinstance(text, str) else text
+    return hints
 
 
 class _Names(dict[str, Any]):

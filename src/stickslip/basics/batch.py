@@ -244,5 +244,5 @@ def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:
         if same(a, b) or field.endswith("notes") or (callable(a) and callable(b) and not is_class):
             continue
         a, b = (a.__name__, b.__name__) if is_class and a and b else (repr(a), repr(b))
-        told = f"{field or 'the model'} is {a} for one and {b} for another"
-        raise InputError(what, [f"the maker returns models of several kinds: {told}; allowed is one kind; give each kind by itself"])
+        difference = f"{field or 'the model'} is {a} for one and {b} for another"
+        raise InputError(what, [f"the maker returns models of several kinds: {difference}; allowed is one kind; give each kind by itself"])

@@ -56,5 +56,5 @@ class CodedWords:
         return CodedWords(codes, table)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
-        found = np.array(self.table or ("",))[self.codes]
-        return found if dtype is None else found.astype(dtype)
+        words = np.array(self.table or ("",))[self.codes]
+        return words if dtype is None else words.astype(dtype)

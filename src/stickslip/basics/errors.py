@@ -75,8 +75,8 @@ class SolveError(StickslipError, RuntimeError):
     `status` is its number among those of `stickslip.basics.status.Status`, where the solver knows one.
     """
 
-    def __init__(self, told: str = "", status: int | None = None):
-        super().__init__(told)
+    def __init__(self, message: str = "", status: int | None = None):
+        super().__init__(message)
         self.status = status
 
 

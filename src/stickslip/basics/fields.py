@@ -212,7 +212,7 @@ class Frozen:
         """Create an empty record after checking the names of the arguments."""
         names, needed = _names_of(cls.__init__)
         if args or kwargs:  # copying makes an empty one first
-            fits = kwargs.keys() <= names and all(place < len(args) or name in kwargs for place, name in needed)
+            fits = kwargs.keys() <= names and all(position < len(args) or name in kwargs for position, name in needed)
             if not fits:
                 check_arguments(cls.__name__, arguments_of(cls), args, kwargs, lambda: _descriptions_in(cls))
         return super().__new__(cls)
@@ -248,8 +248,8 @@ class Frozen:
             return
         if str(field.type).startswith("float |") and not isinstance(values, tuple):
             if isinstance(values, list):
-                told = f"{field.name} = {values!r} is a list; a tuple means one for each part, an array means cases"
-                problems.add(f"{told}; type {field.name}={tuple(values)!r}")
+                mistake = f"{field.name} = {values!r} is a list; a tuple means one for each part, an array means cases"
+                problems.add(f"{mistake}; type {field.name}={tuple(values)!r}")
             else:
                 self._take(field, problems)
             return
@@ -303,9 +303,9 @@ def _taken(cls: Any) -> tuple[tuple[dataclasses.Field[Any], str], ...]:
 @functools.lru_cache(maxsize=4096)
 def _rule_of(field: dataclasses.Field[Any]) -> tuple[Any, str, str, str | None]:
     """The rule for a number of a field: its test, description, example and unit."""
-    told, several = field.metadata, is_tuple_field(field)
-    allowed = allowed_in(told, "None" in str(field.type) and not several)
-    return told.get("rule"), allowed, f"{field.name}={example_of(told, several)}", told.get("unit")
+    description, several = field.metadata, is_tuple_field(field)
+    allowed = allowed_in(description, "None" in str(field.type) and not several)
+    return description.get("rule"), allowed, f"{field.name}={example_of(description, several)}", description.get("unit")
 
 
 def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
@@ -357,24 +357,24 @@ def check_arguments(
     problems.check()
 
 
-def _example_in(told: Mapping[str, Any]) -> str:
+def _example_in(description: Mapping[str, Any]) -> str:
     """An example of a number; dots if it has no description."""
-    return example_of(told) if told.get("example") is not None else "..."
+    return example_of(description) if description.get("example") is not None else "..."
 
 
 def _changed(part: Any, changes: dict[str, Any]) -> Any:
     """A part with some of its fields changed; in a tuple of parts or numbers the changes are selected by position."""
     if isinstance(part, tuple):
-        found = list(part)
-        for place, sub in _by_head(changes).items():
-            found[int(place)] = _changed(part[int(place)], sub.changes) if isinstance(sub, _Sub) else sub
-        return tuple(found)
+        parts = list(part)
+        for position, sub in _by_head(changes).items():
+            parts[int(position)] = _changed(part[int(position)], sub.changes) if isinstance(sub, _Sub) else sub
+        return tuple(parts)
     return part.replace(changes) if hasattr(part, "replace") else dataclasses.replace(part, **changes)
 
 
 def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """The changes with every name expanded to single fields or numbers."""
-    found: dict[str, Any] = {}
+    expanded: dict[str, Any] = {}
     for path, value in changes.items():
         meant: tuple[str, ...] = (path,)
         try:
@@ -384,10 +384,10 @@ def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> di
             if not meant:
                 problems.include(error)
         for name in meant:
-            if name in found:
+            if name in expanded:
                 problems.add(f"{name} is given twice, once by {path!r}; leave one of the two out")
-            found[name] = value
-    return found
+            expanded[name] = value
+    return expanded
 
 
 @dataclasses.dataclass
@@ -422,9 +422,9 @@ def _look_up(record: Any, path: str, given: Any) -> Any:
 
 def _of_parts(record: Any, path: str) -> str:
     """A suggestion for a number of a part that is given without the part's name; empty if no part has it."""
-    found = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
-    typed = " or ".join(f'replace({{"{name}": ...}})' for name in found[:3])
-    return f"{found[0].rpartition('.')[0]} has it; type {typed}" if found else ""
+    owners = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
+    typed = " or ".join(f'replace({{"{name}": ...}})' for name in owners[:3])
+    return f"{owners[0].rpartition('.')[0]} has it; type {typed}" if owners else ""
 
 
 def _descriptions_in(cls: Any) -> dict[str, Mapping[str, Any]]:
@@ -516,23 +516,23 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str
 
     A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind.
     """
-    found: list[tuple[str, Any]] = [(prefix + "__class__", type(record))] if kinds else []
+    numbers: list[tuple[str, Any]] = [(prefix + "__class__", type(record))] if kinds else []
     for name, full, holds in _named_plan(type(record), prefix):  # type: ignore[arg-type]
         value = getattr(record, name)
         if type(value) is float and holds == "number":  # the usual case, without further checks
-            found.append((full, value))
+            numbers.append((full, value))
         elif is_record(value):
-            found += leaves(value, f"{full}.", kinds)
+            numbers += leaves(value, f"{full}.", kinds)
         elif _are_records(value):
             for i, part in enumerate(value):
-                found += leaves(part, f"{full}.{i}.", kinds)
+                numbers += leaves(part, f"{full}.{i}.", kinds)
         elif holds == "numbers" and isinstance(value, tuple):
-            found += [(f"{full}.{i}", v) for i, v in enumerate(value)]
+            numbers += [(f"{full}.{i}", v) for i, v in enumerate(value)]
         elif holds == "named":
-            found += [(prefix + own, v) for own, v in value.items()]
+            numbers += [(prefix + own, v) for own, v in value.items()]
         elif (holds != "kind" and value is not None) or kinds:
-            found.append((full, value))
-    return found
+            numbers.append((full, value))
+    return numbers
 
 
 def _holds_symbols(record: Any) -> bool:
@@ -570,16 +570,16 @@ def field_description(record: Any, name: str) -> Mapping[str, Any]:
     >>> field_description(ss.Chain.example(), "link.stiffness")["label"]
     'stiffness of the spring'
     """
-    told: Mapping[str, Any] = {}
-    held: Mapping[str, Any] = {}
-    for place in name.split("."):
-        if place.isdigit():
-            record = record[int(place)] if isinstance(record, tuple) else record
+    description: Mapping[str, Any] = {}
+    outer: Mapping[str, Any] = {}
+    for step in name.split("."):
+        if step.isdigit():
+            record = record[int(step)] if isinstance(record, tuple) else record
             continue
         own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
-        told, record = own.get(place, {}), getattr(record, place, None)
-        held = told if "words" in told else held
-    return description_inside(told, held)
+        description, record = own.get(step, {}), getattr(record, step, None)
+        outer = description if "words" in description else outer
+    return description_inside(description, outer)
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
@@ -606,13 +606,13 @@ def _beside_fields(record: Any) -> dict[str, Any]:
     cls: Any = type(record)
     plan = _plan(cls)
     names = {name for name, _ in plan}
-    beside = {n: v for n, v in getattr(record, "__dict__", {}).items() if n not in names and not _is_cached(cls, n)}
-    lost = [*beside, *_derived(cls)]
+    extras = {n: v for n, v in getattr(record, "__dict__", {}).items() if n not in names and not _is_cached(cls, n)}
+    lost = [*extras, *_derived(cls)]
     if lost and any(holds != "kind" for _, holds in plan):
-        told = f"sets {', '.join(lost)} when it is made, which would stay as it is when its numbers are replaced"
+        mistake = f"sets {', '.join(lost)} when it is made, which would stay as it is when its numbers are replaced"
         what = "compute it in the method that needs it, or make it an argument: a field with float"
-        raise InputError(cls.__name__, [f"{told}; {what}"])
-    return beside
+        raise InputError(cls.__name__, [f"{mistake}; {what}"])
+    return extras
 
 
 def _is_cached(cls: type, name: str) -> bool:

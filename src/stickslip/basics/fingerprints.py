@@ -97,10 +97,10 @@ _ON_HEAP, _UNCHANGEABLE = 1 << 9, 1 << 8  # flags of classes: those that are wri
 
 def _is_there(cls: type) -> bool:
     """Whether a class is what its module has under its name."""
-    place: Any = sys.modules.get(cls.__module__)
+    owner: Any = sys.modules.get(cls.__module__)
     for name in cls.__qualname__.split("."):
-        place = getattr(place, name, None)
-    return place is cls
+        owner = getattr(owner, name, None)
+    return owner is cls
 
 
 def _is_library(module: Any) -> bool:
@@ -143,12 +143,12 @@ class _Walk:
         outer, self.hash = self.hash, hashlib.sha256()
         try:
             next(write for test, write in _KINDS if test(thing))(self, thing)
-            found = self.hash.hexdigest()
+            digest = self.hash.hexdigest()
         finally:
             self.hash = outer
             del self._inside[key]
-        self._read[key] = found, thing
-        return found
+        self._read[key] = digest, thing
+        return digest
 
     def several(self, word: str, things: Iterable[Any]) -> None:
         """Write objects in their order."""

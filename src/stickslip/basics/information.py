@@ -71,8 +71,8 @@ class Information:
         lost = values <= self.singular * values.max(initial=0.0)
         if self.prior is None or not len(self.prior):
             return values, directions, lost
-        told = np.where(lost, 0.0, values)[:, None] * directions
-        values, directions = decomposed(np.concatenate([told, _without_traces(self.prior / self._sizes, directions[lost])]))
+        determined = np.where(lost, 0.0, values)[:, None] * directions
+        values, directions = decomposed(np.concatenate([determined, _without_traces(self.prior / self._sizes, directions[lost])]))
         return values, directions, values <= _EXACT * values.max(initial=0.0)
 
     @cached_property
@@ -114,10 +114,10 @@ class Information:
 
     def marked(self, covariance: Any) -> Any:
         """A covariance with infinite variance for the undetermined parameters, and no (NaN) covariance with others."""
-        found = np.array(covariance)
-        found[self.undetermined] = found[:, self.undetermined] = np.nan
-        found[np.diag_indices(len(found))] = np.where(self.undetermined, np.inf, np.diag(found))
-        return found
+        marked = np.array(covariance)
+        marked[self.undetermined] = marked[:, self.undetermined] = np.nan
+        marked[np.diag_indices(len(marked))] = np.where(self.undetermined, np.inf, np.diag(marked))
+        return marked
 
     def errors(self, scale: float = 1.0) -> Any:
         """Standard errors of the parameters; infinite where they are undetermined."""
@@ -126,7 +126,7 @@ class Information:
     @cached_property
     def groups(self) -> list[tuple[list[int], Any]]:
         """Parameters that are undetermined together, and their undetermined directions per unit of each: (numbers, array of rows)."""
-        left, found = [int(k) for k in np.flatnonzero(self.undetermined)], []
+        left, groups = [int(k) for k in np.flatnonzero(self.undetermined)], []
         while left:
             group = {left[0]}
             while more := {j for j in left if j not in group and any(abs(self.projector[i, j]) > PART**2 for i in group)}:
@@ -135,8 +135,8 @@ class Information:
             inside = np.linalg.svd(self.directions[:, members])
             rows = inside[2][: len(inside[1])][inside[1] > 0.5]
             sizes = self._sizes[members]
-            found.append((members, rows / np.where(np.isfinite(sizes), sizes, 1.0)))
-        return found
+            groups.append((members, rows / np.where(np.isfinite(sizes), sizes, 1.0)))
+        return groups
 
 
 def _without_traces(rows: Any, lost: Any) -> Any:

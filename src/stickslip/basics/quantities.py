@@ -114,8 +114,8 @@ def quantity(
     stickslip.basics.errors.InputError: Pad: width = -1.0; allowed is a positive length [m]; type for example width=0.02
     """
     _check(label, unit, symbol, example, rule, allowed, range, shown)
-    told = {"symbol": symbol, "rule": rule, "allowed": allowed, "range": range, "shown": shown}
-    return {"label": label, "unit": unit, "example": example, **{name: value for name, value in told.items() if value}}
+    optional = {"symbol": symbol, "rule": rule, "allowed": allowed, "range": range, "shown": shown}
+    return {"label": label, "unit": unit, "example": example, **{name: value for name, value in optional.items() if value}}
 
 
 def _check(label: Any, unit: Any, symbol: Any, example: Any, rule: Any, allowed: Any, range: Any, shown: Any) -> None:
@@ -138,17 +138,17 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def allowed_in(told: Mapping[str, Any], optional: bool = False) -> str:
+def allowed_in(description: Mapping[str, Any], optional: bool = False) -> str:
     """The allowed values of a number, in words."""
-    unit, rule = str(told.get("unit", "1")), told.get("rule")
+    unit, rule = str(description.get("unit", "1")), description.get("rule")
     kind = _KINDS.get(unit, "number")
-    words = told.get("allowed") or (rule.words.format(kind=kind) if rule else "a finite number")
+    words = description.get("allowed") or (rule.words.format(kind=kind) if rule else "a finite number")
     return words + (f" [{unit}]" if unit not in ("1", "") and "[" not in words else "") + (", or None" if optional else "")
 
 
-def example_of(told: Mapping[str, Any], several: bool = False) -> str:
+def example_of(description: Mapping[str, Any], several: bool = False) -> str:
     """An example of a number, or of several."""
-    example = told.get("example", (0.5, 0.5) if several else 1.0)
+    example = description.get("example", (0.5, 0.5) if several else 1.0)
     return f"{example:.6g}" if isinstance(example, float) else str(example)
 
 
@@ -166,19 +166,21 @@ def holding(words: Mapping[str, str], units: Mapping[str, str] | None = None) ->
     return {"words": words, "units": units or {}}
 
 
-def description_inside(told: Mapping[str, Any], held: Mapping[str, Any]) -> Mapping[str, Any]:
+def description_inside(description: Mapping[str, Any], held: Mapping[str, Any]) -> Mapping[str, Any]:
     """The description of a number within a field that was described by `holding`."""
-    if "label" not in told or not held.get("words"):
-        return told
-    label = str(told["label"])
+    if "label" not in description or not held.get("words"):
+        return description
+    label = str(description["label"])
     for word, there in held["words"].items():
         label = label.replace(word, there)
-    unit = held["units"].get(told.get("unit"))
-    kept = told if unit is None else {name: of for name, of in told.items() if name not in ("shown", "range")} | {"unit": unit}
+    unit = held["units"].get(description.get("unit"))
+    kept = (
+        description if unit is None else {name: of for name, of in description.items() if name not in ("shown", "range")} | {"unit": unit}
+    )
     return {**kept, "label": label}
 
 
-def axis_in(told: Mapping[str, Any]) -> tuple[str, str] | None:
+def axis_in(description: Mapping[str, Any]) -> tuple[str, str] | None:
     r"""The axis label of a number, and its unit; None if its field has no description.
 
     Examples
@@ -186,14 +188,14 @@ def axis_in(told: Mapping[str, Any]) -> tuple[str, str] | None:
     >>> axis_in(quantity("bristle stiffness", "N/m", r"\sigma_{0}")), axis_in({})
     (('bristle stiffness σ₀', 'N/m'), None)
     """
-    if "label" not in told:
+    if "label" not in description:
         return None
-    return f"{told['label']} {symbol_text(told.get('symbol', ''))}".rstrip(), str(told.get("unit", "1"))
+    return f"{description['label']} {symbol_text(description.get('symbol', ''))}".rstrip(), str(description.get("unit", "1"))
 
 
-def shown_factor(told: Mapping[str, Any]) -> tuple[str, float]:
+def shown_factor(description: Mapping[str, Any]) -> tuple[str, float]:
     """The unit in which a number is shown, and by what its value is multiplied for that."""
-    unit, shown = str(told.get("unit", "1")), str(told.get("shown", ""))
+    unit, shown = str(description.get("unit", "1")), str(description.get("shown", ""))
     if unit == "degrees":
         return "°", 1.0
     if not shown:
@@ -203,7 +205,7 @@ def shown_factor(told: Mapping[str, Any]) -> tuple[str, float]:
 
 def pretty_unit(unit: str) -> str:
     """A unit with its powers raised: m/s²."""
-    return re.sub(r"\^(\d)", lambda found: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(found[1])], unit)
+    return re.sub(r"\^(\d)", lambda match: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(match[1])], unit)
 
 
 #: Units that people think of in another one: a factor, and its name.
@@ -241,17 +243,17 @@ def symbol_text(latex: str) -> str:
     return re.sub(r"_\{?([^{}]+)\}?", _subscript, text)
 
 
-def _greek(found: re.Match[str]) -> str:
+def _greek(match: re.Match[str]) -> str:
     try:
-        case = "CAPITAL" if found[1][0].isupper() else "SMALL"
-        return unicodedata.lookup(f"GREEK {case} LETTER {found[1].replace('lambda', 'lamda')}")
+        case = "CAPITAL" if match[1][0].isupper() else "SMALL"
+        return unicodedata.lookup(f"GREEK {case} LETTER {match[1].replace('lambda', 'lamda')}")
     except KeyError:
-        return {"ell": "ℓ"}.get(found[1], "")
+        return {"ell": "ℓ"}.get(match[1], "")
 
 
-def _subscript(found: re.Match[str]) -> str:
-    raised = found[1].translate(_SUBSCRIPTS)
-    return raised if all(one != other for one, other in zip(raised, found[1], strict=True)) else f"_{found[1]}"
+def _subscript(match: re.Match[str]) -> str:
+    raised = match[1].translate(_SUBSCRIPTS)
+    return raised if all(one != other for one, other in zip(raised, match[1], strict=True)) else f"_{match[1]}"
 
 
 # ---- numbers that records of several packages have ----

@@ -224,9 +224,9 @@ class References:
         used = tuple(sorted(names))
         self._named.append((known, used, tuple(known.get(name, _NOTHING) for name in used)))
         for name in imported:
-            found = sys.modules.get(name)  # none for what is not imported yet, and for a name within a package
-            self.complete &= isinstance(found, types.ModuleType)
-            self._value(found, attributes | names)
+            loaded = sys.modules.get(name)  # none for what is not imported yet, and for a name within a package
+            self.complete &= isinstance(loaded, types.ModuleType)
+            self._value(loaded, attributes | names)
         for name in used:
             if name in known:
                 self._value(known[name], attributes)

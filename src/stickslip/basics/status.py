@@ -58,7 +58,7 @@ def interrupted_at(t: float) -> str:
     return f"{INTERRUPTED}{float(t):.6g} s"
 
 
-def counted(codes: Any, said: dict[int, str] = STATUS) -> dict[str, int]:
+def counted(codes: Any, sentences: dict[int, str] = STATUS) -> dict[str, int]:
     """How many there are of each code, by what it says.
 
     Examples
@@ -68,5 +68,5 @@ def counted(codes: Any, said: dict[int, str] = STATUS) -> dict[str, int]:
     """
     import numpy as np
 
-    found, counts = np.unique(codes, return_counts=True)
-    return {said.get(code, f"status {code}"): count for code, count in zip(found.tolist(), counts.tolist(), strict=True)}
+    distinct, counts = np.unique(codes, return_counts=True)
+    return {sentences.get(code, f"status {code}"): count for code, count in zip(distinct.tolist(), counts.tolist(), strict=True)}

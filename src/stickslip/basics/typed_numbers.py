@@ -59,8 +59,8 @@ def in_unit(value: Any, unit: str) -> Any:
     (0.00055, 1.7, 205.4602, 'lugre')
     """
     if isinstance(value, str):
-        found = _TYPED.fullmatch(value.replace("−", "-"))
-        return value if found is None else _converted(float(found[1]), _unit(found[2].strip(), value, unit), unit)
+        match = _TYPED.fullmatch(value.replace("−", "-"))
+        return value if match is None else _converted(float(match[1]), _unit(match[2].strip(), value, unit), unit)
     if isinstance(value, (list, tuple)) and any(isinstance(each, str) or _is_quantity(each) for each in value):
         return type(value)(in_unit(each, unit) for each in value)
     if _is_quantity(value):
@@ -105,19 +105,19 @@ def _unit(text: str, given: str, unit: str) -> Unit:
     """The unit of what was given; g is an acceleration where one is asked for, elsewhere grams."""
     wanted = unit_of(unit)
     named = "g0" if text == "g" and wanted is not None and wanted.quantity == "acceleration" else text
-    found = unit_of(named)
-    if found is None:
+    known = unit_of(named)
+    if known is None:
         raise ValueError(f"{given!r} is not a number, and {text!r} no unit that is known")
-    return found
+    return known
 
 
-def _converted(value: Any, found: Unit, unit: str) -> Any:
+def _converted(value: Any, source: Unit, unit: str) -> Any:
     """A value in one unit as a value in the other."""
     wanted = unit_of(unit)
     if wanted is None:
-        raise ValueError(f"no number in {found.text} can be taken for one in {unit}")
-    factor = 1.0 if found.powers == wanted.powers else _factor_of_cycles(found, wanted, unit)
-    factor *= found.factor / wanted.factor
+        raise ValueError(f"no number in {source.text} can be taken for one in {unit}")
+    factor = 1.0 if source.powers == wanted.powers else _factor_of_cycles(source, wanted, unit)
+    factor *= source.factor / wanted.factor
     return _rounded(value * factor) if isinstance(value, (int, float)) else value * factor
 
 
@@ -127,14 +127,14 @@ def _rounded(value: float) -> float:
     return short if abs(short - value) <= 2 * math.ulp(value) else value
 
 
-def _factor_of_cycles(found: Unit, wanted: Unit, unit: str) -> float:
+def _factor_of_cycles(source: Unit, wanted: Unit, unit: str) -> float:
     """The factor between frequency and angular frequency; an error for any other pair."""
-    pair = (found.quantity or "", wanted.quantity or "")
-    if pair in _CYCLES and not re.fullmatch(r"1?/s|s\^?-1", found.text.replace(" ", "")):
+    pair = (source.quantity or "", wanted.quantity or "")
+    if pair in _CYCLES and not re.fullmatch(r"1?/s|s\^?-1", source.text.replace(" ", "")):
         return _CYCLES[pair]
     if pair in _CYCLES:
-        raise ValueError(f"{found.text} may be Hz or rad/s; say which")
-    raise ValueError(f"{found.text} is a unit of {found.quantity or 'something else'} and no number in it can be one in {unit}")
+        raise ValueError(f"{source.text} may be Hz or rad/s; say which")
+    raise ValueError(f"{source.text} is a unit of {source.quantity or 'something else'} and no number in it can be one in {unit}")
 
 
 #: Units that are tried beside those with a prefix.
@@ -151,10 +151,10 @@ def others(unit: str) -> dict[str, float]:
     """
     wanted = unit_of(unit)
     letters = () if unit in ("1", "degrees", "kg", "rad", "rad/s", "Hz") else ("", "k", "m", "µ", "u", "n")
-    found = {}
+    examples = {}
     for other in (*(letter + unit for letter in letters), *_OTHERS):
         known = unit_of(other)
         if wanted is None or known is None or (known.powers != wanted.powers and (known.quantity, wanted.quantity) not in _CYCLES):
             continue
-        found[other] = in_unit(f"1 {other}", unit)
-    return found
+        examples[other] = in_unit(f"1 {other}", unit)
+    return examples

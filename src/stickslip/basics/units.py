@@ -77,11 +77,11 @@ def unit_of(text: str | None) -> Unit | None:
         return Unit(text.strip(), *whole)
     factor, powers = 1.0, [0] * 5
     for sign, part in _factors(plain):
-        found = _single(part)
-        if found is None:
+        single = _single(part)
+        if single is None:
             return None
-        factor *= found[0] ** sign
-        powers = [p + sign * q for p, q in zip(powers, found[1], strict=True)]
+        factor *= single[0] ** sign
+        powers = [p + sign * q for p, q in zip(powers, single[1], strict=True)]
     return Unit(text.strip(), factor, tuple(powers))
 
 
@@ -92,20 +92,20 @@ def _factors(text: str) -> list[tuple[int, str]]:
         sign, rest = -1 if boxed[1] == "/" else 1, (text[: boxed.start()] + text[boxed.end() :]).strip()
         return [*(_factors(rest) if rest else []), *((sign * inner, part) for inner, part in _factors(boxed[2]))]
     parts = re.split(r"([/*]| +(?=\w))", text)
-    found, sign = [(1, parts[0].strip())], 1
+    factors, sign = [(1, parts[0].strip())], 1
     for mark, part in zip(parts[1::2], parts[2::2], strict=True):
         sign = -1 if mark == "/" else sign if mark == "*" or not mark.strip() else 1
-        found.append((sign, part.strip()))
-    return found
+        factors.append((sign, part.strip()))
+    return factors
 
 
 def _single(text: str) -> tuple[float, tuple[int, ...]] | None:
     """One unit with its prefix and power."""
-    found = re.fullmatch(r"(g0|\D+?|1)(?:\^?(-?[1-9]))?", text)
-    if not found:
+    match = re.fullmatch(r"(g0|\D+?|1)(?:\^?(-?[1-9]))?", text)
+    if not match:
         return None
-    power = int(found[2] or 1)
-    symbol = WORDS.get(found[1]) or _prefixed(found[1]) or _long(found[1].lower())
+    power = int(match[2] or 1)
+    symbol = WORDS.get(match[1]) or _prefixed(match[1]) or _long(match[1].lower())
     return None if symbol is None else (symbol[0] ** power, tuple(power * p for p in symbol[1]))
 
 
@@ -149,9 +149,9 @@ def heading(text: str) -> tuple[str, str | None]:
     if boxed:
         return boxed[1].strip(), boxed[2].strip() or None
     for pattern in (r"(.+?)\s*\(([^()]*)\)", r"(.+?)\s+in\s+(\S+)", r"(.+?)\s*/\s*\((.*)\)", r"(.+?)\s+/\s+(\S+)", r"(\w+)\s*,\s*(\S+)"):
-        found = re.fullmatch(pattern, text)
-        if found and unit_of(found[2]) is not None:
-            return found[1].strip(), found[2].strip()
+        match = re.fullmatch(pattern, text)
+        if match and unit_of(match[2]) is not None:
+            return match[1].strip(), match[2].strip()
     return text, _at_the_end(text)
 
 

@@ -77,14 +77,14 @@ class Allowance:
     def check(self, size: float, what: str) -> None:
         """Refuse bytes that are needed for a moment alone, where they are too many."""
         if size > self.limit:
-            found = f"{what} unpacks a file of {shown(self._packed)} to {shown(size)}; allowed is {shown(self.limit)}"
-            raise InputError(self._doing, [f"{found}; if the file is to be trusted, {_typed(size)}"])
+            excess = f"{what} unpacks a file of {shown(self._packed)} to {shown(size)}; allowed is {shown(self.limit)}"
+            raise InputError(self._doing, [f"{excess}; if the file is to be trusted, {_typed(size)}"])
 
     def check_file(self) -> None:
         """Refuse a file that is itself too large."""
         if self._packed > (most := largest_file()):
-            found = f"the file has {shown(self._packed)}; allowed is {shown(most)}"
-            raise InputError(self._doing, [f"{found}; cut it, or {_typed(self._packed)}"])
+            excess = f"the file has {shown(self._packed)}; allowed is {shown(most)}"
+            raise InputError(self._doing, [f"{excess}; cut it, or {_typed(self._packed)}"])
 
 
 def _typed(size: float) -> str:

@@ -39,19 +39,19 @@ def moved_into_place(path: Path, failed: Failed, new: bool = False, ending: str 
         End of the temporary name; by default that of `path`.
     """
     target = Path(os.path.realpath(path)) if path.is_symlink() else path
-    beside = target.with_name(f".{target.name}.{secrets.token_hex(6)}{target.suffix if ending is None else ending}")
+    part = target.with_name(f".{target.name}.{secrets.token_hex(6)}{target.suffix if ending is None else ending}")
     try:
         _check_target(path, target)
-        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o664))  # not for everybody to change, whatever the umask
-        yield beside
-        _place(beside, target, new)
+        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o664))  # not for everybody to change, whatever the umask
+        yield part
+        _place(part, target, new)
     except FileExistsError as error:
         raise error if new else failed(path, error) from None
     except OSError as error:
         raise failed(path, error) from None
     finally:
         with contextlib.suppress(OSError):
-            beside.unlink()
+            part.unlink()
 
 
 @contextlib.contextmanager
@@ -65,8 +65,8 @@ def whole_file(path: Path, failed: Failed, new: bool = False) -> Iterator[Binary
     >>> Path("numbers.txt").read_text()
     '1 2 3'
     """
-    with moved_into_place(path, failed, new, PART) as beside:
-        file = beside.open("w+b")
+    with moved_into_place(path, failed, new, PART) as part:
+        file = part.open("w+b")
         try:
             yield cast(BinaryIO, file)
             file.flush()
@@ -108,11 +108,11 @@ def _check_target(path: Path, target: Path) -> None:
         raise PermissionError(errno.EACCES, "it is there already and must not be changed")
 
 
-def _place(beside: Path, target: Path, new: bool) -> None:
+def _place(part: Path, target: Path, new: bool) -> None:
     """Move a whole file to its place, with the permissions of the one that stood there."""
     if new:
         try:
-            os.link(beside, target)
+            os.link(part, target)
             return
         except FileExistsError:
             raise
@@ -121,8 +121,8 @@ def _place(beside: Path, target: Path, new: bool) -> None:
                 raise FileExistsError(errno.EEXIST, "it is there already") from None
     elif target.exists():
         with contextlib.suppress(OSError):
-            os.chmod(beside, target.stat().st_mode & 0o777)
-    os.replace(beside, target)
+            os.chmod(part, target.stat().st_mode & 0o777)
+    os.replace(part, target)
 
 
 class Deferred(io.RawIOBase):
@@ -169,9 +169,9 @@ class Deferred(io.RawIOBase):
         """Write bytes."""
         return int(self._tried(lambda: self._file.write(data), len(data)))
 
-    def seek(self, place: int, whence: int = 0) -> int:
+    def seek(self, offset: int, whence: int = 0) -> int:
         """Go to a place."""
-        return int(self._tried(lambda: self._file.seek(place, whence), place))
+        return int(self._tried(lambda: self._file.seek(offset, whence), offset))
 
     def tell(self) -> int:
         """The place."""

@@ -106,8 +106,8 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _check(rows: int, columns: int, doing: str) -> None:
     if rows >= _ROWS or columns > _COLUMNS:
-        told = f"a sheet of Excel holds {_ROWS - 1} rows and {_COLUMNS} columns, and this is {rows} rows and {columns} columns"
-        raise InputError(doing, [f"{told}; type a .csv, .nc or .parquet path, or give a part of it"])
+        limit = f"a sheet of Excel holds {_ROWS - 1} rows and {_COLUMNS} columns, and this is {rows} rows and {columns} columns"
+        raise InputError(doing, [f"{limit}; type a .csv, .nc or .parquet path, or give a part of it"])
 
 
 def _cell(value: Any) -> Any:

@@ -44,7 +44,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
     first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
     held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
     free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
-    told, closed = _columns(mechanics.offset_rates(t), t), _closed(mechanics, t, q, u)
+    prescribed, closed = _columns(mechanics.offset_rates(t), t), _closed(mechanics, t, q, u)
     asking: dict[int, Callable[[Array], Array]] = {}
     for i, law in enumerate(mechanics.laws):
         own, first = tuple(memory[first : first + law.modes]), first + law.modes
@@ -53,7 +53,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
         inner, rates = (tuple(of[:, i] for of in states[: law.states]) for states in (z, zdot))
         if law.needs_applied:
             asking[i] = partial(law.force, slip, inner, rates, loads[:, i], own)
-            R[:, i] = asking[i](_left(mechanics, i, [c for c, g in enumerate(mechanics.directions[i]) if g], free, told, R))
+            R[:, i] = asking[i](_left(mechanics, i, [c for c, g in enumerate(mechanics.directions[i]) if g], free, prescribed, R))
         else:
             R[:, i] = law.resolved(law.least_creep(scale, mechanics.difference(i)), slip, inner, rates, loads[:, i], own)
         if law.flies:  # its states are the gap and the gap's rate
@@ -64,7 +64,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
         for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed stop joins the bodies at its ends
             ends = [c for c, h in enumerate(stop.direction) if h]
             if len(ends) > 1 and any(mechanics.directions[i][c] for c in ends):
-                R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, told, R)), R[:, i])
+                R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, prescribed, R)), R[:, i])
     pressed = np.zeros(closed.shape)
     if np.any(resting) or np.any(closed):
         _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
@@ -73,10 +73,10 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
 
 
-def _left(mechanics: Mechanics, i: int, coordinates: list[int], free: Array, told: Array, R: Array) -> Array:
+def _left(mechanics: Mechanics, i: int, coordinates: list[int], free: Array, prescribed: Array, R: Array) -> Array:
     """The friction force that keeps the slip of a contact constant if these coordinates move as one [N]."""
     others = sum(R[:, k] for k, g in enumerate(mechanics.directions) if k != i and any(g[c] for c in coordinates))
-    return sum(mechanics.masses[c] * (free[:, c] + told[:, i]) for c in coordinates) - (others if len(coordinates) > 1 else 0.0)
+    return sum(mechanics.masses[c] * (free[:, c] + prescribed[:, i]) for c in coordinates) - (others if len(coordinates) > 1 else 0.0)
 
 
 def _columns(rows: Any, t: Array) -> Array:
@@ -116,16 +116,16 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
     free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
-    told = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
-    push = free @ g.T + _columns(told, t)  # rates of the slips and gaps without the unknown forces
+    prescribed = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
+    push = free @ g.T + _columns(prescribed, t)  # rates of the slips and gaps without the unknown forces
     for pattern in np.unique(resting, axis=0):
         (held,) = np.nonzero(pattern)
         at = np.all(resting == pattern, axis=1)
         if len(held):
             bear = held[held < contacts]
-            found = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, bear)], bear)
-            R[np.ix_(at, bear)] = found[:, : len(bear)]
-            pressed[np.ix_(at, held[held >= contacts] - contacts)] = found[:, len(bear) :]
+            multipliers = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, bear)], bear)
+            R[np.ix_(at, bear)] = multipliers[:, : len(bear)]
+            pressed[np.ix_(at, held[held >= contacts] - contacts)] = multipliers[:, len(bear) :]
 
 
 def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:

@@ -62,7 +62,7 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
     ['period', 'masses', 'load', 'acceleration', 'contact velocity', 'sliding', 'breakaway']
     """
     single = m.bodies == ("body",) and m.contacts == ("contact",)
-    found: dict[str, Callable[[], Any]] = {
+    functions: dict[str, Callable[[], Any]] = {
         "period": lambda: (m.period,),
         "masses": lambda: m.masses,
         "load" if single else "loads": lambda: m.loads(at.t, at.q),
@@ -70,25 +70,25 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
         "contact velocity" if single else "slips": lambda: m.slips(at.t, at.u),
     }
     for i, law in enumerate(m.laws):
-        found |= _of_law(law, "" if single else f" of {m.contacts[i]!r}", at.slips[i], at.loads[i], at.inner[i], at.memories[i])
+        functions |= _of_law(law, "" if single else f" of {m.contacts[i]!r}", at.slips[i], at.loads[i], at.inner[i], at.memories[i])
     for stop in m.stops:
-        found[f"stop {stop.name!r}"] = partial(_of_stop, stop, at)
+        functions[f"stop {stop.name!r}"] = partial(_of_stop, stop, at)
     if m.controllers.count:
-        found["rates of the controllers"] = lambda: m.control_rates(at.t, at.q, at.u, at.controlled)
-        found["samples of the controllers"] = lambda: m.control_sampled(at.t, at.q, at.u, at.controlled)
-        found["starts of the controllers"] = lambda: m.control_start(at.t, at.q, at.u)
-    return found
+        functions["rates of the controllers"] = lambda: m.control_rates(at.t, at.q, at.u, at.controlled)
+        functions["samples of the controllers"] = lambda: m.control_sampled(at.t, at.q, at.u, at.controlled)
+        functions["starts of the controllers"] = lambda: m.control_start(at.t, at.q, at.u)
+    return functions
 
 
 def _of_law(law: LawAdapter, of: str, w: Any, load: Any, z: tuple[Any, ...], memory: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
     """The functions of the law of a contact."""
     if not law.dynamic:
         return {f"sliding{of}": lambda: (law.sliding(w, load),), f"breakaway{of}": lambda: law.breakaway(load)}
-    found: dict[str, Callable[[], Any]] = {
+    functions: dict[str, Callable[[], Any]] = {
         f"rate{of}": lambda: law.rate(w, z, load, memory),
         f"force{of}": lambda: (law.force(w, z, z, load, memory, load),),
     }
-    return found | {f"switches{of}": lambda: _flat(law.switches(w, z, load, memory))} if law.switching else found
+    return functions | {f"switches{of}": lambda: _flat(law.switches(w, z, load, memory))} if law.switching else functions
 
 
 def _of_stop(stop: Any, at: Arguments) -> tuple[Any, ...]:
@@ -104,7 +104,7 @@ def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
     draw, machine = random.Random(20261128), machine_of(model)
     speed, time, start = _size(machine.velocity_scale), _size(machine.time_scale), tuple(map(float, m.start))
     loads = tuple(abs(float(load)) or 1.0 for load in m.loads(0.0, m.start))
-    found = []
+    points = []
     for k in range(count):
         v = speed * (1.0, 0.03, 1.0, 10.0, 1e-4)[k % 5]
 
@@ -117,8 +117,8 @@ def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
         inner = tuple(_inner(law, load, around(1.0, law.states), v * time) for law, load in zip(m.laws, loads, strict=True))
         memories = tuple(tuple(draw.choice((-1, 0, 1)) for _ in range(law.modes)) for law in m.laws)
         held = tuple(float(scale) * d for scale, d in zip(m.controllers.scales, around(1.0, m.controllers.count), strict=True))
-        found.append(Arguments(t, q, u, forces, around(v, len(loads)), loads, inner, memories, held))
-    return found
+        points.append(Arguments(t, q, u, forces, around(v, len(loads)), loads, inner, memories, held))
+    return points
 
 
 def _inner(law: Any, load: float, parts: tuple[float, ...], size: float) -> tuple[float, ...]:
@@ -132,10 +132,10 @@ def _size(said: Any) -> float:
     return size if 0.0 < size < math.inf else 1.0
 
 
-def answers(found: Calls) -> dict[str, tuple[Any, ...] | str]:
+def answers(functions: Calls) -> dict[str, tuple[Any, ...] | str]:
     """What the functions give; the type of an error where one raises it, which is said in words where it is met again."""
     given: dict[str, tuple[Any, ...] | str] = {}
-    for name, call in found.items():
+    for name, call in functions.items():
         try:
             given[name] = tuple(call())
         except Exception as error:  # a user's function may raise what it likes
@@ -193,7 +193,7 @@ def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
     """
     what, one, other = type(model).__name__, fresh_mechanics(model), fresh_mechanics(model)
     here, there = instants(model, one, 2)
-    found = check_repeatable(what, calls(one, here), calls(one, there), calls(other, here))
+    repeated = check_repeatable(what, calls(one, here), calls(one, there), calls(other, here))
     for check in (_check_continuous, _check_braking, _check_motions):
         try:
             check(what, one, (here, there))
@@ -201,7 +201,7 @@ def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
             raise
         except Exception:  # what a user's function raises is said where it is traced, or met by the judge
             continue
-    return found
+    return repeated
 
 
 def _check_motions(what: str, m: Mechanics, points: Sequence[Arguments]) -> None:
@@ -215,9 +215,11 @@ def _check_motions(what: str, m: Mechanics, points: Sequence[Arguments]) -> None
             lambda t: m.positions(t, points[0].q), lambda t: m.velocities(t, still)
         ),
     }  # fmt: skip
-    for told, (values, rates) in pairs.items():
+    for mistake, (values, rates) in pairs.items():
         if all(_differ(values, rates, at.t * (1 + _APART), at.t * (1 - _APART)) for at in points):
-            raise InputError(what, [f"{told}; allowed are position(t), velocity(t) and acceleration(t) of one motion; override all three"])
+            raise InputError(
+                what, [f"{mistake}; allowed are position(t), velocity(t) and acceleration(t) of one motion; override all three"]
+            )
 
 
 def _differ(values: Callable[[float], Any], rates: Callable[[float], Any], later: float, earlier: float) -> bool:
@@ -260,9 +262,9 @@ def _check_braking(what: str, m: Mechanics, points: Sequence[Arguments]) -> None
             wanted = -g * one[i] / mass
             if abs(a - b - wanted) > _ROUNDED * (abs(a) + abs(b) + abs(wanted)):
                 of = "friction" if len(m.contacts) == 1 else f"friction at {name!r}"
-                told = f"{of} of {one[i]:.6g} N changes the acceleration of coordinate {c} by {a - b:.6g} m/s^2"
+                mistake = f"{of} of {one[i]:.6g} N changes the acceleration of coordinate {c} by {a - b:.6g} m/s^2"
                 allowed = f"allowed is -R/mass, {wanted:.6g}, on what the contact is on, and nothing elsewhere"
-                raise InputError(what, [f"{told}; {allowed}; {_BRAKING}"])
+                raise InputError(what, [f"{mistake}; {allowed}; {_BRAKING}"])
 
 
 _BRAKING = (

@@ -110,13 +110,13 @@ def inner_start(model: Any, x: Any = 0.0) -> Any:
     law = law_of(batch)
     try:
         start = law.start(normal_load(batch, 0.0, x))
-        found = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
+        inner = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
     except (TypeError, ValueError, ArithmeticError) as error:
         hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"
         raise InputError(law.name, [f"start(load) cannot be computed ({error}); {hint}"]) from error
-    if not np.all(np.isfinite(found)):
+    if not np.all(np.isfinite(inner)):
         raise InputError(law.name, [f"start(load) gives {start!r}; allowed are finite numbers"])
-    return found
+    return inner
 
 
 def rest_velocity(model: Any) -> Any:
@@ -139,9 +139,9 @@ def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
         return []
     T = float(model.period)
     slack = 1e-9 * T
-    found = [(k * T + float(s), jump) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
+    impulses = [(k * T + float(s), jump) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
     together: list[tuple[float, Any]] = []
-    for t, jump in sorted(((t, jump) for t, jump in found if 0.0 < t <= end + slack), key=lambda impulse: impulse[0]):
+    for t, jump in sorted(((t, jump) for t, jump in impulses if 0.0 < t <= end + slack), key=lambda impulse: impulse[0]):
         if together and t - together[-1][0] <= slack:  # jumps at one instant are one impulse
             together[-1] = (t, together[-1][1] + jump)
         else:
@@ -180,8 +180,8 @@ def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, me
     ones = np.ones_like(t)
     R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
     acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)
-    found = {"acceleration": acceleration, "friction_force": R}
-    return found | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else found
+    forces = {"acceleration": acceleration, "friction_force": R}
+    return forces | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else forces
 
 
 def _of_the_drive(model: Any, t: Any, acceleration: Any, ones: Any) -> dict[str, Any]:

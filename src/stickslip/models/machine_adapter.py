@@ -74,9 +74,9 @@ class MachineAdapter:
         {'body': ('module 1', 'module 2'), 'contact': ('module 1', 'module 2')}
         """
         m = self.mechanics
-        found = {"body": m.bodies, "contact": m.contacts, "stop": tuple(name for name, _ in m.named_stops)}
+        parts = {"body": m.bodies, "contact": m.contacts, "stop": tuple(name for name, _ in m.named_stops)}
         own = self.own
-        return {dim: names for dim, names in found.items() if names and dim not in own}
+        return {dim: names for dim, names in parts.items() if names and dim not in own}
 
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
@@ -188,8 +188,8 @@ class MachineAdapter:
         if own is not None:
             return list(own)
         mechanics = self.mechanics
-        found = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
-        return [note if self.is_single else f"{name}: {note}" for name, law, load in found for note in law.notes(load)]
+        contacts = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
+        return [note if self.is_single else f"{name}: {note}" for name, law, load in contacts for note in law.notes(load)]
 
     @property
     def input(self) -> tuple[Any, dict[str, Any]] | None:

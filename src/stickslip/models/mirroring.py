@@ -50,13 +50,13 @@ def mirrored(robot: Model) -> Any:
     >>> ss.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
     True
     """
-    found = _image(robot)
-    wrong = _unmirrored(robot, found) if machine_of(robot).is_single else ""
+    image = _image(robot)
+    wrong = _unmirrored(robot, image) if machine_of(robot).is_single else ""
     if wrong:
         why = f"the mirror images of its parts do not make up its mirror image: {wrong} is another one"
         allowed = "allowed are machines that drive, friction and track define completely"
         raise InputError(type(robot).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
-    return found
+    return image
 
 
 def _image(model: Any) -> Any:
@@ -77,18 +77,18 @@ def _turned(drive: Any) -> Any:
     return own() if callable(own) else drive.drive if isinstance(drive, Reversed) else Reversed(drive)
 
 
-def _unmirrored(model: Any, found: Any) -> str:
+def _unmirrored(model: Any, image: Any) -> str:
     """The part of a machine of one body that is not mirrored, tested at a few instants; "" if there is none."""
-    law, other, T = law_of(model), law_of(found), machine_of(model).time_scale or 1.0
+    law, other, T = law_of(model), law_of(image), machine_of(model).time_scale or 1.0
     for s, v, x in _MOMENTS:
-        t, w, back = s * T, model.contact_velocity(v), found.contact_velocity(-v)
-        N, there = normal_load(model, t, x), normal_load(found, t, -x)
+        t, w, back = s * T, model.contact_velocity(v), image.contact_velocity(-v)
+        N, there = normal_load(model, t, x), normal_load(image, t, -x)
         size = N / model.total_mass
         if not _opposite(N, -there):
             return "the load"
         if not _opposite(w, back, machine_of(model).velocity_scale):
             return "the velocity at the contact"
-        if not _opposite(model.acceleration(t, x, v, 0.1 * N), found.acceleration(t, -x, -v, -0.1 * N), size):
+        if not _opposite(model.acceleration(t, x, v, 0.1 * N), image.acceleration(t, -x, -v, -0.1 * N), size):
             return "the acceleration"
         if not law.dynamic and not _opposite(law.sliding(w, N), other.sliding(-w, N), N):
             return "the sliding friction"

@@ -48,18 +48,18 @@ def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
     (('angular frequency (modules.1) ω', 'rad/s'), ('angular frequency ω', 'rad/s'))
     """
     name = next(iter(meant), str(name)) if len(meant := _meant(make, str(name))) == 1 else str(name)
-    told = _with_part(described(name, make), name, make)
-    return axis_in(told) or (axis_in(_of_presets().get(name, {})) if make is None or callable(make) else None)
+    description = _with_part(described(name, make), name, make)
+    return axis_in(description) or (axis_in(_of_presets().get(name, {})) if make is None or callable(make) else None)
 
 
-def _with_part(told: Mapping[str, Any], name: str, make: Any) -> Mapping[str, Any]:
+def _with_part(description: Mapping[str, Any], name: str, make: Any) -> Mapping[str, Any]:
     """The description of a number that several parts have, with the part in its label."""
-    places = name.split(".")
-    last = max((i for i, place in enumerate(places) if place.isdigit()), default=0)
-    alike = ".".join(place for place in places if not place.isdigit())
-    if not last or "label" not in told or callable(make) or len(_meant(make, alike)) < 2:
-        return told
-    return {**told, "label": f"{told['label']} ({'.'.join(places[: last + 1])})"}
+    pieces = name.split(".")
+    last = max((i for i, piece in enumerate(pieces) if piece.isdigit()), default=0)
+    alike = ".".join(piece for piece in pieces if not piece.isdigit())
+    if not last or "label" not in description or callable(make) or len(_meant(make, alike)) < 2:
+        return description
+    return {**description, "label": f"{description['label']} ({'.'.join(pieces[: last + 1])})"}
 
 
 def unit_in(name: str, make: Any = None) -> str:
@@ -124,4 +124,4 @@ def _of_presets() -> dict[str, Mapping[str, Any]]:
     from stickslip.models.presets import PRESETS
 
     makers: list[Callable[..., Any]] = list(PRESETS.values())
-    return {name: told for make in reversed(makers) for name, told in described_arguments(make).items()}
+    return {name: description for make in reversed(makers) for name, description in described_arguments(make).items()}

@@ -208,16 +208,16 @@ def dimensionless(robot: Model) -> DimensionlessRobot:
         k3=k3,
         v_s=law.v_s / (A * omega),
     )
-    found = DimensionlessRobot(mu=robot.mass_ratio, friction=friction)
-    if not _same_motion(robot, found):
+    scaled = DimensionlessRobot(mu=robot.mass_ratio, friction=friction)
+    if not _same_motion(robot, scaled):
         names = ", ".join(sorted({type(part).__name__ for part in (robot, law, robot.drive, robot.track)}))
         raise InputError("dimensionless", [f"the equations of {names} are not those of Eq. 5.1; allowed are LuGre's and Eq. 2.3"])
-    return found
+    return scaled
 
 
-def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
+def _same_motion(robot: Any, scaled: DimensionlessRobot) -> bool:
     """Whether both give the same accelerations and bristle rates at a few states (a subclass may have changed either)."""
-    A, omega, law, own = robot.drive.amplitude, robot.drive.omega, robot.friction, found.friction
+    A, omega, law, own = robot.drive.amplitude, robot.drive.omega, robot.friction, scaled.friction
     for turn, speed, share in ((0.4, 0.3, 0.2), (2.1, -0.7, 0.9), (3.3, 40.0, -0.6), (5.2, -25.0, -0.3)):
         t, v = turn / omega, speed * law.v_s
         load = robot.load(t, 0.0)
@@ -225,8 +225,8 @@ def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
         rate, w, q = law.rate(v, z, load), v / (A * omega), z / A
         own_rate = own.rate(w, q, 1.0)
         one = robot.acceleration(t, 0.0, v, law.force(v, z, rate, load)) / (A * omega**2)
-        other = found.acceleration(turn, 0.0, w, own.force(w, q, own_rate, 1.0))
-        for a, b, size in ((rate / (A * omega), own_rate, abs(w)), (one, other, found.mu + abs(other))):
+        other = scaled.acceleration(turn, 0.0, w, own.force(w, q, own_rate, 1.0))
+        for a, b, size in ((rate / (A * omega), own_rate, abs(w)), (one, other, scaled.mu + abs(other))):
             if not everywhere(abs(a - b) <= _SAME * (size + abs(a))):
                 return False
     return True

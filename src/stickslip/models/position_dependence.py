@@ -56,8 +56,8 @@ def knows_position(model: Any) -> bool:
 
 def _appears(model: Any, t: Any, v: Any, R: Any) -> bool:
     x = _Mark("x")
-    found = (normal_load(model, t, x), model.acceleration(t, x, v, R))
-    return any("x" in _names(value) or _of_objects(value) for value in found)
+    values = (normal_load(model, t, x), model.acceleration(t, x, v, R))
+    return any("x" in _names(value) or _of_objects(value) for value in values)
 
 
 def _of_objects(value: Any) -> bool:

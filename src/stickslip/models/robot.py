@@ -94,8 +94,8 @@ class Robot(Frozen):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         if several or isinstance(self.inner_mass, tuple):
             _check_masses(self.drive, self.inner_mass, problems)
-        found = common_cycles([drive.period for drive in self.drive], problems) if several and not problems.found else None
-        object.__setattr__(self, "cycles", found)
+        cycles = common_cycles([drive.period for drive in self.drive], problems) if several and not problems.found else None
+        object.__setattr__(self, "cycles", cycles)
         check_law(self.friction, problems)
         check_shape(self, problems)
 
@@ -181,10 +181,10 @@ class Robot(Frozen):
         friction varies in time, or along it.
         """
         weight = self.total_mass * self.track.across(self.gravity)
-        lift, grip, place = drive_of(self.whole_drive).vertical_acceleration, grip_of(self.track), place_grip_of(self.track)
+        lift, grip, local = drive_of(self.whole_drive).vertical_acceleration, grip_of(self.track), place_grip_of(self.track)
         force = weight if lift is None else weight + self.whole_inner_mass * lift(t)
         force = force if grip is None else force * grip(t, self.period)
-        return force if place is None else force * place(x)
+        return force if local is None else force * local(x)
 
     def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Acceleration of the body [m/s^2] (Eq. 2.3)."""
@@ -202,8 +202,10 @@ class Robot(Frozen):
     @property
     def notes(self) -> list[str]:
         """Remarks on these numbers that are not errors, such as a LuGre law that is not passive or a beam bent too far."""
-        found = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
-        return found + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self) + remarks_on_gravity(self.gravity)
+        remarks = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
+        return (
+            remarks + _beyond_friction(self.friction) + _unfolded(self) + _slides(self) + _lifted(self) + remarks_on_gravity(self.gravity)
+        )
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""

@@ -107,11 +107,11 @@ class SeveralBodies(Mechanics):
 
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
         """Coefficients of the coordinates in the distance of two bodies, or of one from the ground."""
-        found = [0.0] * len(self.groups)
-        found[self.coordinate[first]] += 1.0
+        coefficients = [0.0] * len(self.groups)
+        coefficients[self.coordinate[first]] += 1.0
         if second is not None:
-            found[self.coordinate[second]] -= 1.0
-        return tuple(found)
+            coefficients[self.coordinate[second]] -= 1.0
+        return tuple(coefficients)
 
     @cached_property
     def start(self) -> tuple[Any, ...]:
@@ -126,13 +126,13 @@ class SeveralBodies(Mechanics):
     @property
     def jumps(self) -> tuple[tuple[Any, tuple[Any, ...]], ...]:
         """Those of the bodies, each as its part of its coordinate's mass."""
-        n, found = len(self.groups), []
+        n, jumps = len(self.groups), []
         for name, body in self.parts.items():
             c = self.coordinate[name]
             part = 1.0 if len(self.groups[c]) == 1 else body.mass / self.masses[c]
-            found += [(instant, tuple(part * jump if j == c else 0.0 for j in range(n))) for instant, jump in body.jumps]
-        told = [instant for motion in self._motions for instant, _ in getattr(motion, "jumps", None) or ()]
-        return (*found, *((instant, (0.0,) * n) for instant in told))  # there slips jump, and no coordinate does
+            jumps += [(instant, tuple(part * jump if j == c else 0.0 for j in range(n))) for instant, jump in body.jumps]
+        instants = [instant for motion in self._motions for instant, _ in getattr(motion, "jumps", None) or ()]
+        return (*jumps, *((instant, (0.0,) * n) for instant in instants))  # there slips jump, and no coordinate does
 
     @property
     def breaks(self) -> tuple[Any, ...]:
@@ -217,8 +217,8 @@ class SeveralBodies(Mechanics):
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
-        told = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
-        return tuple(_offset(told, c) - _velocity(c.on, t) for c in self.joints.values())
+        velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
+        return tuple(_offset(velocities, c) - _velocity(c.on, t) for c in self.joints.values())
 
     def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
@@ -255,26 +255,26 @@ class SeveralBodies(Mechanics):
 
     def offset_rates(self, t: Any) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""
-        told = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
-        return tuple(_offset(told, c) - _acceleration(c.on, t) for c in self.joints.values())
+        accelerations = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
+        return tuple(_offset(accelerations, c) - _acceleration(c.on, t) for c in self.joints.values())
 
     def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
         """The contribution of prescribed distances to each body's position, velocity or acceleration, beyond its coordinate's."""
         if not self.prescribed:
             return (0.0,) * len(self.bodies)
-        found: dict[str, Any] = {}
+        arms: dict[str, Any] = {}
         for group in self.groups:
             raw = {name: _sum(sign * getattr(link, what)(t) for sign, link in self.arms[name]) for name in group}
             middle = self._middle(group, raw)
-            found |= {name: raw[name] - middle if len(group) > 1 else 0.0 for name in group}
-        return tuple(found[name] for name in self.bodies)
+            arms |= {name: raw[name] - middle if len(group) > 1 else 0.0 for name in group}
+        return tuple(arms[name] for name in self.bodies)
 
 
 #: The property of a machine that makes its equations; solvers make them themselves, of a machine whose own is this one.
 mechanics_of = property(SeveralBodies, doc="Its equations of motion, as functions of plain numbers.")
 
 
-def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[tuple[str, ...]], dict[str, list[tuple[float, Any]]]]:
+def _groups(bodies: tuple[str, ...], links: list[tuple[Any, Any]]) -> tuple[list[tuple[str, ...]], dict[str, list[tuple[float, Any]]]]:
     """Bodies that prescribed distances join, and for each body the links, with their signs, from the first of its group to it."""
     groups: list[tuple[str, ...]] = []
     arms: dict[str, list[tuple[float, Any]]] = {}
@@ -282,7 +282,7 @@ def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[
     while left:
         group, reached = [left[0]], dict[str, list[tuple[float, Any]]]({left[0]: []})
         for at in group:  # grows while it is walked
-            for (a, b), link in told:
+            for (a, b), link in links:
                 for here, there, sign in ((a, b, -1.0), (b, a, 1.0)):
                     if here == at and there not in reached:
                         reached[there] = [*reached[at], (sign, link)]
@@ -310,9 +310,9 @@ def several(parts: Any) -> tuple[Any, ...]:
     return parts if isinstance(parts, tuple) and not isinstance(parts, Frozen) else (parts,)
 
 
-def _offset(told: dict[str, Any], contact: Any) -> Any:
-    other = told[contact.on] if isinstance(contact.on, str) else 0.0
-    return told[contact.body] - other
+def _offset(arms: dict[str, Any], contact: Any) -> Any:
+    other = arms[contact.on] if isinstance(contact.on, str) else 0.0
+    return arms[contact.body] - other
 
 
 def _velocity(on: Any, t: Any) -> Any:

@@ -191,7 +191,7 @@ class StateLayout:
     def _misdirected(self) -> list[str]:
         count = len(self.bodies)
         flaws = (_unequal(f"numbers in the direction of {c.name!r}", len(c.direction), "bodies", count) for c in self.contacts)
-        return [flaw for found in flaws for flaw in found]
+        return [flaw for several in flaws for flaw in several]
 
     def _not_single(self) -> list[str]:
         if not self.single or self.is_one:
@@ -301,8 +301,8 @@ def of_one_contact(what: str, run: Any, why: str) -> Any:
     """
     layout = run.pieces.layout if hasattr(run, "pieces") else None
     if layout is None:
-        told = "the run is that of a flow, which has states of its own and no bodies and contacts"
-        raise InputError(what, [f"{told}; allowed is one body on one contact; type run.to_xarray() for its columns"])
+        mistake = "the run is that of a flow, which has states of its own and no bodies and contacts"
+        raise InputError(what, [f"{mistake}; allowed is one body on one contact; type run.to_xarray() for its columns"])
     if layout.single:
         return run
     if layout.is_one:

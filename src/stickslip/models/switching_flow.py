@@ -213,10 +213,10 @@ class SwitchingFlow:
         return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
 
     def __repr__(self) -> str:
-        told = "".join(
+        numbers = "".join(
             f", {name} = {value if not is_array(value) else f'array of shape {np.shape(value)}'}" for name, value in self.numbers.items()
         )
-        return f"<SwitchingFlow: modes {', '.join(map(repr, self.fields))}{told}>"
+        return f"<SwitchingFlow: modes {', '.join(map(repr, self.fields))}{numbers}>"
 
 
 _NO_FILE = "the functions of a flow are Python, which no file holds; write them in a module, and import it"
@@ -260,14 +260,14 @@ def _checked_numbers(problems: Problems, numbers: Any) -> dict[str, Any]:
     if not isinstance(numbers, Mapping):
         problems.add(f"numbers = {numbers!r}; allowed is a dict of numbers by name; type for example numbers={{'r': 0.8}}")
         return {}
-    found = {}
+    checked = {}
     for name, value in numbers.items():
         if not (isinstance(name, str) and name.isidentifier()) or name in ("t", "mode"):
             problems.add(f"numbers has {name!r}; allowed are names that can be typed after n., other than t and mode")
             continue
         allowed = "a number, or an array of one for each case"
-        found[name] = checked_number(f"numbers[{name!r}]", value, problems, None, allowed, f"numbers={{{name!r}: 0.8}}")
-    return found
+        checked[name] = checked_number(f"numbers[{name!r}]", value, problems, None, allowed, f"numbers={{{name!r}: 0.8}}")
+    return checked
 
 
 def _check_states(problems: Problems, states: Any, numbers: Mapping[str, Any]) -> None:
@@ -300,8 +300,8 @@ def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) ->
         try:
             period = given(SimpleNamespace(**numbers))
         except Exception as error:
-            told = "allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
-            problems.add(f"period raised {type(error).__name__}: {error}; {told}")
+            allowed = "allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
+            problems.add(f"period raised {type(error).__name__}: {error}; {allowed}")
             return
     sizes = floats(period)
     if not sizes.size or (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):

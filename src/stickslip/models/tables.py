@@ -116,8 +116,10 @@ def to_toml(record: Any, name: str = "robot") -> str:
     try:
         return tomli_w.dumps({name: {**kind, **to_table(record)}})
     except TypeError as error:  # a field holds a function, or an object of a user's own
-        told = f"{error}; a study file holds numbers, text and parts that it knows; write the function as a method of a class in a module"
-        raise InputError(type(record).__name__, [told]) from error
+        mistake = (
+            f"{error}; a study file holds numbers, text and parts that it knows; write the function as a method of a class in a module"
+        )
+        raise InputError(type(record).__name__, [mistake]) from error
 
 
 def document_of(text: str, what: str = "study file") -> dict[str, Any]:

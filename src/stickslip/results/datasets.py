@@ -131,11 +131,11 @@ def write_csv(head: Sequence[str], columns: Sequence[Any], file: TextIO) -> None
 def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
     """One-dimensional parts of a column, with their names."""
     dims = dims_of(name, column, names)[1:]
-    for place in np.ndindex(column.shape[1:]):
-        values = column[(slice(None), *place)]
+    for index in np.ndindex(column.shape[1:]):
+        values = column[(slice(None), *index)]
         if "contact" in dims and "inner_state" in dims and np.isnan(values).all():
             continue
-        yield name + "".join(f".{names[dim][i]}" if dim in names else f"_{i}" for dim, i in zip(dims, place, strict=True)), values
+        yield name + "".join(f".{names[dim][i]}" if dim in names else f"_{i}" for dim, i in zip(dims, index, strict=True)), values
 
 
 def attributes(run: Any) -> dict[str, Any]:
@@ -158,9 +158,9 @@ def described(name: str, model: Any = None) -> dict[str, str]:
     """Units, long name and symbol of a column, and the meanings of its codes; empty for an unknown column."""
     if name not in VARIABLES:
         return {}
-    told = {"units": unit_of(name, model) or "1", "long_name": VARIABLES[name].long_name, "symbol": VARIABLES[name].symbol}
-    codes = {"flag_meanings": "; ".join(f"{code}: {said}" for code, said in CODES[name].items())} if name in CODES else {}
-    return told | codes
+    attributes = {"units": unit_of(name, model) or "1", "long_name": VARIABLES[name].long_name, "symbol": VARIABLES[name].symbol}
+    codes = {"flag_meanings": "; ".join(f"{code}: {meaning}" for code, meaning in CODES[name].items())} if name in CODES else {}
+    return attributes | codes
 
 
 def trajectory_dataset(run: Any) -> Any:

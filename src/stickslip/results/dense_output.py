@@ -28,9 +28,9 @@ class Pieces:
 
     def arrays(self) -> dict[str, Any]:
         """The arrays from which these pieces can be rebuilt, by name, and the layout as text; empty arrays are left out."""
-        found = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        arrays = {name: np.asarray(value) for name, value in found.items() if name != "layout"}
-        return {name: array for name, array in arrays.items() if array.size} | {"layout": found["layout"].to_text()}
+        values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        arrays = {name: np.asarray(value) for name, value in values.items() if name != "layout"}
+        return {name: array for name, array in arrays.items() if array.size} | {"layout": values["layout"].to_text()}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, Any]) -> Any:

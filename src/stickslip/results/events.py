@@ -53,10 +53,10 @@ def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None
     """
     contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
     aloft = np.zeros(mode.shape, bool) if aloft is None else aloft
-    found = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses, aloft[:, i])]
-    found.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant
+    events = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses, aloft[:, i])]
+    events.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant
     end = [(c.name, int(mode[-1, i])) for i, c in enumerate(contacts) if c.name in lost]
-    return [*found, *(Event(float(pieces.t[-1]), "contact lost", last, last, name) for name, last in end)]
+    return [*events, *(Event(float(pieces.t[-1]), "contact lost", last, last, name) for name, last in end)]
 
 
 def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any, aloft: Array) -> list[Event]:
@@ -86,26 +86,26 @@ def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tupl
     t = pieces.t[inner]
     (x, before, _), (_, after, _) = (pieces.evaluate(t, index) for index in (inner - 1, inner))
     q, u, new = (mechanics.coordinates_of(tuple(of.T)) for of in (x, before, after))
-    found = []
+    hits = []
     for stop in mechanics.stops:
         gap, rate, left = (np.broadcast_to(of, t.shape) for of in (stop.gap(t, q), stop.rate(t, u), stop.rate(t, new)))
         hit = (rate < 0.0) & (left - rate > 1e-9 * speed) & (abs(gap) <= 1e-6 * speed * time)
-        found += [(int(inner[i]), Event(float(t[i]), "hit", 0, 0, stop.name, float(rate[i]))) for i in np.flatnonzero(hit)]
-    return found
+        hits += [(int(inner[i]), Event(float(t[i]), "hit", 0, 0, stop.name, float(rate[i]))) for i in np.flatnonzero(hit)]
+    return hits
 
 
 def aloft_of(pieces: Any, laws: Any) -> Array:
     """Whether each contact flies on each piece (pieces, contacts): otherwise its gap is exactly zero there; one law for each contact."""
-    found = np.zeros(np.shape(pieces.mode), bool)
+    aloft = np.zeros(np.shape(pieces.mode), bool)
     for i, (contact, law) in enumerate(zip(pieces.layout.contacts, laws, strict=False)):
         if law.flies:
-            found[:, i] = np.any(pieces.coefficients[:, list(contact.inner)] != 0.0, axis=(1, 2))
-    return found
+            aloft[:, i] = np.any(pieces.coefficients[:, list(contact.inner)] != 0.0, axis=(1, 2))
+    return aloft
 
 
 def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
     """Take-offs and landings, each with the number of its node; a landing followed by an immediate rebound counts too."""
-    found = []
+    flights = []
     for i in np.flatnonzero(aloft.any(axis=0)):
         contact, up, mode = pieces.layout.contacts[i], aloft[:, i], pieces.mode[:, i]
         rate = pieces.coefficients[:, contact.inner[1]]
@@ -115,8 +115,8 @@ def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
         for n in np.flatnonzero(kinds != ""):
             speed = float(before[n]) if kinds[n] == "landing" else None
             event = Event(float(pieces.t[n + 1]), str(kinds[n]), int(mode[n]), int(mode[n + 1]), contact.name, speed)
-            found.append((int(n) + 1, event))
-    return found
+            flights.append((int(n) + 1, event))
+    return flights
 
 
 def nodes_at(pieces: Any, times: Any) -> Array:

@@ -165,8 +165,8 @@ class FlowRun(RunFiles, Drawn):
         t = np.clip(t, first, last)
         index = self._index(t)
         y = self._evaluated(t, index)
-        found = {"t": t, "mode": self._labels(index), **{name: y[:, i] for i, name in enumerate(self.names)}}
-        return {name: column.reshape(shape)[()] for name, column in found.items()}
+        columns = {"t": t, "mode": self._labels(index), **{name: y[:, i] for i, name in enumerate(self.names)}}
+        return {name: column.reshape(shape)[()] for name, column in columns.items()}
 
     # ---- extremes and strobe ----
     @cached_property
@@ -248,8 +248,8 @@ class FlowRun(RunFiles, Drawn):
         if path.suffix.lower() not in NETCDF:
             allowed = ", ".join([*NETCDF[:-1], ".csv, .xlsx and .mat"])
             raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
-        told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
-        return save_datasets(path, {"": (self.to_xarray().assign_attrs(told), {})})
+        attributes = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
+        return save_datasets(path, {"": (self.to_xarray().assign_attrs(attributes), {})})
 
     _drawn_by = "states"
 

@@ -37,11 +37,11 @@ def notes_of_cases(model: Any, columns: Mapping[str, Any]) -> dict[str, int]:
     if machine_of(model).is_single or "status" not in columns:
         return {}
     good = np.ravel(np.asarray(columns["status"]) <= Status.REPEATS)
-    found = {_MOVED_APART: int(np.sum(good & _moved_apart(model, columns)))}
+    counts = {_MOVED_APART: int(np.sum(good & _moved_apart(model, columns)))}
     for group in _groups(model) if "stick_fraction" in columns else []:
         names = [machine_of(model).mechanics.contacts[i] for i in group]
-        found[_text(names)] = int(np.sum(good & _rested_at_once(model, group, np.asarray(columns["stick_fraction"]))))
-    return {sentence: count for sentence, count in found.items() if count}
+        counts[_text(names)] = int(np.sum(good & _rested_at_once(model, group, np.asarray(columns["stick_fraction"]))))
+    return {sentence: count for sentence, count in counts.items() if count}
 
 
 def _text(names: list[str]) -> str:
@@ -86,7 +86,7 @@ def _move_alike(model: Any, group: tuple[int, ...]) -> Any:
     """Whether the slips of some contacts differ by a constant, in each case."""
     period = 1.0 if model.period is None else model.period
     rates = [[np.ravel(machine_of(model).mechanics.offset_rates(look * period)[i]) for i in group] for look in _LOOKS]
-    found: Any = True
+    alike: Any = True
     for first, *others in rates:
-        found = found & np.logical_and.reduce([abs(first - other) <= _ALIKE * (abs(first) + abs(other)) for other in others])
-    return found
+        alike = alike & np.logical_and.reduce([abs(first - other) <= _ALIKE * (abs(first) + abs(other)) for other in others])
+    return alike

@@ -127,7 +127,7 @@ class ControllerRun(_PartRun):
     def __getitem__(self, state: str) -> Any:
         """The column (time,) of one of its states; `InputError` for a name that is none of them."""
         if state not in self.states:
-            told = "; it has no states" if not self.states else f"; {did_you_mean(str(state), self.states)}"
-            raise InputError("run.controllers", [f"{state!r} is not a state of {self!r}{told}"])
+            hint = "; it has no states" if not self.states else f"; {did_you_mean(str(state), self.states)}"
+            raise InputError("run.controllers", [f"{state!r} is not a state of {self!r}{hint}"])
         z = self.run._held[:, len(self.run.pieces.layout.contacts) + self.number]
         return z[:, self.states.index(state)]

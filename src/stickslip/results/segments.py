@@ -116,23 +116,23 @@ def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Arra
     length = _sums(number, time)[1:]
     start, sign = np.zeros_like(time), np.full(time.shape, _NONE, np.int8)
     rows, cols = np.nonzero(begins)
-    place = number[rows, cols] - 1
-    start[place, cols] = (np.cumsum(time, axis=0) - time)[rows, cols]
-    sign[place, cols] = label[rows, cols]
+    position = number[rows, cols] - 1
+    start[position, cols] = (np.cumsum(time, axis=0) - time)[rows, cols]
+    sign[position, cols] = label[rows, cols]
     return start, np.where(np.arange(K)[:, None] < begins.sum(axis=0), length, 0.0), sign
 
 
 def _rotated(start: Array, length: Array, sign: Array) -> tuple[Intervals, list[str], Array]:
     """The intervals turned so that each case begins where its pattern begins; the patterns, and which one each case has."""
     distinct, which = _distinct(sign)
-    found = [_canonical([int(s) for s in case if s != _NONE]) for case in distinct.T]
-    count, shift = (distinct != _NONE).sum(axis=0), np.array([f[1] for f in found], int)
+    canonical = [_canonical([int(s) for s in case if s != _NONE]) for case in distinct.T]
+    count, shift = (distinct != _NONE).sum(axis=0), np.array([f[1] for f in canonical], int)
     turned = np.flatnonzero(shift[which])
     places = np.arange(len(sign))[:, None]
     order = np.where(places < count, (places + shift) % np.maximum(count, 1), places)[:, which[turned]]
     for a in (start, length, sign):
         a[:, turned] = a[order, turned]
-    patterns = [f[0] for f in found]
+    patterns = [f[0] for f in canonical]
     return Intervals(start.T, length.T, sign.T, np.array(patterns)[which]), patterns, which
 
 
@@ -216,8 +216,8 @@ def type_of(
     whole = _added(merged.length)
     fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
     with np.errstate(invalid="ignore"):
-        told = {f"{n}_fraction": value / np.where(whole > 0, whole, np.nan) for n, value in fractions.items()}
+        shares = {f"{n}_fraction": value / np.where(whole > 0, whole, np.nan) for n, value in fractions.items()}
     judged = (merged.sign != _NONE) & ((merged.sign != 0) | ~elastic[:, None])  # elastic rests are judged against dwell
     shortest = np.where(judged, merged.length, np.inf).T.min(axis=0, initial=np.inf)
     margin = np.where(whole > 0, np.minimum(np.minimum(shortest, nearest), margin_force), np.nan)
-    return {"motion_type": motion_type, "pattern": pattern, "direction": direction, "margin": margin, **told}
+    return {"motion_type": motion_type, "pattern": pattern, "direction": direction, "margin": margin, **shares}

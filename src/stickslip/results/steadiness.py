@@ -198,11 +198,11 @@ def unsettled_note(codes: Any, errors: Any) -> list[str]:
     return [f"{who} mean velocity is {by}{endless}, see steadiness and settling_error; type more periods"]
 
 
-def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bool:
+def is_steady(model: Any, row: dict[str, Any], method: str, rtol: float) -> bool:
     """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
     T = float(model.period)
-    mean, approached = found["displacement"] / (found["window"] * T), found["limit"] / T
-    return bool(judged(mean, approached, found["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
+    mean, approached = row["displacement"] / (row["window"] * T), row["limit"] / T
+    return bool(judged(mean, approached, row["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
 
 
 def window_count(done: int, settle: int, period: int) -> int:
@@ -276,8 +276,8 @@ def drifting_apart(run: Any) -> str:
     if not (np.ptp(speeds) > APART * float(machine_of(run.model).free_velocity) and abs(last - before) < _ALIKE * last):
         return ""
     fast, slow = names[int(np.argmax(speeds))], names[int(np.argmin(speeds))]
-    told = f"{fast} and {slow} drift apart, by {np.ptp(speeds):.3g} m/s: the mean velocity is that of the centre of mass"
-    return f"{told}; type ss.mean_velocity(run, body={fast!r})"
+    sentence = f"{fast} and {slow} drift apart, by {np.ptp(speeds):.3g} m/s: the mean velocity is that of the centre of mass"
+    return f"{sentence}; type ss.mean_velocity(run, body={fast!r})"
 
 
 def _sizes(law: Any, load: Any, states: int) -> Any:

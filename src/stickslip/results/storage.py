@@ -100,8 +100,8 @@ def _model_attributes(model: Any) -> dict[str, str]:
     if type(law) in LAWS.values():
         return {"robot": _toml(model)}
     numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
-    told = json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})
-    return {"robot": _toml(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)), "law": told}
+    stored = json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})
+    return {"robot": _toml(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)), "law": stored}
 
 
 def _toml(model: Any, **changes: Any) -> str:
@@ -130,9 +130,9 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
             attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
             _check_format(attrs, path)
             kept = hdf5.attributes(file["pieces"], allowance, size)
-            found = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws, machines)}
+            objects = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
-        return {**found, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
+        return {**objects, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
     except InputError:
         raise
     except OSError as error:
@@ -201,12 +201,12 @@ def _model(attrs: dict[str, Any], laws: Sequence[type], machines: Sequence[type]
 
 def _own_machine(name: str, machines: Sequence[type]) -> Any:
     """The user's class of this name."""
-    found = next((cls for cls in machines if cls.__name__ == name), None)
-    if found is None:
+    own = next((cls for cls in machines if cls.__name__ == name), None)
+    if own is None:
         given = ", ".join(cls.__name__ for cls in machines) or "none"
         why = f"it holds a run of the machine {name}, which is not part of stickslip; the classes given are {given}"
         raise InputError("load", [f"{why}; type ss.load(path, machines=[{name}]) with its class"])
-    return found
+    return own
 
 
 def from_text(text: str) -> Any:

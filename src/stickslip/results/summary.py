@@ -129,8 +129,8 @@ class Summary:
     @property
     def notes(self) -> list[str]:
         """Sentences on cases that are not steady, and what to type, whose bodies moved apart, or in which forces at rest are not told."""
-        told = notes_of_cases(self.model, self.columns)
-        of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in told.items()]
+        counts = notes_of_cases(self.model, self.columns)
+        of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in counts.items()]
         left = int(np.sum(np.asarray(self.columns.get("status", 0)) == Status.NOT_COMPUTED))
         early = [f"interrupted: {left} of {np.size(self.columns['status'])} cases are not computed"] if left else []
         return early + unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", [])) + of_parts

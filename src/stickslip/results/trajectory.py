@@ -440,8 +440,8 @@ class Trajectory(Drawn, RunFiles):
         """
         if self.parted is not self:
             every = {name: None if of is None else np.reshape(of, (-1, *of.shape[np.ndim(t) :])) for name, of in self.parted.at(t).items()}
-            found = {name: self._own(name, column) for name, column in every.items()}
-            return {name: None if of is None else of.reshape(np.shape(t) + of.shape[1:])[()] for name, of in found.items()}
+            columns = {name: self._own(name, column) for name, column in every.items()}
+            return {name: None if of is None else of.reshape(np.shape(t) + of.shape[1:])[()] for name, of in columns.items()}
         shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
         slack = 1e-12 * (last - first)
@@ -451,9 +451,9 @@ class Trajectory(Drawn, RunFiles):
         t = np.clip(t, first, last)
         index = self._index(t)
         x, v, z = self._states_at(t, index)
-        found = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z)}
-        found["z"] = _as_column(self._of_laws(z))
-        return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in found.items()}
+        columns = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z)}
+        columns["z"] = _as_column(self._of_laws(z))
+        return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in columns.items()}
 
     # ---- strobe ----
     @cached_property
@@ -484,10 +484,10 @@ class Trajectory(Drawn, RunFiles):
         if every is None or abs(t[0] / every - np.rint(t[0] / every)) > 1e-9 * t[0] / every:
             return z
         q, u = mechanics.coordinates_of(tuple(x.T)), mechanics.coordinates_of(tuple(v.T))
-        told, z = (np.ravel(new) for new in mechanics.control_sampled(t, q, u, held_by_controllers(mechanics, z))), z.copy()
+        states, z = (np.ravel(new) for new in mechanics.control_sampled(t, q, u, held_by_controllers(mechanics, z))), z.copy()
         for i, count in enumerate(mechanics.controllers.counts):
             for k in range(count):
-                z[:, len(mechanics.contacts) + i, k] = next(told)
+                z[:, len(mechanics.contacts) + i, k] = next(states)
         return z
 
     def _thrown(self, t: float, x: Any, v: Any, z: Any, memory: Any, jump: Any) -> tuple[Any, Any]:
@@ -534,8 +534,8 @@ class Trajectory(Drawn, RunFiles):
     @property
     def notes(self) -> list[str]:
         """Remarks on the machine's numbers, an early end, motion not settled, bodies that drift apart, and friction not determined."""
-        found = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.parted), shared_at_rest(self))
-        return [note for note in found if note]
+        remarks = (self._early_end, *machine_of(self.model).notes, self._settled, drifting_apart(self.parted), shared_at_rest(self))
+        return [note for note in remarks if note]
 
     @property
     def _early_end(self) -> str:
@@ -563,8 +563,8 @@ class Trajectory(Drawn, RunFiles):
     def __repr__(self) -> str:
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
-        doubts = "".join(f"; {note}" for note in machine_of(self.model).notes if note.startswith(MISTAKEN))
-        return f"<Trajectory: {length} by {self.method}, {self.status}{doubts}>"
+        mistaken = "".join(f"; {note}" for note in machine_of(self.model).notes if note.startswith(MISTAKEN))
+        return f"<Trajectory: {length} by {self.method}, {self.status}{mistaken}>"
 
     _drawn_by = "velocity"
 

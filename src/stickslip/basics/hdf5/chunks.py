@@ -32,17 +32,17 @@ def values(dataset: Any) -> Any:
 
     if h5py.h5t.py_create(dataset.dtype, logical=True) != dataset.id.get_type():
         raise ValueError("its numbers are of no usual type")
-    places = _places(dataset.id)
-    kept = set(places)
+    corners = _places(dataset.id)
+    kept = set(corners)
     every = itertools.product(*(range(0, n, step) for n, step in zip(dataset.shape, dataset.chunks, strict=True)))
-    missing = next((place for place in every if place not in kept), None)
-    found = np.full(dataset.shape, 0 if missing is None else dataset[missing], dataset.dtype)
-    for place, part in _chunks(dataset.id, places):
+    missing = next((corner for corner in every if corner not in kept), None)
+    array = np.full(dataset.shape, 0 if missing is None else dataset[missing], dataset.dtype)
+    for corner, part in _chunks(dataset.id, corners):
         whole = np.frombuffer(part, dataset.dtype).reshape(dataset.chunks)
-        inside = tuple(slice(0, max(n - start, 0)) for n, start in zip(dataset.shape, place, strict=True))
-        there = tuple(slice(start, start + n) for start, n in zip(place, dataset.chunks, strict=True))
-        found[there] = whole[inside]
-    return found
+        inside = tuple(slice(0, max(n - start, 0)) for n, start in zip(dataset.shape, corner, strict=True))
+        there = tuple(slice(start, start + n) for start, n in zip(corner, dataset.chunks, strict=True))
+        array[there] = whole[inside]
+    return array
 
 
 def check_chunks(dataset: Any) -> None:
@@ -58,31 +58,31 @@ def _places(dataset: Any) -> list[tuple[int, ...]]:
     return places
 
 
-def _chunks(dataset: Any, places: list[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], bytes]]:
+def _chunks(dataset: Any, corners: list[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], bytes]]:
     """Chunks with where they begin, unpacked."""
     made = dataset.get_create_plist()
     size = dataset.get_type().get_size() * math.prod(made.get_chunk())
     filters = [made.get_filter(i) for i in range(made.get_nfilters())]
-    for place in places:
-        left_out, data = dataset.read_direct_chunk(place)
+    for corner in corners:
+        left_out, data = dataset.read_direct_chunk(corner)
         for i, (code, _, parameters, _) in reversed([*enumerate(filters)]):
             if not left_out >> i & 1:
                 data = KNOWN[code](data, size, parameters)
         if len(data) != size:
             raise ValueError(f"a chunk of {len(data)} bytes where {size} are declared")
-        yield place, data
+        yield corner, data
 
 
 # ---- filters ----
 def _inflated(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
     machine = zlib.decompressobj()
     try:
-        found = machine.decompress(data, size + 8)  # with a checksum, and one byte to be seen
+        unpacked = machine.decompress(data, size + 8)  # with a checksum, and one byte to be seen
     except zlib.error as error:
         raise ValueError(f"a chunk is damaged, {error}") from None
     if not machine.eof and machine.decompress(machine.unconsumed_tail, 1):
         raise ValueError(f"a chunk unpacks to more than the {size} bytes that are declared")
-    return found
+    return unpacked
 
 
 def _in_order(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
@@ -109,24 +109,24 @@ def _without_checksum(data: bytes, size: int, parameters: tuple[int, ...]) -> by
 
 def _expanded(data: bytes, size: int, parameters: tuple[int, ...]) -> bytes:
     """Expands LZF: literal runs of bytes, and references to up to 264 bytes within the last 8192."""
-    found, place = bytearray(), 0
-    while place < len(data) and len(found) <= size + 4:
-        head, place = data[place], place + 1
+    unpacked, at = bytearray(), 0
+    while at < len(data) and len(unpacked) <= size + 4:
+        head, at = data[at], at + 1
         if head < 32:  # a run
-            found += data[place : place + head + 1]
-            place += head + 1
+            unpacked += data[at : at + head + 1]
+            at += head + 1
             continue
         length = head >> 5
         if length == 7:
-            length, place = length + data[place], place + 1
-        back, place = ((head & 31) << 8 | data[place]) + 1, place + 1
-        if back > len(found):
+            length, at = length + data[at], at + 1
+        back, at = ((head & 31) << 8 | data[at]) + 1, at + 1
+        if back > len(unpacked):
             raise ValueError("a chunk refers to what lies before it")
-        piece = found[len(found) - back : len(found) - back + length + 2]
+        piece = unpacked[len(unpacked) - back : len(unpacked) - back + length + 2]
         while len(piece) < length + 2:  # it overlaps what it makes
             piece += piece[: length + 2 - len(piece)]
-        found += piece
-    return bytes(found)
+        unpacked += piece
+    return bytes(unpacked)
 
 
 #: What undoes the filters that are read, by their numbers in HDF5.

@@ -14,21 +14,21 @@ _BEGIN, _HEAD = b"GCOL\x01\x00\x00\x00", 16
 
 def check_heaps(data: Any) -> None:
     """That every heap in the bytes of a file has an end; `ValueError` where one has none."""
-    place = -1
-    while (place := data.find(_BEGIN, place + 1)) >= 0:
-        (size,) = struct.unpack("<Q", data[place + 8 : place + _HEAD].ljust(8, b"\0"))
-        if not _HEAD <= size <= len(data) - place:
+    at = -1
+    while (at := data.find(_BEGIN, at + 1)) >= 0:
+        (size,) = struct.unpack("<Q", data[at + 8 : at + _HEAD].ljust(8, b"\0"))
+        if not _HEAD <= size <= len(data) - at:
             raise ValueError(f"a heap of its texts declares {size} bytes")
-        _check_objects(data, place + _HEAD, place + size)
+        _check_objects(data, at + _HEAD, at + size)
 
 
-def _check_objects(data: Any, place: int, end: int) -> None:
-    while place + _HEAD <= end:
-        number, _, _, size = struct.unpack("<HHIQ", data[place : place + _HEAD])
+def _check_objects(data: Any, at: int, end: int) -> None:
+    while at + _HEAD <= end:
+        number, _, _, size = struct.unpack("<HHIQ", data[at : at + _HEAD])
         if number == 0:
-            if size != end - place:
+            if size != end - at:
                 raise ValueError("a heap of its texts does not end where declared")
             return
-        place += _HEAD + -(-size // 8) * 8
-    if place > end:
+        at += _HEAD + -(-size // 8) * 8
+    if at > end:
         raise ValueError("a heap of its texts does not end where declared")

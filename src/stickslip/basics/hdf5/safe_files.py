@@ -57,15 +57,15 @@ def _check(file: Any, doing: str, allowance: Allowance, for_others: bool) -> Non
     """Refuse a file with data elsewhere, or with more than it may unpack to."""
     import h5py
 
-    seen, waiting, size, chunked = set(), [("", file)], 0, []
+    visited, waiting, size, chunked = set(), [("", file)], 0, []
     while waiting:
         prefix, group = waiting.pop()
         for name, item in members(group, doing):
             if isinstance(item, h5py.Dataset):
                 size += _checked_size(item.id, f"{prefix}{name}", doing, allowance)
                 chunked += [item.id] if for_others and item.chunks else []
-            elif isinstance(item, h5py.Group) and (place := place_of(item)) not in seen:
-                seen.add(place)
+            elif isinstance(item, h5py.Group) and (address := place_of(item)) not in visited:
+                visited.add(address)
                 waiting.append((f"{prefix}{name}/", item))
     allowance.take(size, "what it declares")
     for dataset in chunked:
@@ -97,7 +97,7 @@ def attributes(item: Any, allowance: Allowance, size: int) -> dict[str, Any]:
     """
     import h5py
 
-    found = {}
+    values = {}
     for name in item.attrs:
         one = item.attrs.get_id(name)
         kind, count = one.get_type(), math.prod(one.shape or ())
@@ -108,8 +108,8 @@ def attributes(item: Any, allowance: Allowance, size: int) -> dict[str, Any]:
         else:
             continue
         if count * each <= allowance.limit:
-            found[name] = item.attrs[name]
-    return found
+            values[name] = item.attrs[name]
+    return values
 
 
 def _checked_size(dataset: Any, name: str, doing: str, allowance: Allowance) -> int:

@@ -35,7 +35,7 @@ def of_use(beam: Any, voltage: Any, frequency: Any) -> list[str]:
     low, high = VOLTAGE
     top = np.min(beam.frequencies()[..., -1])
     slope = abs(beam.spread(largest_slope, voltage, frequency))
-    found = (
+    checks = (
         (voltage, (np.asarray(voltage) < low) | (np.asarray(voltage) > high), "V",
          f"voltage is outside the {low:g} to {high:g} V of the paper's hardware"),
         (frequency, np.asarray(frequency) >= FREQUENCY, "Hz",
@@ -44,7 +44,7 @@ def of_use(beam: Any, voltage: Any, frequency: Any) -> list[str]:
         (slope, np.asarray(slope) > SLOPE, "rad",
          f"slope of the beam is above {SLOPE:g} rad, where linear theory is off by more than about 1 per cent"),
     )  # fmt: skip
-    return [_sentence(value, bad, unit, text) for value, bad, unit, text in found if np.any(bad)]
+    return [_sentence(value, bad, unit, text) for value, bad, unit, text in checks if np.any(bad)]
 
 
 def _sentence(value: Any, bad: Any, unit: str, text: str) -> str:

@@ -66,9 +66,9 @@ def _roots_of_one(ratio: float, n: int) -> Any:
     """The roots of one beam, remembered: whoever drags its voltage asks for them again and again."""
     import numpy as np
 
-    found = _roots(np.asarray(ratio), n)
-    found.setflags(write=False)
-    return found
+    roots = _roots(np.asarray(ratio), n)
+    roots.setflags(write=False)
+    return roots
 
 
 def _roots(ratio: Any, n: int) -> Any:

@@ -29,11 +29,12 @@ def repeats_of(periods: list[Any]) -> tuple[int, ...] | None:
         return None
     for ratio in ratios:
         whole = _lowest_common(whole, ratio)  # type: ignore[arg-type]
-    found = tuple(int(whole / ratio) for ratio in ratios)  # type: ignore[operator]
+    repeats = tuple(int(whole / ratio) for ratio in ratios)  # type: ignore[operator]
     fits = (
-        everywhere(abs(n * p - found[0] * periods[0]) <= _SAME * abs(found[0] * periods[0])) for n, p in zip(found, periods, strict=True)
+        everywhere(abs(n * p - repeats[0] * periods[0]) <= _SAME * abs(repeats[0] * periods[0]))
+        for n, p in zip(repeats, periods, strict=True)
     )
-    return found if max(found) <= MOST_REPEATS and all(fits) else None
+    return repeats if max(repeats) <= MOST_REPEATS and all(fits) else None
 
 
 def times(count: int, period: Any) -> Any:
@@ -49,10 +50,10 @@ def own_time(t: Any, period: Any, count: int) -> Any:
     >>> own_time(0.75, 0.5, 3), own_time(1.25, 0.5, 3)
     (0.25, 0.25)
     """
-    found = t
+    elapsed = t
     for k in range(1, count):
-        found = where(t < times(k, period), found, t - times(k, period))
-    return found
+        elapsed = where(t < times(k, period), elapsed, t - times(k, period))
+    return elapsed
 
 
 def repeated(instants: Iterable[Any], period: Any, count: int) -> tuple[Any, ...]:
@@ -78,8 +79,8 @@ def _ratio(period: Any, first: Any) -> Fraction | None:
         if is_array(ratio)
         else float(ratio)
     )
-    found = Fraction(value).limit_denominator(MOST_REPEATS)
-    return found if found > 0 else None
+    nearest = Fraction(value).limit_denominator(MOST_REPEATS)
+    return nearest if nearest > 0 else None
 
 
 def _lowest_common(a: Fraction, b: Fraction) -> Fraction:

@@ -165,12 +165,12 @@ def completed(drive: Any, example: str, needed: tuple[str, ...], ways: dict[str,
 
 def _resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], example: str) -> dict[str, Any]:
     """One number by its name; nothing given for it, or things that contradict each other, are noted."""
-    found, wanted = {name: way(known[name]) for name, way in ways.items() if name in known}, next(iter(ways))
-    if not found:
+    resolved, wanted = {name: way(known[name]) for name, way in ways.items() if name in known}, next(iter(ways))
+    if not resolved:
         *most, last = ways
         problems.add(f"{wanted} is missing; allowed is {', '.join(most)} or {last}; type for example {example}")
         return {}
-    (name, value), *others = found.items()
+    (name, value), *others = resolved.items()
     for other, different in others:
         if not agree(different, value):
             problems.add(

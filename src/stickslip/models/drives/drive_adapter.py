@@ -96,8 +96,8 @@ def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
     t = [drive.period * ((k + 0.5) / _SAMPLES) for k in range(_SAMPLES)]
     ways, accelerations = (np.array([one(s) + 0.0 * drive.period for s in t]) for one in (drive.position, drive.acceleration))
     stroke, speed = np.max(np.ptp(ways, axis=0)), np.max(np.asarray(speeds))
-    told = f"has a stroke of {_digits(stroke)} m, reaches {_digits(speed)} m/s and {_digits(np.max(abs(accelerations)) / _EARTH)} g"
-    return (f'{MISTAKEN} This drive {told}; lengths are in m, and amplitude="0.55 mm" is allowed',)
+    extent = f"has a stroke of {_digits(stroke)} m, reaches {_digits(speed)} m/s and {_digits(np.max(abs(accelerations)) / _EARTH)} g"
+    return (f'{MISTAKEN} This drive {extent}; lengths are in m, and amplitude="0.55 mm" is allowed',)
 
 
 def _digits(value: Any) -> str:

@@ -84,15 +84,15 @@ class ForceSum(Force):
         if problems.found:
             return
         periods = [part.period for part in self.parts]
-        found = repeats_of(periods)
-        if found is None:
-            told = ", ".join(f"{period:.10g}" if isinstance(period, float) else "an array" for period in periods)
+        repeats = repeats_of(periods)
+        if repeats is None:
+            given = ", ".join(f"{period:.10g}" if isinstance(period, float) else "an array" for period in periods)
             allowed = f"allowed are forces that all begin again together after {MOST_REPEATS} periods of each or fewer"
             problems.add(
-                f"the periods {told} s have no common multiple; {allowed}; give them the same omega or period, or a ratio of small numbers"
+                f"the periods {given} s have no common multiple; {allowed}; give them the same omega or period, or a ratio of small numbers"
             )
-        elif self.repeats is not None and self.repeats != found:
-            problems.add(f"repeats = {self.repeats!r}, and the periods have {found!r}; leave repeats out")
+        elif self.repeats is not None and self.repeats != repeats:
+            problems.add(f"repeats = {self.repeats!r}, and the periods have {repeats!r}; leave repeats out")
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; the common period is found again."""

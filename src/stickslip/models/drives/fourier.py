@@ -123,10 +123,10 @@ def _highest(a: Any, b: Any) -> Any:
 
     grid = np.linspace(0.0, 2 * np.pi, _POINTS * len(a), endpoint=False)
     values = series(grid, a[..., None], b[..., None])
-    bend, step, found = np.hypot(*_derivative(*_derivative(a, b))).sum(axis=0), grid[1], values.max(axis=1)
-    case, point = np.nonzero(values >= (found - bend * step**2 / 8)[:, None])
-    np.maximum.at(found, case, _climbed(grid[point], step, a[:, case], b[:, case]))
-    return found
+    bend, step, highest = np.hypot(*_derivative(*_derivative(a, b))).sum(axis=0), grid[1], values.max(axis=1)
+    case, point = np.nonzero(values >= (highest - bend * step**2 / 8)[:, None])
+    np.maximum.at(highest, case, _climbed(grid[point], step, a[:, case], b[:, case]))
+    return highest
 
 
 def _climbed(angle: Any, step: float, a: Any, b: Any) -> Any:
@@ -134,11 +134,11 @@ def _climbed(angle: Any, step: float, a: Any, b: Any) -> Any:
     import numpy as np
 
     slope = _derivative(a, b)
-    found, curvature = series(angle, a, b), _derivative(*slope)
+    highest, curvature = series(angle, a, b), _derivative(*slope)
     for _ in range(_NEWTON):
         bend = series(angle, *curvature)
         with np.errstate(divide="ignore", invalid="ignore"):
             move = np.where(bend < 0, -series(angle, *slope) / bend, 0.0)
         angle = angle + np.clip(move, -step, step)
-        found = np.maximum(found, series(angle, a, b))
-    return found
+        highest = np.maximum(highest, series(angle, a, b))
+    return highest

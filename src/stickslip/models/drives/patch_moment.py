@@ -52,10 +52,10 @@ def modal_amplitudes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damp
     """
     import numpy as np
 
-    ratio, place, omega = (np.asarray(a, float)[..., None] for a in (tip_mass_ratio, end, frequency))
+    ratio, edge, omega = (np.asarray(a, float)[..., None] for a in (tip_mass_ratio, end, frequency))
     b = cantilever_eigenvalues(tip_mass_ratio, n)
     free = b**2
-    push = mode_shape(b, place, derivative=1) / modal_mass(b, ratio)
+    push = mode_shape(b, edge, derivative=1) / modal_mass(b, ratio)
     return push / (free**2 - omega**2 + 2j * damping * free * omega)
 
 

@@ -63,10 +63,10 @@ class Pieces(PeriodicDrive):
         size = sum(abs(a) * d for a, d in zip(accelerations, durations, strict=True))
         if not everywhere(abs(change) <= _CLOSED * size):
             rest = sum(a * d for a, d in zip(accelerations[:-1], durations[:-1], strict=True))
-            told = (
+            mistake = (
                 f"the velocity changes by {describe(change)} m/s in a period; allowed are durations times accelerations that add up to zero"
             )
-            problems.add(f"{told}; type accelerations[{len(durations) - 1}] = {describe(-rest / durations[-1])}")
+            problems.add(f"{mistake}; type accelerations[{len(durations) - 1}] = {describe(-rest / durations[-1])}")
 
     @property
     def _ends(self) -> tuple[Any, ...]:
@@ -76,11 +76,11 @@ class Pieces(PeriodicDrive):
     @property
     def _begins(self) -> list[tuple[Any, Any, Any]]:
         """Instant, position and velocity at which each piece begins."""
-        t, x, v, found = 0.0, 0.0, self._first, []
+        t, x, v, begins = 0.0, 0.0, self._first, []
         for d, a in zip(self.durations, self.accelerations, strict=True):
-            found.append((t, x, v))
+            begins.append((t, x, v))
             t, x, v = t + d, x + d * (v + 0.5 * a * d), v + a * d
-        return found
+        return begins
 
     @property
     def _first(self) -> Any:

@@ -77,12 +77,12 @@ class Together:
     @property
     def breaks(self) -> Any:
         """Instants in (0, period) at which the acceleration of one of them is not smooth [s]."""
-        found: list[Any] = []
+        instants: list[Any] = []
         for drive, count in zip(self.drives, self.cycles, strict=True):
             own = drive_of(drive).breaks
             if len(own) > 0 or not drive_of(drive).smooth:
-                found += repeated(own, drive.period, count)
-        return tuple(found)
+                instants += repeated(own, drive.period, count)
+        return tuple(instants)
 
     @property
     def jumps(self) -> Any:
@@ -136,13 +136,13 @@ def common_cycles(periods: Sequence[Any], problems: Problems) -> tuple[int, ...]
     """
     import numpy as np
 
-    found = repeats_of(list(periods))
-    if found is None:
-        told = ", ".join(f"{float(np.ravel(np.asarray(T, float))[0]):.6g} s" for T in periods)
+    cycles = repeats_of(list(periods))
+    if cycles is None:
+        given = ", ".join(f"{float(np.ravel(np.asarray(T, float))[0]):.6g} s" for T in periods)
         several = any(np.size(T) > 1 for T in periods)
         ask = ", the same ones for all cases of the batch" if several else ""
         problems.add(
-            f"the drives have the periods {told}, and no common period of at most {MOST_REPEATS} of one of them; allowed are periods in a "
+            f"the drives have the periods {given}, and no common period of at most {MOST_REPEATS} of one of them; allowed are periods in a "
             f"ratio of small whole numbers{ask}; type for example omega=400.0 beside omega=200.0"
         )
-    return found
+    return cycles

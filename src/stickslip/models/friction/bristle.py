@@ -79,13 +79,13 @@ class Bristle(Law):
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """A bristle snaps where it is bent too far in the direction of motion."""
         reach = by_side(v, 1.5 * self.mu_plus, -1.5 * self.mu_minus) * load / self.sigma0  # signed
-        found: list[tuple[Any, Any, Any]] = []
+        switches: list[tuple[Any, Any, Any]] = []
         z = each(z)
         for i in range(self.bristles):
             snapped = tuple(n + (j == i) for j, n in enumerate(mode))
             bent = tuple(reach * _draw(self.seed, i, int(mode[i])) if j == i else zj for j, zj in enumerate(z))
-            found.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, alone_or_all(bent)))
-        return found
+            switches.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, alone_or_all(bent)))
+        return switches
 
     def scale(self, load: Any) -> Any:
         """Typical deflections [m]."""

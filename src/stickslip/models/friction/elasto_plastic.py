@@ -88,13 +88,13 @@ class ElastoPlastic(Fading, Bristles):
         """Remarks on the numbers, such as an elastic range that ends beyond sliding."""
         import numpy as np
 
-        found = []
+        notes = []
         minus = self.z_ba if self.z_ba_minus is None else self.z_ba_minus
         for side, mu, elastic in ((">", self.mu_plus, self.z_ba), ("<", self.mu_minus, minus)):
             sliding = np.asarray(mu * load / self.sigma0)
             if np.any(np.asarray(elastic) >= sliding):
-                found.append(
+                notes.append(
                     f"ElastoPlastic for v {side} 0: z_ba = {np.max(elastic):.4g} m is not below mu N / sigma0 = {np.min(sliding):.4g} m, "
                     f"so the contact is elastic up to {_MOST:g} of that"
                 )
-        return found
+        return notes

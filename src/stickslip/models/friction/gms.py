@@ -17,10 +17,10 @@ from stickslip.models.friction.two_sided import Bristles, Fading
 
 def _shares(of: str, symbol: str, default: tuple[float, ...]) -> Any:
     """The field of what part each element has in something."""
-    told = quantity(
+    metadata = quantity(
         f"share of an element in the {of}", "1", symbol, example=default, rule=positive, allowed="several positive numbers that sum to 1"
     )
-    return field(default=default, metadata=told)
+    return field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,13 +120,13 @@ class GMS(Fading, Bristles):
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """All elements stick when v passes zero; one slips when its force reaches its share of the Stribeck curve."""
-        found: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
+        switches: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
         grip, z = fading(self, v), each(z)
         for i, (kappa, alpha) in enumerate(zip(self.stiffness, self.weights, strict=True)):
             left = alpha * (load * grip) - kappa * self.sigma0 * by_side(v, z[i], -z[i])
             slips = tuple(1 if j == i else mode[j] for j in range(self.modes))
-            found.append((where(mode[i] > 0, grip, left), slips, None))  # one that slips already has no event, also without a load
-        return found
+            switches.append((where(mode[i] > 0, grip, left), slips, None))  # one that slips already has no event, also without a load
+        return switches
 
     def scale(self, load: Any) -> Any:
         """Typical deflections: where each element begins to slip [m]."""

@@ -125,15 +125,15 @@ class LawAdapter:
         """Guards that end a mode; empty for a law without modes."""
         if not self.switching:
             return []
-        found = self.law.switches(v, self._own(z), load, mode)
-        return [(guard, tuple(after), None if new is None else self._shaped(new, "switches")) for guard, after, new in found]
+        switches = self.law.switches(v, self._own(z), load, mode)
+        return [(guard, tuple(after), None if new is None else self._shaped(new, "switches")) for guard, after, new in switches]
 
     def passed_zero(self, z: States, load: Any, mode: States, side: int = 1) -> tuple[States, States]:
         """Inner states and modes once v has come to zero from a side: after every switch that waits for it and for nothing else."""
         done: set[int] = set()
         while True:
-            at, beside = (self.switches(v, z, load, mode) for v in (0.0, side * TINY))
-            due = [k for k, (here, ahead) in enumerate(zip(at, beside, strict=True)) if here[0] <= 0 < ahead[0] and k not in done]
+            at, near = (self.switches(v, z, load, mode) for v in (0.0, side * TINY))
+            due = [k for k, (here, ahead) in enumerate(zip(at, near, strict=True)) if here[0] <= 0 < ahead[0] and k not in done]
             if not due:
                 return z, mode
             _, mode, new = at[due[0]]

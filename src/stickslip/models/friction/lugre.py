@@ -75,15 +75,15 @@ def _passivity(law: LuGre) -> list[str]:
     """Sufficient condition for passivity of the map v -> R with constant sigma1 (Barahanov and Ortega 2000)."""
     import numpy as np
 
-    found = []
+    notes = []
     for side in ("plus", "minus"):
         mu = np.asarray(getattr(law, f"mu_{side}"), float)
         f = np.asarray(static(getattr(law, f"f_{side}"), mu), float)
         with np.errstate(divide="ignore", invalid="ignore"):
             bound = np.where(f > mu, law.sigma2 * mu / (f - mu), np.inf)
         if np.any(law.sigma1 > bound):
-            found.append(
+            notes.append(
                 f"LuGre is not passive for v {'>' if side == 'plus' else '<'} 0: sigma1 = {np.max(law.sigma1):.4g} N s/m is above "
                 f"sigma2 mu/(f - mu) = {np.min(bound):.4g} N s/m, so the bristle can give back more energy than it took"
             )
-    return found
+    return notes

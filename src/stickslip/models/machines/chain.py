@@ -116,8 +116,8 @@ class Chain(Machine):
     def free_velocity(self) -> Any:
         """The largest velocity that a drive would give a body without friction [m/s]."""
         gaits = [drive_of(drive).velocity_scale for name, drive in self._driven.items() if name.startswith("link")]
-        found = [machine_of(module).free_velocity for module in self._robots] + gaits
-        return reduce(maximum, found) if found else None
+        velocities = [machine_of(module).free_velocity for module in self._robots] + gaits
+        return reduce(maximum, velocities) if velocities else None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -131,12 +131,12 @@ class Chain(Machine):
 
     def bodies(self) -> Mapping[str, Any]:
         """The modules, or the plain bodies."""
-        found: dict[str, Any] = {}
-        place: Any = 0.0
+        bodies: dict[str, Any] = {}
+        position: Any = 0.0
         for i, (name, link) in enumerate(zip(self.names, [*self._links(), None], strict=True)):
-            found[name] = _body(self.module(i), place) if self._robots else Body(self.modules.masses[i], position=place)
-            place = place - getattr(link, "length", 0.0)
-        return found
+            bodies[name] = _body(self.module(i), position) if self._robots else Body(self.modules.masses[i], position=position)
+            position = position - getattr(link, "length", 0.0)
+        return bodies
 
     def contacts(self) -> Mapping[str, Any]:
         """One contact for each body, of the same name."""
@@ -200,7 +200,7 @@ def _check_periods(driven: dict[str, Any], problems: Problems) -> None:
             problems.add(periods_differ(name, drive.period, first, other.period))
 
 
-def _body(module: Any, place: Any) -> Body:
+def _body(module: Any, position: Any) -> Body:
     machine = machine_of(module)
     drive: Any = machine.drive
 
@@ -211,7 +211,7 @@ def _body(module: Any, place: Any) -> Body:
         return offered_force(module, t, x) + machine.whole_inner_mass * drive.acceleration(t)
 
     breaks = machine.unsorted_breaks
-    return Body(module.total_mass, force=force, position=place, jumps=machine.impulses, breaks=breaks, gravity=gravity)
+    return Body(module.total_mass, force=force, position=position, jumps=machine.impulses, breaks=breaks, gravity=gravity)
 
 
 def _contact(name: str, module: Any) -> Contact:

@@ -70,8 +70,8 @@ def _check_gravity(gravity: Any, problems: Problems) -> None:
 
 def periods_differ(name: str, period: Any, first: str, other: Any) -> str:
     """The message about two drives of one machine whose periods differ."""
-    told = f"{name} has the period {describe(period)} s and {first} {describe(other)} s; allowed is one common period"
-    return f'{told}; a name with a star changes the numbers of all, type .replace({{"*.omega": 205.0}})'
+    mistake = f"{name} has the period {describe(period)} s and {first} {describe(other)} s; allowed is one common period"
+    return f'{mistake}; a name with a star changes the numbers of all, type .replace({{"*.omega": 205.0}})'
 
 
 def _check_body(name: Any, body: Any, problems: Problems) -> None:
@@ -191,8 +191,8 @@ def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Pr
         return
     x, v = {each: body.position for each, body in bodies.items()}, dict.fromkeys(bodies, 0.0)
     z = part.start(0.0, x, v)
-    told = {"start": z, "rates": part.rates(0.0, x, v, z), "scales": part.scales}
-    for what, numbers in told.items():
+    counted = {"start": z, "rates": part.rates(0.0, x, v, z), "scales": part.scales}
+    for what, numbers in counted.items():
         if len(numbers) != len(part.states):
             problems.add(f"{where}.{what} gives {len(numbers)} numbers; allowed is one for each of the states {', '.join(part.states)}")
     for body in part.forces(0.0, x, v, z):
@@ -209,8 +209,8 @@ def _check_controllers(mechanics: Any, problems: Problems) -> None:
         if not everywhere(abs(own - other) <= 1e-12 * other):
             problems.add(f"controllers()[{name!r}] samples every {own!r} s and {first!r} every {other!r} s; allowed is one time for all")
         if machine.period is not None and not everywhere(abs(_off_whole(machine.period / own)) <= 1e-9):
-            told = f"the period of {describe(machine.period)} s is not a whole number of them"
-            problems.add(f"controllers()[{name!r}] samples every {describe(own)} s, and {told}; allowed is a period that is")
+            mistake = f"the period of {describe(machine.period)} s is not a whole number of them"
+            problems.add(f"controllers()[{name!r}] samples every {describe(own)} s, and {mistake}; allowed is a period that is")
 
 
 def _off_whole(ratio: Any) -> Any:

@@ -65,9 +65,9 @@ class Forced(Frozen):
 
     def __getattr__(self, name: str) -> Any:
         if name in ("position", "velocity", "acceleration"):
-            told = f"Forced has no {name}, because the inner mass moves freely, and the robot has two bodies"
+            mistake = f"Forced has no {name}, because the inner mass moves freely, and the robot has two bodies"
             allowed = "allowed are drives that prescribe its motion, such as ss.Harmonic"
-            raise OneContactNeeded("Forced", [f"{told}; {allowed}; type ss.solve(robot).bodies['inner'] for its motion"])
+            raise OneContactNeeded("Forced", [f"{mistake}; {allowed}; type ss.solve(robot).bodies['inner'] for its motion"])
         raise AttributeError(f"Forced has no {name!r}")
 
     def _check(self, problems: Problems) -> None:
@@ -170,8 +170,8 @@ def _check_stops(stops: tuple[Stop, ...], problems: Problems) -> None:
     """Note stops that are hit at the start, that leave no way between them, or that are never reached."""
     for i, stop in enumerate(stops):
         if not everywhere(stop.gap >= 0):
-            told = f"stops[{i}].gap = {stop.gap!r}: the inner mass would be beyond the stop where it begins"
-            problems.add(f"{told}; allowed is zero or more [m]; type side=-1 for a stop behind it")
+            mistake = f"stops[{i}].gap = {stop.gap!r}: the inner mass would be beyond the stop where it begins"
+            problems.add(f"{mistake}; allowed is zero or more [m]; type side=-1 for a stop behind it")
     for i, one in enumerate(stops):
         for j, other in enumerate(stops[:i]):
             if one.side != other.side and not everywhere(one.gap + other.gap > 0):

@@ -158,8 +158,8 @@ class Joint(TakesInput, Machine):
     @property
     def _inputs(self) -> list[Any]:
         """Torque and target, where they are functions of time with a period."""
-        found = [self.torque, self.control.target if self.control is not None else None]
-        return [each for each in found if is_record(each) and getattr(each, "period", None) is not None]
+        inputs = [self.torque, self.control.target if self.control is not None else None]
+        return [each for each in inputs if is_record(each) and getattr(each, "period", None) is not None]
 
     def _common(self) -> tuple[int, ...]:
         """Periods of each input in one of the joint."""

@@ -133,13 +133,13 @@ class MovingTrack(Machine):
     def notes(self) -> list[str]:
         """Remarks on these numbers that are not errors, such as a load that falls to zero under a law that cannot fly."""
         law, least = adapted(self.friction), self._least_load
-        found = [*law.notes(self.still_load), *remarks_on_gravity(self.gravity)]
+        remarks = [*law.notes(self.still_load), *remarks_on_gravity(self.gravity)]
         if law.dynamic and least <= 0:
-            found.append(
+            remarks.append(
                 f"the track throws the mass up: its load falls to {least:.4g} N, where a run ends, because a bristle has no impulse; under "
                 "a set-valued law such as ss.Coulomb it flies and lands"
             )
-        return found
+        return remarks
 
     @property
     def _least_load(self) -> float:

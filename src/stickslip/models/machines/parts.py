@@ -242,8 +242,8 @@ class Stop(Frozen):
 
     def _check(self, problems: Problems) -> None:
         if (self.restitution is None) == (self.stiffness is None):
-            told = f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two"
-            problems.add(f"{told}; type restitution=0.5 for hits that are over at once, or stiffness=1e4 [N/m] for an elastic stop")
+            mistake = f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two"
+            problems.add(f"{mistake}; type restitution=0.5 for hits that are over at once, or stiffness=1e4 [N/m] for an elastic stop")
         if self.side not in (1, -1):
             problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
 

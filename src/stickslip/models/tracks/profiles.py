@@ -99,15 +99,15 @@ class FrictionPatches(_Placed):
 
     def _own(self, x: Any) -> Any:
         if self.wavelength is None:
-            found = self.factors[0]
+            factor_here = self.factors[0]
             for edge, factor in zip(self.edges, self.factors[1:], strict=True):
-                found = where(x >= edge, factor, found)
-            return found
-        found = self.factors[-1]
+                factor_here = where(x >= edge, factor, factor_here)
+            return factor_here
+        factor_here = self.factors[-1]
         for first, last, factor in zip(self.edges, self.edges[1:], self.factors, strict=False):
             turn = pi / self.wavelength  # each sine changes its sign at its edge and at every wavelength from there: exact near the edge
-            found = where(sin(turn * (x - first)) * sin(turn * (last - x)) >= 0, factor, found)
-        return found
+            factor_here = where(sin(turn * (x - first)) * sin(turn * (last - x)) >= 0, factor, factor_here)
+        return factor_here
 
     def mirrored(self) -> FrictionPatches:
         """The track with forwards and backwards exchanged."""
@@ -148,8 +148,8 @@ class FrictionWave(_Placed):
         super()._check(problems)
         count = len(self.cosines)
         if count != len(self.sines) or not 1 <= count <= _MOST:
-            told = f"{count} cosines and {len(self.sines)} sines"
-            problems.add(f"{told}; allowed are as many of one as of the other, 1 to {_MOST}; type cosines=(0.0,), sines=(0.3,)")
+            counts = f"{count} cosines and {len(self.sines)} sines"
+            problems.add(f"{counts}; allowed are as many of one as of the other, 1 to {_MOST}; type cosines=(0.0,), sines=(0.3,)")
             return
         points = np.linspace(0.0, 1.0, 64 * count, endpoint=False)
         least = np.min(
@@ -165,10 +165,10 @@ class FrictionWave(_Placed):
             problems.add(f"the factor falls to {least:.4g}; allowed is a factor that stays positive; make cosines and sines smaller")
 
     def _own(self, x: Any) -> Any:
-        angle, found = 2 * pi / self.wavelength * x, 1.0
+        angle, factor = 2 * pi / self.wavelength * x, 1.0
         for k, (a, b) in enumerate(zip(self.cosines, self.sines, strict=True), 1):
-            found = found + a * cos(k * angle) + b * sin(k * angle)
-        return found
+            factor = factor + a * cos(k * angle) + b * sin(k * angle)
+        return factor
 
     @classmethod
     def fitted(cls, track: Any, place: Any, factor: Any, wavelength: float, harmonics: int = 8) -> FrictionWave:
@@ -241,18 +241,18 @@ class FrictionProfile(_Placed):
         super()._check(problems)
         count = len(self.place)
         if count != len(self.factors) or not 2 <= count <= _MOST:
-            told = f"{count} places and {len(self.factors)} factors"
-            problems.add(f"{told}; allowed are as many of one as of the other, 2 to {_MOST}; type place=(0.0, 0.01), factors=(1.0, 1.2)")
+            counts = f"{count} places and {len(self.factors)} factors"
+            problems.add(f"{counts}; allowed are as many of one as of the other, 2 to {_MOST}; type place=(0.0, 0.01), factors=(1.0, 1.2)")
         if not all(everywhere(a < b) for a, b in zip(self.place, self.place[1:], strict=False)):
             problems.add(f"place = {self.place!r}; allowed are places in ascending order; type place=(0.0, 0.01)")
 
     def _own(self, x: Any) -> Any:
-        found, before = self.factors[0], 0.0
+        factor, before = self.factors[0], 0.0
         for a, b, low, high in zip(self.place, self.place[1:], self.factors, self.factors[1:], strict=False):
             slope = (high - low) / (b - a)
-            found = found + (slope - before) * maximum(x - a, 0.0)
+            factor = factor + (slope - before) * maximum(x - a, 0.0)
             before = slope
-        return found - before * maximum(x - self.place[-1], 0.0)
+        return factor - before * maximum(x - self.place[-1], 0.0)
 
     def mirrored(self) -> FrictionProfile:
         """The track with forwards and backwards exchanged."""
