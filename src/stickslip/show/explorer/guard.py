@@ -13,9 +13,6 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 
-from stickslip.show.explorer.client_limits import LIMITS, Limits
-from stickslip.show.explorer.connections import Connections
-
 COOKIE = "stickslip_token"
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
@@ -55,13 +52,10 @@ class Guard:
         The address on which the server listens.
     token : str or None
         The token that a page must send, first in the address and then as a cookie; None if none is needed.
-    limits : Limits
-        Times and counts.
     """
 
-    def __init__(self, app: Any, host: str, token: str | None, limits: Limits = LIMITS):
+    def __init__(self, app: Any, host: str, token: str | None):
         self.inner, self._host, self._token = app, host, token
-        self.connections = Connections(limits)
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Let a request through, or refuse it."""
@@ -71,13 +65,7 @@ class Guard:
             return await _refuse(refused, 403, scope, receive, send)
         if not _is_text(scope["query_string"]):  # routing such a request would raise an error
             return await _refuse("the address of this request is not text in UTF-8", 400, scope, receive, send)
-        client = tuple(scope.get("client") or ()) or None
-        if not self.connections.admit(client, scope["type"] == "http"):
-            return await _refuse("too many pages are open at your address; close some", 503, scope, receive, send)
-        try:
-            await self.inner(scope, receive, self._marked(scope, send))
-        finally:
-            self.connections.release(client)
+        await self.inner(scope, receive, self._marked(scope, send))
 
     def _refused(self, scope: Any) -> str | None:
         """The reason for refusing a request; None if it is admitted."""

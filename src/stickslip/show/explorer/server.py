@@ -23,8 +23,6 @@ from stickslip.basics.errors import InputError, StickslipError
 from stickslip.inverse.optimisation.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.inverse.optimisation.results import quantities
 from stickslip.models.drives.within import drives_within
-from stickslip.show.explorer.client_limits import LIMITS, Limits
-from stickslip.show.explorer.connections import Watched
 from stickslip.show.explorer.exports import EXPORTS, export
 from stickslip.show.explorer.guard import Guard, is_loopback
 from stickslip.show.explorer.kernels import Kernels
@@ -149,8 +147,7 @@ async def _machine_export(request: Request) -> Response:
 
 async def _made(request: Request, media: str, make: Callable[..., bytes], *given: Any) -> Response:
     """A download, made in a thread, under the name in the address."""
-    async with request.app.state.exporting:
-        data = await asyncio.get_running_loop().run_in_executor(None, make, *given)
+    data = await asyncio.get_running_loop().run_in_executor(None, make, *given)
     return Response(data, media_type=media, headers={"Content-Disposition": f'attachment; filename="{request.path_params["name"]}"'})
 
 
@@ -171,16 +168,11 @@ def _asked_json(request: Request, name: str) -> Any:
 
 # ---- the server ----
 async def _socket(socket: WebSocket) -> None:
-    await Session(socket, socket.app.state.workshop, socket.app.state.limits).serve()
+    await Session(socket, socket.app.state.workshop).serve()
 
 
 def application(
-    host: str = "127.0.0.1",
-    token: str | None = None,
-    workers: int | None = None,
-    beside: bool = True,
-    limits: Limits = LIMITS,
-    shown: Shown | None = None,
+    host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True, shown: Shown | None = None
 ) -> Any:
     """The explorer as an ASGI application.
 
@@ -194,8 +186,6 @@ def application(
         Computing threads; by default one for each processor, at least 2 and at most 8.
     beside : bool
         Whether to compile in a separate process.
-    limits : Limits
-        Times and counts.
     shown : Shown, optional
         The machine whose page is served; without it that of robots.
     """
@@ -204,8 +194,7 @@ def application(
     async def life(app: Starlette) -> AsyncIterator[None]:
         kernels = Kernels(beside)
         app.state.workshop = Workshop(kernels, workers, shown)
-        app.state.exporting, app.state.limits = asyncio.Semaphore(2), limits
-        app.state.uploads = Uploads(limits)
+        app.state.uploads = Uploads()
         if shown is None:
             kernels.begin(state(preset["state"]) for preset in PRESETS.values())
         else:
@@ -223,7 +212,7 @@ def application(
         Route("/drive/{name}", _record, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
-    return Guard(Starlette(routes=routes, lifespan=life), host, token, limits)
+    return Guard(Starlette(routes=routes, lifespan=life), host, token)
 
 
 class _Server(uvicorn.Server):
@@ -252,7 +241,6 @@ def server_of(
     tell: Callable[[str], None],
     workers: int | None = None,
     with_token: bool = True,
-    limits: Limits = LIMITS,
     shown: Shown | None = None,
 ) -> uvicorn.Server:
     """A server, whose ``run`` serves until interrupted.
@@ -269,20 +257,17 @@ def server_of(
         As for `application`.
     with_token : bool
         Whether to require a token, which is part of the address; without one, all users of this machine may use the page.
-    limits : Limits
-        Times and counts.
     shown : Shown, optional
         The machine whose page is served; without it that of robots.
     """
     if not with_token and not is_loopback(host):
         raise InputError("explore", [f"--no-token is for this machine alone, and --host is {host}; leave one of them out"])
     token = secrets.token_urlsafe(24) if with_token else None
-    app = application(host, token, workers, limits=limits, shown=shown)
-    protocol: Any = functools.partial(Watched, app.connections)  # made as the class is
+    app = application(host, token, workers, shown=shown)
     config = uvicorn.Config(
-        app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=protocol,
+        app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http="h11",
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # the client is the connected address, whatever a header says
+        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,
     )  # fmt: skip
     name = f"[{host}]" if ":" in host else host
     _check_port(host, port)

@@ -1,4 +1,4 @@
-"""Sessions of several pages: the newest request of each page counts, and the page that has waited longest is served next."""
+"""Sessions of pages: of each channel the newest request counts."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import os
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,42 +13,37 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stickslip.basics.errors import InputError
-from stickslip.show.explorer.client_limits import LIMITS, Limits
 from stickslip.show.explorer.frames import read, written
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown
 from stickslip.show.explorer.requests import CHANNELS, Message, message
 from stickslip.show.explorer.responses import Stopped, answer
 
-#: Largest size of a message in bytes, largest rate of messages per second and in a burst, largest number of pages.
-MESSAGE_BYTES, RATE, BURST, MOST_PAGES = 32_768, 150.0, 300.0, 256
-TOO_MUCH, FULL, IDLE = 1008, 1013, 4000  # codes of a closed connection; after IDLE the page may reconnect
+#: Largest size of a message in bytes.
+MESSAGE_BYTES = 32_768
 
 
 class Workshop:
-    """The computing threads: curves come first; maps and strips use the rest.
-
-    A semaphore serves in the order of arrival and a page has one request of a channel at a time, so that all pages get their turn.
-    """
+    """The computing threads: those of the curves wait for no map and no strip."""
 
     def __init__(self, kernels: Kernels, workers: int | None = None, shown: Shown | None = None):
         n = workers or max(2, min(os.cpu_count() or 2, 8))
         self.kernels, self.shown = kernels, shown
         self.pages: set[Session] = set()
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
-        self._gates = {"curves": asyncio.Semaphore(n), "behind": asyncio.Semaphore(max(n - 1, 1))}
         self.prepared = 0  # number of kernels that have become ready
         self._loop = asyncio.get_running_loop()
         kernels.listen(self._kernel_ready)
 
-    def gate(self, channel: str) -> asyncio.Semaphore:
-        """The semaphore that a computation on this channel must hold."""
-        return self._gates["curves" if channel == "curves" else "behind"]
-
     async def compute(self, asked: Message, stop: threading.Event) -> bytes:
         """Compute the response to a request in a thread."""
         pool = self._pools["curves" if asked.channel == "curves" else "behind"]
-        return await self._loop.run_in_executor(pool, answer, asked, self.kernels, stop.is_set, self.shown)
+        return await self._loop.run_in_executor(pool, self._answer, asked, stop)
+
+    def _answer(self, asked: Message, stop: threading.Event) -> bytes:
+        if stop.is_set():  # superseded while it waited for a thread
+            raise Stopped
+        return answer(asked, self.kernels, stop.is_set, self.shown)
 
     def close(self) -> None:
         """Stop all work."""
@@ -87,17 +81,13 @@ class _Slot:
 class Session:
     """One page: receives its requests and sends the responses."""
 
-    def __init__(self, socket: WebSocket, workshop: Workshop, limits: Limits = LIMITS):
-        self._socket, self._workshop, self._limits = socket, workshop, limits
+    def __init__(self, socket: WebSocket, workshop: Workshop):
+        self._socket, self._workshop = socket, workshop
         self._slots = {channel: _Slot() for channel in CHANNELS}
         self._sending = asyncio.Lock()
-        self._allowance, self._seen = BURST, time.monotonic()
 
     async def serve(self) -> None:
         """Serve the page until it closes."""
-        if len(self._workshop.pages) >= MOST_PAGES:
-            await self._socket.close(FULL, "too many pages are open")
-            return
         await self._socket.accept()
         self._workshop.pages.add(self)
         tasks = [asyncio.create_task(self._answers(channel)) for channel in CHANNELS]
@@ -124,47 +114,24 @@ class Session:
                 slot.put(slot.waiting)
 
     async def _receive(self) -> None:
-        seconds = self._limits.first
-        while True:
-            try:
-                async with asyncio.timeout(seconds):
-                    got = await self._socket.receive()
-            except TimeoutError:
-                await self._socket.close(IDLE, "nothing was asked for a long time")
-                return
-            seconds = self._limits.idle
-            if got["type"] == "websocket.disconnect":
-                return
+        while (got := await self._socket.receive())["type"] != "websocket.disconnect":
             text = got.get("text") or got.get("bytes") or ""
-            if not self._may():
-                await self._socket.close(TOO_MUCH, "too many messages")
-                return
             try:
-                if len(text) > MESSAGE_BYTES:
-                    raise InputError("message", [f"it has {len(text)} characters; allowed are {MESSAGE_BYTES}"])
                 asked = message(text)
             except InputError as error:
                 await self._send(written({"channel": None, "kind": "problems", "problems": error.problems, **_who(text)}))
                 continue
             self._slots[asked.channel].put(asked)
 
-    def _may(self) -> bool:
-        """Whether one more message is within the allowance, which grows with time."""
-        now = time.monotonic()
-        self._allowance = min(self._allowance + RATE * (now - self._seen), BURST) - 1
-        self._seen = now
-        return self._allowance >= 0
-
     async def _answers(self, channel: str) -> None:
         slot = self._slots[channel]
         while True:
             await slot.wake.wait()
-            async with self._workshop.gate(channel):
-                asked, slot.stop = slot.newest, threading.Event()
-                slot.wake.clear()
-                assert asked is not None
-                prepared = self._workshop.prepared
-                data = await self._computed(asked, slot.stop)
+            asked, slot.stop = slot.newest, threading.Event()
+            slot.wake.clear()
+            assert asked is not None
+            prepared = self._workshop.prepared
+            data = await self._computed(asked, slot.stop)
             if data is None:
                 continue
             if _waits(data) and slot.newest is asked:

@@ -1,7 +1,5 @@
 // The way to the server: of each kind of question the newest counts, and a lost connection is taken up again.
 const PATIENCE = 4000;
-// The server lets an idle page go; it is asked again when there is something to ask.
-const IDLE = 4000;
 
 // An answer: header as an object, its arrays by name.
 export function unpacked(buffer) {
@@ -26,7 +24,6 @@ export class Link {
     const address = new URL("socket", location.href.split("#")[0].split("?")[0]);
     address.protocol = address.protocol.replace("http", "ws");
     const socket = (this.socket = new WebSocket(address));
-    this.idle = false;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.wait = 250;
@@ -36,8 +33,7 @@ export class Link {
       for (const [channel, body] of Object.entries(this.asked)) this.send(channel, body);
     };
     socket.onmessage = (event) => this.take(unpacked(event.data));
-    socket.onclose = (event) => {
-      if ((this.idle = event.code === IDLE)) return;
+    socket.onclose = () => {
       this.onState("lost");
       setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(2 * this.wait, 4000);
@@ -59,7 +55,6 @@ export class Link {
   }
 
   send(channel, body) {
-    if (this.idle) this.open();
     if (this.socket.readyState !== WebSocket.OPEN) return;
     const id = ++this.id;
     if (channel === "curves") this.busy = { id, fine: body.fine, since: performance.now() };
