@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.steady import period_number
@@ -104,7 +105,7 @@ def test_two_periods_have_one_canonical_pattern():
     assert told(whole, period=2)["margin"] == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("segments", "kind", "pattern"),
     [
         ([(0.5, 2), (0.02, 1), (0.02, -1), (0.46, -2)], "III", "+0-"),  # together long enough to count as stuck

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip import maths
 from stickslip.dynamics.derivatives.forward_ad import variables
 from stickslip.engine import cache
@@ -47,7 +48,7 @@ def test_every_function_that_equations_may_have_is_public():
     assert set(maths.__all__) - set(FUNCTIONS) == {"hypot", "is_symbol", "maximum", "minimum", "pi", "where", "within", "wrapped"}
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@each_row("name", FUNCTIONS)
 def test_floats_and_arrays_have_the_right_values(name):
     function, x = getattr(maths, name), points(name)
     right = exactly(name, x)
@@ -81,7 +82,7 @@ def test_compiled_functions_are_exact_to_a_few_units_and_saturate_as_plain_ones_
             np.testing.assert_allclose(out[k], getattr(maths, name)(far), rtol=1e-14, atol=1e-300, err_msg=name)
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@each_row("name", FUNCTIONS)
 def test_slopes_of_symbols_and_of_duals_are_the_derivative(name):
     """Against mpmath's derivative, in 30 digits."""
     from stickslip.engine.symbols import Sym as Node
@@ -119,7 +120,7 @@ def test_slopes_of_symbols_and_of_duals_are_the_derivative(name):
         assert getattr(maths, name)(dual).slope(0)[0] == pytest.approx(right, rel=1e-14)
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@each_row("name", FUNCTIONS)
 def test_taylor_series_of_every_function_are_those_of_mpmath(name):
     """y' = 1 - y/2 from y = 0.7: the series of f(y(t)), written by the engine and added up in Python, against mpmath's."""
     graph = Graph()

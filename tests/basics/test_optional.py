@@ -10,6 +10,7 @@ import xarray as xr
 
 import stickslip as ss
 from house import ROOT
+from rows import each_row
 from stickslip.dynamics.periodic.ball_arithmetic import flint_for
 from stickslip.inverse.identification.sampling import sample
 from stickslip.show.explorer.widget import _widget_class
@@ -43,7 +44,7 @@ def sampled(path):
     sample(None, 100)  # it asks for its library before anything else
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "door", "file", "extra"),
     [
         ("pyarrow", exported, "grid.parquet", "parquet"),

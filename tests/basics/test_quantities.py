@@ -8,6 +8,7 @@ import pytest
 from stickslip.friction import LAWS
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.quantities import positive
 from stickslip.show.explorer.machines import numbers_of
 
@@ -77,7 +78,7 @@ def test_a_law_without_examples_is_told_what_to_type():
         Bare.example()
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_row("law", LAWS)
 def test_sliders_of_every_law_reach_around_its_example(law):
     robot = ROBOT.replace(friction=LAWS[law].example())
     assert all(p.low <= p.default <= p.high and p.label for p in numbers_of(robot))

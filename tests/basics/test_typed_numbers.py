@@ -15,6 +15,7 @@ from stickslip.presets import PRESETS
 from stickslip.tracks import TRACKS
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.arguments import described_arguments
 from stickslip.basics.typed_numbers import in_unit
 from stickslip.models.machine_adapter import machine_of
@@ -82,7 +83,7 @@ def test_quantities_of_pint_are_numbers_in_their_units():
         ss.Harmonic(amplitude=Quantity(1.0, Unit("kg")), omega=205.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("given", "said"),
     [
         ("0.55", "is not a number"),
@@ -122,7 +123,7 @@ def test_millimetres_typed_as_metres_are_remarked_on():
     assert any("is a unit mistaken" in note for note in batch.notes)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@each_row("name", PRESETS)
 def test_no_preset_has_a_mistaken_unit(name):
     from inspect import signature
 
@@ -171,7 +172,7 @@ def test_ranges_of_studies_may_have_units():
     assert np.array_equal(spread[0].values, spread[1].values)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("call", "sentence"),
     [
         (lambda: ss.continuation(ss.presets.piezo_rig, start="1 kg", stop=4e-4, **SHORT), "start: kg is a unit of mass"),
@@ -212,7 +213,7 @@ def test_the_table_of_a_robot_has_units_and_its_remarks():
     assert "0.06259 kg" in shown and "(32.7 Hz)" in shown and "(1.7°)" in shown and "is a unit mistaken?" in shown and "None" not in shown
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("wrong", "hint"),
     [
         (lambda: ss.Harmonic(amplitude=1e-3, freq=40), "type frequency=40"),

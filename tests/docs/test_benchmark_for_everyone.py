@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from house import ROOT
+from rows import each_row
 
 FOLDER = ROOT / "benchmarks" / "everyone"
 ROWS = {row["id"]: row for row in json.loads((FOLDER / "rows.json").read_text(encoding="utf-8"))["rows"]}
@@ -29,7 +30,7 @@ def test_our_adapter_is_within_the_tolerance_of_a_row(name):
     assert scored["verdict"] == "exact", scored
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("answer", "verdict"), [(1.0, "exact"), (1.0 + 1e-4, "good"), (1.02, "rough"), (1.1, "wrong"), (math.nan, "wrong"), (None, "not posed")]
 )
 def test_an_answer_is_judged_by_its_distance_from_the_known_one(answer, verdict):

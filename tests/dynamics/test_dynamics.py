@@ -18,6 +18,7 @@ import kinds
 import stickslip as ss
 from kinds import DRIVES, TRACKS
 from problems import velocity_unit
+from rows import each_row
 from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_iii_iv, periodic
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.given_states import states_of
@@ -401,7 +402,7 @@ def test_starts_in_any_of_three_periods_of_a_motion_are_attracted_by_one():
     assert [(a.period, a.share) for a in found.attractors] == [(3, 1.0)]
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@each_row("drive", DRIVES)
 @pytest.mark.parametrize("track", TRACKS)
 def test_a_robot_at_another_phase_has_its_equations_of_that_time(drive, track):
     robot = kinds.robot("coulomb", drive, track)
@@ -475,7 +476,7 @@ def test_sections_of_a_periodic_motion_are_points():
     assert len(np.unique(section.phase.values.round(6))) == 2, "one fall through v = 0 in each period, two of them different"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("act", "words", "count"),
     [
         (lambda run: ss.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),

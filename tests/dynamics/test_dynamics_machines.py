@@ -16,6 +16,7 @@ from stickslip.maths import pi, sin
 
 import stickslip as ss
 from problems import CAPSULE_1, CAPSULE_3, CAPSULE_7, Worm, chain, module
+from rows import each_row
 from stickslip.dynamics.attractors import settled_motions as rule
 from stickslip.dynamics.derivatives.tangents import jacobian_of, orders_differ
 from stickslip.dynamics.stroboscopic.strobe_maps import (
@@ -363,7 +364,7 @@ def test_sections_of_a_chain_have_an_axis_of_bodies(orbits):
 
 
 # ---- what is refused ----
-@pytest.mark.parametrize(
+@each_row(
     ("call", "said"),
     [
         (lambda: ss.switching_flow(chain(0.0, 1.0)), "allowed is one body on one contact, .* its modes are those of one contact"),

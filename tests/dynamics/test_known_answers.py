@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rows import each_row
+
 ROOT = Path(__file__).parents[2]
 spec = importlib.util.spec_from_file_location("known_answers", ROOT / "verification" / "known_answers.py")
 known_answers = importlib.util.module_from_spec(spec)
@@ -39,7 +41,7 @@ def numbers(cell):
     return [float(number) for number in cell.split(",")]
 
 
-@pytest.mark.parametrize("name", ROWS)
+@each_row("name", ROWS)
 def test_the_page_has_every_row_and_each_lies_within_what_it_says(name):
     row = ROWS[name]
     _, known, ours, _, within = PRINTED[row.system]

@@ -9,6 +9,7 @@ import pytest
 from stickslip.maths import atan, cos, sqrt
 
 import stickslip as ss
+from rows import each_row
 
 
 def ball(restitution=0.8):
@@ -198,7 +199,7 @@ def test_a_forced_motion_that_repeats_sooner_is_not_returned_for_more_periods():
 # what a user may get wrong ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("field", "told"),
     [
         (lambda t, y: None, "gave None.*return missing"),
@@ -222,7 +223,7 @@ def test_a_field_that_gives_no_rates_says_so(field, told):
         ss.passage(ss.SwitchingFlow({0: field}), [1.0, 0.0], 0, 2.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "guard", [lambda t, y: None, lambda t, y: y[0] > 0, lambda t, y: np.sin(y[0]), lambda t, y: math.nan, lambda t, y: y[7], lambda t, y: y]
 )
 def test_a_guard_that_gives_no_number_says_so(guard):
@@ -230,7 +231,7 @@ def test_a_guard_that_gives_no_number_says_so(guard):
         ss.passage(swinging(guard), [1.0, 0.0], 0, 2.0)
 
 
-@pytest.mark.parametrize("reset", [lambda t, y: None, lambda t, y: (0.0,), lambda t, y: (0.0, math.nan), lambda t, y: (0.0, np.exp(y[1]))])
+@each_row("reset", [lambda t, y: None, lambda t, y: (0.0,), lambda t, y: (0.0, math.nan), lambda t, y: (0.0, np.exp(y[1]))])
 def test_a_reset_that_gives_no_state_says_so(reset):
     with pytest.raises(ss.StickslipError, match=r"switches\[0\]\[0\].reset"):
         ss.passage(swinging(lambda t, y: y[0], reset), [1.0, 0.0], 0, 2.0)
@@ -278,14 +279,14 @@ def test_a_field_whose_square_root_ends_says_where():
         ss.passage(ss.SwitchingFlow({0: lambda t, y: (-sqrt(y[0]),)}), [1.0], 0, 3.0)
 
 
-@pytest.mark.parametrize("f", [lambda x: None, lambda x: (x[0],), lambda x: (np.sin(x[0]), x[1]), lambda x: (x[5], 0.0)])
+@each_row("f", [lambda x: None, lambda x: (x[0],), lambda x: (np.sin(x[0]), x[1]), lambda x: (x[5], 0.0)])
 def test_maps_and_flows_that_give_no_numbers_say_so(f):
     for act in (ss.lyapunov_of_map, ss.lyapunov_of_flow):
         with pytest.raises(ss.InputError, match="f "):
             act(f, [0.1, 0.2])
 
 
-@pytest.mark.parametrize("given", [dict(duration=math.inf), dict(duration="a"), dict(every=math.nan), dict(settle=math.nan), dict(rtol=0)])
+@each_row("given", [dict(duration=math.inf), dict(duration="a"), dict(every=math.nan), dict(settle=math.nan), dict(rtol=0)])
 def test_bad_numbers_of_an_exponent_are_said(given):
     with pytest.raises(ss.InputError, match=next(iter(given))):
         ss.lyapunov_of_flow(lambda x: (-x[0],), [0.1], **given)

@@ -13,6 +13,7 @@ import numba
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
+from rows import each_row
 from stickslip.engine import cache, trust
 
 
@@ -179,7 +180,7 @@ def _file_of(place, ending):
 
 
 @pytest.mark.parametrize("ending", [".nbc", ".nbi"])
-@pytest.mark.parametrize("place", [0.1, 0.3, 0.5, 0.7, 0.9, 1.0])
+@each_row("place", [0.1, 0.3, 0.5, 0.7, 0.9, 1.0])
 def test_a_bit_flipped_in_compiled_code_is_compiled_again_and_not_run(compiled_half, ending, place, capfd):
     folder, load = compiled_half
     sound = _file_of(folder, ending).read_bytes()
@@ -192,7 +193,7 @@ def test_a_bit_flipped_in_compiled_code_is_compiled_again_and_not_run(compiled_h
 
 
 @pytest.mark.parametrize("ending", [".nbc", ".nbi", ".py", ".sums.json"])
-@pytest.mark.parametrize("damage", [_as_folder, _as_link, _flip, lambda f: f.write_bytes(b""), lambda f: f.write_bytes(bytes(100))])
+@each_row("damage", [_as_folder, _as_link, _flip, lambda f: f.write_bytes(b""), lambda f: f.write_bytes(bytes(100))])
 def test_whatever_stands_where_a_cache_file_should_be_gives_way_to_it(compiled_half, ending, damage, capfd):
     folder, load = compiled_half
     damage(_file_of(folder, ending))
@@ -226,7 +227,7 @@ def test_a_file_where_the_folder_of_compiled_code_should_be_gives_way_to_it(tmp_
         assert capfd.readouterr().err == said
 
 
-@pytest.mark.parametrize("k", range(6))
+@each_row("k", range(6))
 def test_a_disk_that_is_full_at_the_kth_write_still_gives_the_kernel(tmp_path, monkeypatch, k, capfd):
     """Every file is opened for writing by one of two doors; the k-th opening and all after it fail."""
     monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path))

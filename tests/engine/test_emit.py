@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from llvmlite import ir
 
+from rows import each_row
 from stickslip.engine import cache, emit
 from stickslip.engine.kernel_text import HEADER
 from stickslip.engine.rosenbrock_step import Step
@@ -197,7 +198,7 @@ def test_the_lines_above_hold_every_operation_there_is():
     assert visited | {"For"} <= {node.__name__ for node in nodes}
 
 
-@pytest.mark.parametrize(
+@each_row(
     "line",
     [
         "_x = _a ** 2.0", "_x = 5 % 2", "_x = 1.0 < 2.0 < 3.0", "_x = _unknown", "_x = sin(1.0)", "_x = as_bits(5)", "_x = not 1.0",
@@ -221,6 +222,7 @@ def test_a_line_that_asks_for_what_no_lane_holds_is_refused():
 
 _KERNEL = """
 import stickslip as ss
+from rows import each_row
 from stickslip.engine import lanes, tableaux
 lanes.kernel_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), tableaux.RODAS5P, record=True)
 """

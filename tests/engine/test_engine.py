@@ -13,6 +13,7 @@ from stickslip.maths import exp, sqrt, where
 
 import stickslip as ss
 from problems import paper_batch
+from rows import each_row
 from stickslip.engine import lanes, tableaux, trace
 
 
@@ -144,7 +145,7 @@ class Refused:
             return v - float("inf")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("law", "words"),
     [
         (Refused.If, "where"), (Refused.MathExp, "stickslip.maths"), (Refused.NumpyExp, "stickslip.maths"), (Refused.Equality, "where"),

@@ -10,6 +10,7 @@ from stickslip.maths import cos, exp, pi, sin, sqrt, where, within
 
 import stickslip as ss
 from every import DEN_HARTOG, den_hartog
+from pairs import each_once
 from stickslip.solvers import flow_engine as flows
 
 R, X = 0.7, 1.88569985041425  # Den Hartog 1930: frequency over the natural one, and the amplitude at friction 0.3
@@ -214,8 +215,7 @@ def test_a_mode_may_be_chosen_by_where():
     assert (late.mode, early.mode, late.method) == (3, -1, "exact") and late.state[0] == pytest.approx(2.0, abs=1e-14)
 
 
-@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
-@pytest.mark.parametrize("pace", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize(("size", "pace"), each_once([1e-12, 1.0, 1e12], [1e-9, 1.0, 1e9]))
 def test_units_change_nothing(size, pace):
     """An impact oscillator in other units of length and time: states and instants to some roundings of a hundred steps."""
     swing = lambda t, y: (y[1] / pace, (-y[0] + 0.1 * size * cos(2 * t / pace)) / pace)  # noqa: E731

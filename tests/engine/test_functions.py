@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from engine.test_emit import as_bits, as_float, fma
+from rows import each_row
 from stickslip.engine import cache, driver
 
 TEXT = '''
@@ -125,7 +126,7 @@ def type_of(*_):
 
 
 @pytest.mark.parametrize("count", [-1, 0, 1, 3, 6])
-@pytest.mark.parametrize("seed", range(8))
+@each_row("seed", range(8))
 def test_a_text_computes_what_python_computes(count, seed):
     rng = np.random.default_rng(seed)
     x = rng.normal(size=12) * 10.0 ** rng.integers(-2, 3, 12)
@@ -138,7 +139,7 @@ def test_a_text_computes_what_python_computes(count, seed):
         assert np.array_equal(ours, theirs, equal_nan=True)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("body", "what"),
     [
         ("k = 1\n    for i in range(3):\n        k = 0.5\n    return k", "is given to a name"),

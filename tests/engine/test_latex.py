@@ -15,6 +15,7 @@ from every import DRY, SHAKEN, with_bodies
 from latex_values import value
 from models.machines.test_mirrored_machines import WORM, Everything, Prescribed
 from registries import examples
+from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.letters import formula, spread, symbol
@@ -94,7 +95,7 @@ def test_hits_belts_jumps_and_prescribed_distances_have_their_lines():
     assert any(line.startswith(r"\Delta v_{2} &= ") for line in lines(DROPPED))
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@each_row("name", MACHINES)
 def test_the_equations_can_be_drawn(name):
     model = MACHINES[name]
     markup = mathml(ss.latex(model), as_block=True)
@@ -131,7 +132,7 @@ def test_what_is_written_is_what_is_solved(name):
 WRITTEN = [name for name, law in examples(LAWS).items() if adapted(law).compiles]
 
 
-@pytest.mark.parametrize("name", WRITTEN)
+@each_row("name", WRITTEN)
 def test_the_lines_of_a_law_say_what_it_computes(name):
     """The printed text, read again and evaluated, against the law in plain Python: rounding of some hundred operations."""
     law = LAWS[name].example()

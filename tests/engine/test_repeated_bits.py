@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from pairs import each_once
 from stickslip.engine import lanes
 from stickslip.solvers import stepping
 
@@ -42,8 +43,7 @@ def both(model, monkeypatch, **asked):
     return found, [int(np.sum(each.accepted)) for each in taken]
 
 
-@pytest.mark.parametrize("kind", MACHINES)
-@pytest.mark.parametrize("periods", [61, 400])
+@pytest.mark.parametrize(("kind", "periods"), each_once(MACHINES, [61, 400]))
 def test_a_summary_is_that_of_all_periods(kind, periods, monkeypatch):
     """To rounding of the sum of displacements; extremes, types and counts are the same."""
     (quick, slow), (few, many) = both(MACHINES[kind], monkeypatch, periods=periods, settle=40)

@@ -16,6 +16,7 @@ from stickslip.maths import sin
 import problems
 import stickslip as ss
 from problems import chain, module
+from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
@@ -107,7 +108,7 @@ def test_changes_by_the_start_and_by_every_number_are_those_of_exact_runs(name):
     assert bent <= 1
 
 
-@pytest.mark.parametrize("name", [*MACHINES, *MORE])
+@each_row("name", [*MACHINES, *MORE])
 def test_the_step_of_every_tangent_can_be_written(name):
     """Also along every number; nothing is compiled. (A multiple of a sum had no rule.)"""
     machine = (MACHINES | MORE)[name]
@@ -194,7 +195,7 @@ def test_a_body_that_may_stand_anywhere_says_so():
     assert found.mean_velocity[0] == 0.0 and "a multiplier is 1" in found.notes[0]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("call", "said"),
     [
         (lambda: ss.sensitivity(chain(0.0, 2.0), wrt="drive.amplitud"), "'drive.amplitud' is not a number of Chain; .*amplitude"),

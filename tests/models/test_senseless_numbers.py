@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 
 RIG = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
 LAWS = {
@@ -33,7 +34,7 @@ class Sledge(ss.Machine):
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("exponent", [-1.0, 0.0, 1e-3, 20.5, 1e3, 1e6, 1e300, np.array([1.0, 1e4])])
+@each_row("exponent", [-1.0, 0.0, 1e-3, 20.5, 1e3, 1e6, 1e300, np.array([1.0, 1e4])])
 def test_an_exponent_beyond_sense_is_refused(law, exponent):
     with pytest.raises(ss.InputError, match=r"exponent.* = .*; allowed is a number from 0\.01 to 20, mostly 1"):
         LAWS[law](exponent)
@@ -45,7 +46,7 @@ def test_every_allowed_exponent_of_a_stribeck_curve_can_be_solved(exponent):
     assert np.isfinite(run.v).all() and ss.energy(run).worst < 1e-10
 
 
-@pytest.mark.parametrize("gravity", [-9.81, 0.0, 1e-12, 1e7, 1e100, 1e300])
+@each_row("gravity", [-9.81, 0.0, 1e-12, 1e7, 1e100, 1e300])
 @pytest.mark.parametrize("made", [lambda g: RIG.replace(gravity=g), lambda g: ss.presets.conveyor(throw_index=2.5).replace(gravity=g)])
 def test_a_gravity_beyond_sense_is_refused(made, gravity):
     with pytest.raises(ss.InputError, match=r"gravity = .*; allowed is a positive acceleration from 1e-6 to 1e6 m/s\^2.*gravity=9\.81"):

@@ -35,6 +35,7 @@ from registries import (
     unregistered,
     wordless,
 )
+from rows import each_row
 from stickslip import presets, records
 from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
@@ -87,17 +88,17 @@ def test_every_page_is_in_a_list_of_pages(folder):
     assert not left, f"{', '.join(left)}: add to the list of pages (toctree) of docs/{'' if folder == 'machines' else folder + '/'}index.md"
 
 
-@pytest.mark.parametrize("name", ss.LAWS)
+@each_row("name", ss.LAWS)
 def test_a_law_has_what_its_recipe_names(name):
     tell(law_lacks(name))
 
 
-@pytest.mark.parametrize("name", ss.DRIVES)
+@each_row("name", ss.DRIVES)
 def test_a_drive_has_what_its_recipe_names(name):
     tell(drive_lacks(name))
 
 
-@pytest.mark.parametrize("name", TRACKS)
+@each_row("name", TRACKS)
 def test_a_track_has_what_its_recipe_names(name):
     kind = TRACKS[name]
     numbers = [f for f in kind.__dataclass_fields__.values() if "float" in str(f.type)]
@@ -113,14 +114,14 @@ def test_a_link_has_what_its_recipe_names(name):
     tell(unfinished(link, "docs/your-own-machine.md"))
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@each_row("name", MECHANISMS)
 def test_a_machine_has_what_its_recipe_names(name):
     tell([*machine_lacks(name), *without_line(MECHANISMS[name])])
     machine = next(machine for machine, *_ in every_machine.values() if isinstance(machine, MECHANISMS[name]))
     assert type(from_text(machine.to_toml())) is MECHANISMS[name]
 
 
-@pytest.mark.parametrize("known", formats.FORMATS, ids=lambda known: known.names[0])
+@each_row("known", formats.FORMATS)
 def test_a_format_of_records_has_what_its_recipe_names(known):
     assert callable(known.reader()), f"write {known.read_by} in src/stickslip/records"
     for name in known.names:
@@ -179,14 +180,14 @@ def test_a_tableau_is_a_method(name):
     assert made.source, f"{name}: say its source"
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@each_row("name", COMMANDS)
 def test_a_command_has_its_example(name):
     assert (ROOT / "src" / "stickslip" / "show" / "cli" / "examples" / f"{name}.txt").exists(), (
         f"write src/stickslip/show/cli/examples/{name}.txt"
     )
 
 
-@pytest.mark.parametrize("name", VARIABLES)
+@each_row("name", VARIABLES)
 def test_a_column_has_a_unit_and_words(name):
     told = VARIABLES[name]
     assert told.name == name and told.long_name and told.symbol, f"{name}: say its symbol and what it is in variables.py"

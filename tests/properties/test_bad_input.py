@@ -13,6 +13,7 @@ import xarray as xr
 from stickslip.maths import where
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fields import number
 
 RIG = {"tilt_deg": 1.7, "amplitude": 5.525e-4}
@@ -68,7 +69,7 @@ def test_errors_come_through_a_pool_of_processes():
 
 
 @pytest.mark.parametrize("inside", range(len(IN_CONTAINERS)))
-@pytest.mark.parametrize("value", LOOK_LIKE_NUMBERS, ids=repr)
+@each_row("value", LOOK_LIKE_NUMBERS)
 def test_what_is_no_number_alone_is_none_in_a_list_or_an_array(value, inside):
     with pytest.raises(ValueError, match=r"is not a number|is not an array of numbers"):
         number(IN_CONTAINERS[inside](value))
@@ -94,8 +95,8 @@ def test_arrays_of_a_rig_that_do_not_fit_together_are_told_by_name(law):
 BAD = [0.0, -0.06, math.nan, math.inf, -math.inf, "heavy", True, None, [0.06, "x"], {"kg": 0.06}, 1j]
 
 
-@pytest.mark.parametrize("value", BAD, ids=repr)
 @pytest.mark.parametrize("field", ["body_mass", "inner_mass", "gravity"])
+@each_row("value", BAD)
 def test_masses_and_gravity_must_be_positive_numbers(field, value):
     if field == "inner_mass" and isinstance(value, list):  # a robot may have several inner masses, and a batch of them
         says(lambda: robot(**{field: value}), field, "a list", "a tuple means one for each part, an array means cases")
@@ -103,7 +104,7 @@ def test_masses_and_gravity_must_be_positive_numbers(field, value):
     says(lambda: robot(**{field: value}), field, "allowed is a positive", f"type for example {field}=")
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, "fast"], ids=repr)
+@each_row("value", [0.0, -1.0, math.nan, math.inf, "fast"])
 def test_drives_say_what_they_take(value):
     says(lambda: ss.Harmonic(amplitude=1e-4, omega=value), "omega", "positive angular frequency", "omega=205.46")
     says(lambda: ss.Harmonic(amplitude=1e-4, frequency=value), "positive")
@@ -121,7 +122,7 @@ def test_amplitudes_are_not_negative(value):
 
 
 @pytest.mark.parametrize("field", ["mu_plus", "mu_minus", "sigma0", "v_s"])
-@pytest.mark.parametrize("value", [0.0, -0.1, math.nan, "rough"], ids=repr)
+@each_row("value", [0.0, -0.1, math.nan, "rough"])
 def test_lugre_numbers_must_be_positive(field, value):
     says(lambda: lugre(**{field: value}), field, "positive", f"type for example {field}=")
 
@@ -373,7 +374,7 @@ AHEAD, BEHIND = ss.Stop(-0.2, restitution=0.5), ss.Stop(0.1, restitution=0.5, si
 SOFT = ss.Stop(-0.2, stiffness=9.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("made", "said"),
     [
         ({"walls": {("a", "b"): (BEHIND, AHEAD)}}, "a-b 1 and a-b 2, which face one another and overlap: .* -0.1 m; allowed is more than"),

@@ -12,6 +12,7 @@ from stickslip.mechanisms import MECHANISMS
 import stickslip as ss
 from every import Case, door_of, every_door, every_machine, not_on_page, without_line, wrong_line
 from registries import tell
+from rows import each_row
 from stickslip.analysis.works import lost_at_hits
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
@@ -59,7 +60,7 @@ def case(request, tmp_path_factory):
     return Case(request.param, *every_machine[request.param], tmp_path_factory.mktemp("every"))
 
 
-@pytest.mark.parametrize("door", every_door)
+@each_row("door", every_door)
 def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
     """As the page says: a door that opens and is not in the table, or closes and is, is as wrong as an AttributeError."""
     with warnings.catch_warnings():

@@ -12,6 +12,7 @@ import pytest
 from stickslip.maths import exp, where
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.progress import Line
 from stickslip.models.tables import document_of
 from stickslip.studies import folder
@@ -29,13 +30,13 @@ def says(make, *words):
 
 
 # ---- study files ----
-@pytest.mark.parametrize("kind", ["[1, 2]", "{a = 1}", "3", "true", "1979-05-27", '""'])
+@each_row("kind", ["[1, 2]", "{a = 1}", "3", "true", "1979-05-27", '""'])
 @pytest.mark.parametrize("part", ["harmonic", "coulomb", "level"])
 def test_a_kind_of_a_wrong_kind_is_told(kind, part):
     says(lambda: ss.Robot.from_toml(rig().to_toml().replace(f'kind = "{part}"', f"kind = {kind}")), "kind = ", "study file")
 
 
-@pytest.mark.parametrize("text", ["a = " + "[" * 3000, "a = " + "9" * 5000, "\0", "robot = 3", "robot = [1]", "[robot]\ndrive = 1"])
+@each_row("text", ["a = " + "[" * 3000, "a = " + "9" * 5000, "\0", "robot = 3", "robot = [1]", "[robot]\ndrive = 1"])
 def test_a_text_that_no_parser_bears_is_told(text):
     says(lambda: ss.Robot.from_toml(text), "study file")
 
@@ -189,7 +190,7 @@ def short():
     return ss.solve(rig(), periods=3, settle=0)
 
 
-@pytest.mark.parametrize("suffix", ["csv", "CSV", "mat", "nc", "h5"])
+@each_row("suffix", ["csv", "CSV", "mat", "nc", "h5"])
 def test_a_file_holds_what_its_ending_says(short, suffix, tmp_path):
     path = short.save(tmp_path / f"x.{suffix}")
     first = path.read_bytes()[:8]
@@ -202,7 +203,7 @@ def test_an_ending_that_is_no_format_is_refused(short, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("path", [3, None, b"run.nc", "a\0.nc", ["run.nc"]])
+@each_row("path", [3, None, b"run.nc", "a\0.nc", ["run.nc"]])
 def test_what_is_no_path_is_told(short, path):
     for give in (short.save, short.to_mat, ss.load, ss.read, ss.open_study, lambda p: ss.export(p, p)):
         says(lambda give=give: give(path), "path")
@@ -306,7 +307,7 @@ def test_masked_values_are_no_numbers():
     assert ss.Coulomb(masked().compressed(), 0.2).mu_plus.tolist() == [0.15]
 
 
-@pytest.mark.parametrize("x", [1e9, 1e12, 1e300])
+@each_row("x", [1e9, 1e12, 1e300])
 def test_a_start_too_far_away_for_its_motion_is_refused(x):
     says(lambda: ss.solve(rig(), periods=3, start={"x": x}), "start", "allowed are sizes up to")
 

@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from stickslip.maths import cos, maximum, pi, sin, sqrt, where
 
 import stickslip as ss
+from rows import each_row
 from stickslip.models.tables import to_toml
 
 record = dataclasses.dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ UNREPEATABLE = {
 }
 
 
-@pytest.mark.parametrize("name", UNREPEATABLE)
+@each_row("name", UNREPEATABLE)
 def test_a_force_that_is_no_function_of_its_arguments_is_refused_everywhere(name):
     force = UNREPEATABLE[name]
     doors = [
@@ -137,7 +138,7 @@ UNLIKE = {
 }
 
 
-@pytest.mark.parametrize("name", UNLIKE)
+@each_row("name", UNLIKE)
 def test_a_force_that_treats_symbols_otherwise_than_numbers_is_refused(name):
     for model, more in ((Block(1.0, UNLIKE[name]), {}), (Block(np.array([1.0, 2.0]), UNLIKE[name]), {})):
         with pytest.raises(ss.InputError, match=r"where it is called with numbers.* write where"):
@@ -192,7 +193,7 @@ def _filled(x, v):
     return a
 
 
-@pytest.mark.parametrize("name", UNTRACEABLE)
+@each_row("name", UNTRACEABLE)
 def test_what_only_numbers_can_do_is_refused_with_what_to_write(name):
     with pytest.raises(ss.InputError, match=r"write|call|allowed|return"):
         ss.solve(Block(1.0, UNTRACEABLE[name]), duration=1.0, start=START)
@@ -332,7 +333,7 @@ FLOWS = {
 }
 
 
-@pytest.mark.parametrize("name", FLOWS)
+@each_row("name", FLOWS)
 def test_functions_of_a_flow_that_are_no_functions_are_refused(name):
     with pytest.raises(ss.InputError):
         ss.solve(FLOWS[name], duration=1.0, start=[1.0, 0.0])
@@ -408,7 +409,7 @@ class CartPole(ss.Machine):
         return Coupled(self)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "door",
     [
         lambda m: ss.solve(m, periods=2),

@@ -16,6 +16,7 @@ import pytest
 from stickslip.maths import sin
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.references import References
 from stickslip.engine import kinds
 
@@ -113,7 +114,7 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("name", WAYS)
+@each_row("name", WAYS)
 def test_a_change_of_what_a_function_reads_is_noticed(name):
     function, change = WAYS[name]()
     read = References(function)
@@ -150,7 +151,7 @@ UNKNOWN = {
 }
 
 
-@pytest.mark.parametrize("name", UNKNOWN)
+@each_row("name", UNKNOWN)
 def test_what_cannot_be_compared_makes_a_list_incomplete(name):
     assert not References(UNKNOWN[name]).complete
 

@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from stickslip.maths import cos, pi, sin, where
 
 import stickslip as ss
+from rows import each_row
 from stickslip import maths
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
@@ -137,7 +138,7 @@ OPEN = [dict(phase=0.4), dict(second=0.5), dict(slope=0.2), dict(ripple=0.4), di
 CLOSED = [dict(), dict(factor=1.2), dict(wind=0.2), dict(sway=4.0), dict(factor=0.8, wind=-0.1, sway=-3.0)]
 
 
-@pytest.mark.parametrize("terms", OPEN)
+@each_row("terms", OPEN)
 def test_one_term_that_is_no_sine_and_no_constant_opens_the_arcs(terms):
     assert "depends on" in handles(changed(**terms))
 

@@ -1,9 +1,12 @@
 """Whether strobe points repeat: maps whose periods are known, and the robots beside their flips."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.engine.texts import recurrence as compiled
 from stickslip.results import recurrence
@@ -35,9 +38,8 @@ def flip(mu):
     return lambda x: -(1 + mu) * x + x**3
 
 
-@pytest.mark.parametrize("count", [50, 200, 3000])
 @pytest.mark.parametrize("mu", [-0.3, -0.03, -3e-3, -3e-4, 3e-4, 3e-3, 0.03, 0.3])
-@pytest.mark.parametrize("start", [1e-4, 0.02, 0.3])
+@each_row(("count", "start"), product([50, 200, 3000], [1e-4, 0.02, 0.3]))
 def test_beside_a_flip_the_period_is_right_or_none(mu, count, start):
     """On the side of the fixed point 1, on the other 2, however slowly the map settles, and never a multiple."""
     found, _ = outcome(points_of(flip(mu), start, count))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.results.steadiness import IRREGULAR, STEADY, UNKNOWN, UNSETTLED
 
 #: What counts as steady: an error below this, relative to the steady mean.
@@ -33,7 +34,7 @@ def weakly_damped():
     return ss.solve(ss.presets.coulomb_robot(1e-3, 2e-3))
 
 
-@pytest.mark.parametrize("asked", [{}, {"periods": 40}, {"periods": 1000}, {"settle": "auto"}], ids=["200", "40", "1000", "auto"])
+@each_row("asked", [{}, {"periods": 40}, {"periods": 1000}, {"settle": "auto"}], ids=["200", "40", "1000", "auto"])
 def test_every_mean_that_is_off_is_said_to_be(asked):
     """1900 level robots against the closed formula: none that is off by more than 1e-6 is called steady."""
     robots = level_robots(1900, seed=1)

@@ -9,6 +9,7 @@ import pytest
 import stickslip as ss
 from every import every_machine
 from problems import chain
+from rows import each_row
 from stickslip.engine.tableaux import TABLEAUX
 from stickslip.solvers.methods import ALL, METHODS, method_for
 
@@ -24,7 +25,7 @@ TAKEN = {
 }
 
 
-@pytest.mark.parametrize("name", TAKEN)
+@each_row("name", TAKEN)
 def test_each_machine_has_its_method_and_all_others_a_reason(name):
     """The judge takes everything; of the rest exactly one solves a machine by itself, and the others say why not in a sentence."""
     machine = every_machine[name][0]

@@ -7,6 +7,7 @@ from stickslip.maths import sin, where
 import every
 import stickslip as ss
 from parts_of_runs import solved
+from rows import each_row
 
 PERIODS = 60
 ROBOT = every.SHAKEN
@@ -101,7 +102,7 @@ def test_a_study_with_another_observable_is_another_study(tmp_path):
         ss.sweep(CHAIN, **axes, periods=4, observe={"a": ss.observable(lambda s: s.v[1])}, out=tmp_path / "study", resume=True)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("function", "says"),
     [
         (lambda s: s.x[0], "depends on how far the machine went"),

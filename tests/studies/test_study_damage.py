@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
+from rows import each_row
 
 AXES = dict(amplitude=np.linspace(3e-4, 7e-4, 6), law=["coulomb"], tilt_deg=[1.0, 1.7], tile=2)
 RIG = ss.presets.piezo_rig
@@ -143,7 +144,7 @@ def test_a_folder_of_format_1_is_not_gone_on_with(old):
         ss.sweep(RIG, **AXES, out=old, resume=True)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "change",
     [
         {"shape": [6, 1, -2]}, {"shape": "6"}, {"tiles": 10**9}, {"cases_per_tile": 0}, {"columns": {"speed": "f8"}}, {"dims": ["a"]},
@@ -157,7 +158,7 @@ def test_a_manifest_that_makes_no_sense_is_refused(old, change):
         ss.open_study(old)
 
 
-@pytest.mark.parametrize("text", ["[]", "null", "[" * 100_000, '{"stickslip_format": 1}', "1", '{"stickslip_format": 1e400}'])
+@each_row("text", ["[]", "null", "[" * 100_000, '{"stickslip_format": 1}', "1", '{"stickslip_format": 1e400}'])
 def test_a_manifest_that_is_none_is_refused(old, text):
     (old / "manifest.json").write_text(text)
     with pytest.raises(ss.InputError, match=r"study: .*manifest\.json"):

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.show.cli import main
 from stickslip.studies.manifest import differences_between, manifest
@@ -259,7 +260,7 @@ def test_there_are_many_ways_to_change_a_model():
     assert len(MAKERS) + len(SETTINGS) >= 40
 
 
-@pytest.mark.parametrize("way", MAKERS)
+@each_row("way", MAKERS)
 def test_another_model_is_another_study(way):
     make = MAKERS[way]
     first, again = told(make(1.0)), told(make(1.0))
@@ -270,7 +271,7 @@ def test_another_model_is_another_study(way):
     )
 
 
-@pytest.mark.parametrize("way", MAKERS)
+@each_row("way", MAKERS)
 def test_code_alone_tells_another_model(way, monkeypatch):
     """Where the code of a maker is the same, its models are made for three tiles of the folder only; here for none."""
     from stickslip.studies import manifest as module
@@ -300,7 +301,7 @@ def test_a_study_goes_on_without_making_all_of_its_models(tmp_path, monkeypatch)
     assert np.array_equal(whole.mean_velocity, wanted.mean_velocity)
 
 
-@pytest.mark.parametrize("way", SETTINGS)
+@each_row("way", SETTINGS)
 def test_another_setting_is_another_study(way):
     make = MAKERS["partial"](1.0)
     assert told(make)["study"] == told(make)["study"] != told(make, **SETTINGS[way])["study"]

@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
+from rows import each_row
 from stickslip.studies import sweep
 
 RIG = ss.presets.piezo_rig
@@ -117,7 +118,7 @@ def test_all_that_is_wrong_is_reported():
     assert "did you mean 'amplitude'" in told and "did you mean 'periods'" in told and "(2, 2)" in told and "amplitude is missing" in told
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "axes", "told"),
     [
         (3, {"a": 1}, "allowed is a Robot or a function"),

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis.bench import EXPERIMENTS
 from stickslip.analysis.bench.contact import Contact, swing
 from stickslip.analysis.bench.probe import Probe
@@ -221,7 +222,7 @@ def test_the_command_measures_draws_and_speaks_json(capsys, tmp_path):
     assert "drift below break-away" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("words", "told"),
     [
         (["coulom"], "did you mean 'coulomb'?"),
@@ -237,7 +238,7 @@ def test_bad_words_are_told_what_to_type(words, told, capsys):
     assert told in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("call", "told"),
     [
         (lambda: ss.bench("nonsense"), "is not a law"),

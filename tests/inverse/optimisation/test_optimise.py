@@ -7,6 +7,7 @@ import pytest
 from stickslip.drives import DRIVES
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import Problems
 from stickslip.inverse.optimisation.candidates import Candidates
 from stickslip.inverse.optimisation.coexisting_motions import continued
@@ -188,7 +189,7 @@ def test_a_stop_keeps_the_best_so_far():
     assert best["mean_velocity"] > 0.0
 
 
-@pytest.mark.parametrize("name", DRIVES)
+@each_row("name", DRIVES)
 def test_peaks_of_drives_are_those_of_a_fine_grid(name):
     drive = DRIVES[name].example()
     t = np.linspace(0.0, 1.0, 20001) * drive.period
@@ -223,7 +224,7 @@ def test_waveforms_keep_their_limits_and_close(form):
 TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("asked", "told"),
     [
         (dict(over={"drive": ss.waveform(pieces=4), "drive.u1": (0.1, 0.2)}, subject_to=BOUNDED), "cannot both vary"),
@@ -250,7 +251,6 @@ TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
         (dict(over={"drive.u1": (0.1, 0.2)}, robust={"friction.mu_plus": ("gamma", 0.1, 0.2)}), '"uniform", low, high'),
         (dict(over={"drive.u1": (0.1, 0.2)}, robust="worst"), "or a Fit"),
     ],
-    ids=lambda each: "" if isinstance(each, dict) else str(each)[:20],
 )  # fmt: skip
 def test_bad_input_says_what_to_type(asked, told):
     with pytest.raises(ss.InputError, match=told):

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import sobol_indices
 
 import stickslip as ss
+from rows import each_row
 from stickslip.inverse.optimisation.propagation import _designed, _estimated, _indices
 
 G, MU, U, L = 9.81, 0.1315, 0.1, 0.01
@@ -162,7 +163,7 @@ def test_a_tornado_has_the_longest_bar_on_top(found):
     assert sum(abs(bar.get_width()) for bar in bars) == pytest.approx(width, rel=1e-6)
 
 
-@pytest.mark.parametrize("said", [("uniform", 0.2, 0.1), (0.15, "1"), ("normal", 0.15, 0.0), "wide", (0.0, "1%")])
+@each_row("said", [("uniform", 0.2, 0.1), (0.15, "1"), ("normal", 0.15, 0.0), "wide", (0.0, "1%")])
 def test_bad_distributions_say_what_to_type(said):
     with pytest.raises(ss.InputError, match=r"friction.mu_plus.*type for example"):
         ss.propagate(ROBOT, {"friction.mu_plus": said})

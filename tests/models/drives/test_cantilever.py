@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from pairs import each_once
+from rows import each_row
 from stickslip.models.drives import patch_moment as couple
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, modal_mass, mode_shape
 
@@ -112,9 +114,7 @@ def test_the_four_hundredth_mode_neither_overflows_nor_warns():
     assert abs(b[-1] - 399.25 * np.pi) < 0.01 and abs(shapes).max() < 2.5
 
 
-@pytest.mark.parametrize(
-    ("ratio", "n"), [(-1.0, 3), (np.nan, 3), ("heavy", 3), ([1.0, np.inf], 3), (1.0, 0), (1.0, 2.5), (1.0, True)], ids=str
-)
+@each_row(("ratio", "n"), [(-1.0, 3), (np.nan, 3), ("heavy", 3), ([1.0, np.inf], 3), (1.0, 0), (1.0, 2.5), (1.0, True)])
 def test_bad_arguments_are_named(ratio, n):
     with pytest.raises(ss.InputError, match=r"type for example (tip_mass_ratio=1.2|n=5)"):
         ss.cantilever_eigenvalues(ratio, n)
@@ -173,8 +173,7 @@ def test_the_known_forced_deflection():
     assert couple.tip_by_modes(0.36, 1.0, 0.4, 200).real == pytest.approx(0.33826656453, abs=1e-9)  # what modes 201 on add
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.0, 12.0])
-@pytest.mark.parametrize("b", [0.6, 1.1, 3.0, 5.5, 9.0])
+@pytest.mark.parametrize(("ratio", "b"), each_once([0.0, 1.0, 12.0], [0.6, 1.1, 3.0, 5.5, 9.0]))
 def test_closed_form_modes_and_boundary_conditions_agree(ratio, b):
     closed = couple.tip_in_closed_form(b, ratio, 0.3)
     assert closed == pytest.approx(by_conditions(b, ratio, 0.3), rel=1e-8)  # the condition of the eight equations grows as e^b

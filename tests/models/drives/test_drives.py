@@ -9,7 +9,9 @@ from stickslip.maths import within
 
 import stickslip as ss
 from coasting import Coasting
+from pairs import each_once
 from registries import examples
+from rows import each_row
 from stickslip.analysis.closed_form import three_phase, two_phase
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import Graph
@@ -26,7 +28,7 @@ DRIVES = {
     "vertical on three phases": ss.VerticalVibration(ss.ThreePhase.example(), amplitude=2e-5, phase=0.4, harmonic=2),
     "reversed vertical": ss.Reversed(ss.VerticalVibration.example()),
 }
-every_drive = pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
+every_drive = each_row("drive", DRIVES.values(), ids=DRIVES)
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
@@ -99,7 +101,7 @@ def test_stroke_energy_and_velocity_scale_are_those_of_dense_samples(drive):
     assert drive.omega * drive.period == pytest.approx(2 * math.pi)
 
 
-@pytest.mark.parametrize("name", ["harmonic", "twophase", "threephase", "bangbang", "trapezoid", "reversed", "threephase, a jerk"])
+@each_row("name", ["harmonic", "twophase", "threephase", "bangbang", "trapezoid", "reversed", "threephase, a jerk"])
 def test_the_velocity_scale_is_the_largest_velocity_where_a_formula_has_it(name):
     drive = DRIVES[name]
     t = np.concatenate([np.linspace(a, b, 2001) for a, b in stretches(drive)])
@@ -243,7 +245,7 @@ def test_a_smooth_trapezoid_has_a_continuous_acceleration_of_the_height_it_says(
 # what settles a drive ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     "given",
     [{"stroke": 0.01, "u1": 0.05, "t2": 0.025}, {"u1": 0.05, "t1": 0.2, "u2": 0.4}, {"t1": 0.2, "stroke": 0.01, "t2": 0.025},
      {"u2": 0.4, "t2": 0.025, "t1": 0.2}, {"stroke": 0.01, "u1": 0.05, "u2": 0.4, "t1": 0.2, "t2": 0.025}],
@@ -267,7 +269,7 @@ def test_a_bang_bang_drive_and_a_trapezoid_may_be_given_by_their_stroke():
     assert ss.Trapezoid(u1=0.05, u2=0.4, ramp=0.01, stroke=smooth.stroke).period == pytest.approx(0.25, rel=1e-13)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "says"),
     [
         (lambda: ss.TwoPhase(stroke=0.01, u1=0.05, u2=0.4, t1=0.3), "u1 t1 = .* m and stroke = 0.01 m; allowed is one stroke for both"),
@@ -307,13 +309,18 @@ T = TRUE.period
 EVEN = np.arange(400) * T / 100
 
 
-@pytest.mark.parametrize("what", ["position", "velocity", "acceleration"])
-@pytest.mark.parametrize(
-    "t",
-    [EVEN, EVEN[:100], EVEN[:101], 0.7 + EVEN[:273], np.sort(EVEN + 0.3 * T / 100 * np.sin(np.arange(400) * 37.0))],
-    ids=["four periods", "one", "one and its end", "later, not whole", "uneven"],
-)
-def test_a_record_gives_back_its_harmonics(what, t):
+INSTANTS = {
+    "four periods": EVEN,
+    "one": EVEN[:100],
+    "one and its end": EVEN[:101],
+    "later, not whole": 0.7 + EVEN[:273],
+    "uneven": np.sort(EVEN + 0.3 * T / 100 * np.sin(np.arange(400) * 37.0)),
+}
+
+
+@pytest.mark.parametrize(("what", "which"), each_once(["position", "velocity", "acceleration"], INSTANTS))
+def test_a_record_gives_back_its_harmonics(what, which):
+    t = INSTANTS[which]
     drive = ss.Recorded.from_samples(t, **{what: getattr(TRUE, what)(t)}, period=T)
     s = np.linspace(0, T, 57)
     assert drive.order == 3
@@ -368,7 +375,7 @@ def bad(**changes):
     return lambda: ss.Recorded.from_samples(**{"t": EVEN, "velocity": TRUE.velocity(EVEN), "period": T, **changes})
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "says"),
     [
         (bad(period=None), "period = None; allowed is the period of the record"),

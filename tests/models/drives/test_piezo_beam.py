@@ -6,6 +6,7 @@ import xarray as xr
 from scipy.integrate import quad, solve_ivp
 
 import stickslip as ss
+from rows import each_row
 from stickslip.models.drives.oscillator import sampled, sine_from_rest
 
 BEAM = ss.PiezoBeam()
@@ -212,7 +213,7 @@ def test_remarks_are_saved_with_the_robot_and_dropped_with_the_numbers():
 # bad input --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "parts"),
     [
         (lambda: ss.PiezoBeam(length=-0.1), ("length = -0.1", "positive length")),

@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import Problems
 from stickslip.models.drives.beam_notes import largest_slope
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, mode_shape
@@ -35,7 +36,7 @@ WITH_OIL = {
 
 
 @pytest.mark.parametrize("name", WITH_OIL)
-@pytest.mark.parametrize("v", [0.3, -0.3])
+@each_row("v", [0.3, -0.3])
 def test_the_viscous_term_opposes_motion_in_every_law_that_has_one(name, v):
     """R at v less R at rest, with inner states and their rates held: sigma2 v."""
     law, ((z, zdot), mode) = ss.LAWS[name].example(), WITH_OIL[name]
@@ -254,7 +255,7 @@ def test_only_the_error_that_arrays_cause_is_taken_for_theirs():
     assert "cannot take numbers that are arrays (which?)" in found[0][0] and found[1:] == [[], [], []]
 
 
-@pytest.mark.parametrize("name", sorted(set(ss.DRIVES) - {"reversed", "verticalvibration"}))
+@each_row("name", sorted(set(ss.DRIVES) - {"reversed", "verticalvibration"}))
 def test_frequency_and_period_are_inverse(name):
     drive = ss.DRIVES[name].example()
     assert drive.frequency * drive.period == pytest.approx(1.0, rel=1e-15)
@@ -314,7 +315,7 @@ def extremes_of(values):
     return float(values.min()), float(values.max())
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("cosines", "sines"),
     [
         ((0.0, 0.7, -0.5, 1.8), (1.3, 0.2, -0.3, -1.0)),  # two maxima nearly as high: the highest point of a grid lies beside the lower one

@@ -13,6 +13,7 @@ from stickslip.testing import Claim, LawReport, check_law
 
 import stickslip as ss
 from registries import examples
+from rows import each_row
 from stickslip.analysis.bench.contact import Contact
 from stickslip.analysis.bench.probe import Probe
 from stickslip.analysis.bench.setup import Setup
@@ -35,7 +36,7 @@ EVERY = examples(ss.LAWS) | {
     "one bristle": ss.Bristle.example().replace(bristles=1),
     "film and oil": ss.TanhCoulomb.example() + ss.Viscous.example(),
 }
-every_law = pytest.mark.parametrize("law", EVERY.values(), ids=EVERY)
+every_law = each_row("law", EVERY.values(), ids=EVERY)
 
 #: Canudas de Wit et al. 1995, with a load of 1 N: Fc = 1 N, Fs = 1.5 N.
 LUGRE_1995 = ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3)
@@ -56,7 +57,7 @@ def integrated(law, velocity, end, load=1.0, z0=0.0, times=None):
 # claims over every law -------------------------------------------------------------------------------------------
 
 
-@every_law
+@pytest.mark.parametrize("law", EVERY.values(), ids=EVERY)
 def test_every_law_holds_the_claims(law):
     report = check_law(law)
     assert report.passed, report
@@ -69,7 +70,7 @@ def test_every_law_holds_the_claims_under_another_load(law):
     assert check_law(law, load=0.9).passed
 
 
-@pytest.mark.parametrize("name", [name for name in EVERY if name not in ("lugre", "elastoplastic", "bristle and oil")])
+@each_row("name", [name for name in EVERY if name not in ("lugre", "elastoplastic", "bristle and oil")])
 def test_only_bristles_with_damping_give_back_energy(name):
     assert check_law(EVERY[name])["energy given back"].value == 0
 
@@ -82,13 +83,13 @@ def test_a_law_is_copied_with_changes_and_compared(law):
         assert law.replace({name: 1.1 * value + 1e-9}) != law
 
 
-@pytest.mark.parametrize("name", ss.LAWS)
+@each_row("name", ss.LAWS)
 def test_a_study_file_holds_every_law(name):
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=EVERY[name])
     assert ss.Robot.from_toml(robot.to_toml()).friction == EVERY[name]
 
 
-@pytest.mark.parametrize("name", ss.LAWS)
+@each_row("name", ss.LAWS)
 def test_every_approximation_says_so(name):
     law = EVERY[name]
     assert bool(getattr(law, "approximation", "")) == (name in ("tanhcoulomb", "deadband", "karnopp"))
@@ -236,7 +237,7 @@ def test_a_sum_is_called_what_its_parts_are_called():
     assert ss.solve(robot, periods=2).provenance["kinds"]["law"] == "Dahl + Viscous"
 
 
-@pytest.mark.parametrize("law", [law for law in EVERY.values() if adapted(law).dynamic and adapted(law).states])
+@each_row("law", [law for law in EVERY.values() if adapted(law).dynamic and adapted(law).states])
 def test_a_sum_says_of_inner_states_what_the_law_alone_says(law):
     alone, both = adapted(law), adapted(law + ss.Viscous(0.0, 0.0))
     z = tuple(1.1 * size for size in alone.scale(0.7) or (0.3,) * alone.states)
@@ -777,7 +778,7 @@ BAD = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("make", "said"), BAD, ids=[said[:40] for _, said in BAD])
+@each_row(("make", "said"), BAD, ids=[said[:40] for _, said in BAD])
 def test_bad_input_is_told_what_to_type(make, said):
     with pytest.raises(ss.InputError) as raised:
         make()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 
 LEVEL = ss.Level()
@@ -99,7 +100,7 @@ def test_an_orbit_on_a_track_that_repeats_comes_back_modulo_its_wavelength():
     assert apart == pytest.approx(round(apart), abs=1e-7)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "says"),
     [
         (lambda: ss.FrictionPatches(LEVEL, edges=(2e-3, 1e-3), factors=(1.0, 2.0, 1.0)), "in ascending order"),

@@ -10,6 +10,7 @@ from stickslip.tracks import TRACKS, fold
 import stickslip as ss
 from pairs import each_once
 from registries import examples
+from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import Graph, Sym
 
@@ -28,8 +29,8 @@ EVERY = {
     "varying profile": ss.VaryingFriction(ss.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)), depth=0.2),
     "varying twice": ss.VaryingFriction(ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3), depth=0.2, harmonic=3),
 }
-every_track = pytest.mark.parametrize("track", EVERY.values(), ids=EVERY)
-every_track_and_drive = pytest.mark.parametrize(("track", "drive"), each_once(EVERY, examples(ss.DRIVES)))
+every_track = each_row("track", EVERY.values(), ids=EVERY)
+every_track_and_drive = each_row(("track", "drive"), each_once(EVERY, examples(ss.DRIVES)))
 
 
 def rig(track, law="coulomb"):
@@ -87,7 +88,7 @@ def test_gravity_along_the_track_does_not_vary_with_friction():
     assert varied.acceleration(0.003, 0.0, 0.0, 0.1) == plain.acceleration(0.003, 0.0, 0.0, 0.1)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "says"),
     [
         (lambda: ss.VaryingFriction(ss.Level(), depth=1.0), "depth = 1.0; allowed is from 0 to below 1"),
@@ -111,8 +112,8 @@ def test_a_run_uphill_is_a_negative_tilt():
 # mirror images ----------------------------------------------------------------------------------------------------
 
 
-@every_track_and_drive
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
+@every_track_and_drive
 def test_a_mirrored_robot_obeys_mirrored_equations(track, drive, law):
     robot = rig(EVERY[track], law).replace(drive=examples(ss.DRIVES)[drive])
     image, t, v = ss.mirrored(robot), 0.3 * robot.drive.period, 0.02

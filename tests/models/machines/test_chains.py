@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.models.drives.shifted import Shifted
 
 THIRD = 2 * pi / 3
@@ -72,7 +73,7 @@ def test_worms_stand_in_files_and_older_files_of_chains_are_read():
         assert ss.Chain.from_toml(text.replace('kind = "robot"\n', "")) == chain
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "words"),
     [
         (lambda: ss.Chain((), link=ss.Rigid()), r"modules = \(\); allowed is a tuple of two robots or more.*ss.Bodies"),

@@ -9,6 +9,7 @@ import pytest
 from stickslip.maths import pi, sin
 
 import stickslip as ss
+from rows import each_row
 from stickslip.models.machine_adapter import machine_of
 
 OMEGA = 2 * pi / 0.06
@@ -230,7 +231,7 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
     assert many.hits[1].tolist() == [2] and many.to_xarray().hits.dims == ("case", "stop")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "said"),
     [
         (lambda: ss.Forced(3.0), r"force = 3.0; allowed is a force, an object with period, at; type for example ss.HarmonicForce"),

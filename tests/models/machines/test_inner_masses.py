@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 
 OMEGA, M, g = 200.0, 0.05, 9.81
 FRICTION = ss.Coulomb(mu_plus=0.15, mu_minus=0.2)
@@ -168,7 +169,7 @@ def test_a_report_draws_every_inner_mass():
     assert [body["mass"] for body in found["bodies"]] == pytest.approx([0.6, 0.1, 0.3])
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "says"),
     [
         (dict(drive=[ss.Harmonic(1e-4, omega=200.0)]), "this is a list, and several inner masses are given as a tuple"),

@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis.oscillators import belt_period, den_hartog_amplitude
 
 STATIC = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
@@ -185,7 +186,7 @@ def test_a_duration_cuts_a_periodic_run(method):
     assert len(ss.energy(cut).drive) == 4 and abs(ss.energy(cut).residual).max() < 1e-8
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("model", "arguments", "message"),
     [
         (pull, {}, r"PulledMass has no period.*type duration=60"),

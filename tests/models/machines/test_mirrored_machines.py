@@ -9,6 +9,7 @@ from stickslip.maths import cos, pi, sin
 
 import stickslip as ss
 from every import DRY, SHAKEN, STICTION, Capsule, every_machine, with_bodies
+from rows import each_row
 from stickslip.models.mirroring import _unmirrored
 
 LINKS = (ss.Spring(900.0, 0.3, 0.02), ss.Spring(1200.0, 0.4))
@@ -148,7 +149,7 @@ def test_jumps_of_what_a_contact_rubs_on_are_in_the_mirror_too():
     assert there > 0 and back == pytest.approx(-there, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", with_bodies)
+@each_row("name", with_bodies)
 def test_what_is_mirrored_twice_is_the_machine_again(name):
     machine = every_machine[name][0]
     assert ss.mirrored(ss.mirrored(machine)) == machine

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from runs import coulomb_run, lugre_run, unit_robot
 from several import LAYOUT, MODE, STATES, Pair, T, coefficients, forces, glued, pair_run, pieces, state, ways
 from stickslip.analysis.motion import threshold_table
@@ -318,7 +319,7 @@ def test_closed_arcs_of_format_1_are_read(robot_run, tmp_path):
     assert isinstance(old.pieces, HarmonicArcs) and old.events == robot_run.events and np.array_equal(old.x, robot_run.x)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("place", "name", "value", "message"),
     [
         ("/", "stickslip_format", 3, "has format 3, this stickslip reads up to 2; type pip install --upgrade"),
@@ -343,7 +344,7 @@ def test_a_file_of_an_unknown_format_or_layout_is_refused_with_what_to_do(place,
 
 
 # ---- analyses ----
-@pytest.mark.parametrize(
+@each_row(
     "analysis",
     [
         ss.energy, ss.motion, ss.mean_velocity, ss.spectrum, ss.plot.velocity, ss.plot.phase, ss.plot.forces,
