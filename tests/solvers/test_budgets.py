@@ -12,7 +12,7 @@ from stickslip.maths import maximum, minimum, where
 import stickslip as ss
 from stickslip.basics.status import STATUS, Status
 from stickslip.solvers import stepping
-from stickslip.solvers.stopped import place
+from stickslip.solvers.stopped import location
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,5 +188,5 @@ def test_the_contact_that_switches_most_is_named():
     from stickslip.models.machine_adapter import machine_of
 
     mechanics = machine_of(ServoJoint(ss.Coulomb(0.1, 0.1), ss.Coulomb(0.1, 0.1))).mechanics
-    told = place(mechanics, 0.5, [0.1, 0.2], np.array([[1, 0], [1, -1], [1, 0], [0, -1]]))
+    told = location(mechanics, 0.5, [0.1, 0.2], np.array([[1, 0], [1, -1], [1, 0], [0, -1]]))
     assert told == "at t = 0.5 s, where contact 'load' has changed its mode 3 times in 4 steps and its slip velocity is 0.2 m/s"

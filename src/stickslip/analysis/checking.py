@@ -203,7 +203,7 @@ def check(
     _check_arguments(robot, rk4_steps, duration)
     court = _Court(robot, periods, start, duration)
     dynamic = machine_of(robot).has_inner_states
-    tell = _told(progress, 1 + scipy + len(rk4_steps))
+    tell = _stage_reporter(progress, 1 + scipy + len(rk4_steps))
     tell("our own methods")
     run, judges = court.ladder(rtol) if dynamic else court.exact()
     best = judges[-1].mean_velocity if dynamic else judges[0].mean_velocity
@@ -251,7 +251,7 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
     problems.check()
 
 
-def _told(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
+def _stage_reporter(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
     """A function that passes the name of the next method and the number of methods done to the progress callback."""
     done, report = iter(range(whole + 1)), reporting(progress, "check")
 
@@ -304,11 +304,11 @@ class _Court:
         """The assessed run, and runs at tighter tolerances; the tightest is the reference for the others."""
         run, seconds = self.answer(rtol=rtol)
         tighter = sorted({max(rtol * part, _TIGHTEST) for part in LADDER} - {rtol}, reverse=True)
-        found = [Judge(run.method, f"rtol {rtol:.0e}", self.periods, mean_velocity(run), math.nan, seconds)]
-        found += [self.judge(run.method, f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tighter]
-        best = found[-1].mean_velocity
+        judges = [Judge(run.method, f"rtol {rtol:.0e}", self.periods, mean_velocity(run), math.nan, seconds)]
+        judges += [self.judge(run.method, f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tighter]
+        best = judges[-1].mean_velocity
         last = {"remark": _REFERENCE}
-        return run, [Judge(**{**asdict(j), "difference": j.mean_velocity - best, **(last if j is found[-1] else {})}) for j in found]
+        return run, [Judge(**{**asdict(j), "difference": j.mean_velocity - best, **(last if j is judges[-1] else {})}) for j in judges]
 
     def exact(self) -> tuple[Any, list[Judge]]:
         """The exact run and the closed formula."""

@@ -249,11 +249,11 @@ def _by_arcs(rows: Array, workers: int) -> dict[str, Array]:
     parts = []
     for i in range(0, len(rows), _CHUNK):
         raw = solve_rows(np.ascontiguousarray(rows[i : i + _CHUNK]), _PERIODS, "auto", workers)
-        told = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
+        types = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
         numbers = (
             raw["displacement"] / (2 * np.pi * raw["window"]),
-            *(told[f"{name}_fraction"] for name in ("forward", "stick", "backward")),
+            *(types[f"{name}_fraction"] for name in ("forward", "stick", "backward")),
         )
         repeats = raw["period"] > 0
-        parts.append((*(np.where(repeats, n, np.nan) for n in numbers), np.where(repeats, told["motion_type"], "other")))
+        parts.append((*(np.where(repeats, n, np.nan) for n in numbers), np.where(repeats, types["motion_type"], "other")))
     return {name: np.concatenate(column) for name, column in zip(Periodic.__dataclass_fields__, zip(*parts, strict=True), strict=True)}

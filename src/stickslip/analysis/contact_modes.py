@@ -67,15 +67,15 @@ def _signs(edges: Array, code: Array, dwell: float) -> Array:
 
 def _joined(edges: Array, signs: Array, start: float, end: float) -> list[Stretch]:
     """Neighbours of one sign as one stretch, within the span."""
-    found: list[Stretch] = []
+    stretches: list[Stretch] = []
     for a, b, sign in zip(np.maximum(edges[:-1], start), np.minimum(edges[1:], end), signs, strict=True):
         if b - a <= _ROUNDING * (end - start):
             continue
-        if found and found[-1][2] == sign:
-            found[-1] = (found[-1][0], float(b), int(sign))
+        if stretches and stretches[-1][2] == sign:
+            stretches[-1] = (stretches[-1][0], float(b), int(sign))
         else:
-            found.append((float(a), float(b), int(sign)))
-    return found
+            stretches.append((float(a), float(b), int(sign)))
+    return stretches
 
 
 def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
@@ -84,11 +84,11 @@ def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[fl
     if machine.is_single:
         return {}
     mechanics: Any = machine.mechanics
-    found: dict[str, list[tuple[float, float]]] = {}
+    pressed: dict[str, list[tuple[float, float]]] = {}
     for name, stop in mechanics.named_stops:
         if stop.part.restitution is None:
-            found[name] = _pressed(run.parted, mechanics, stop.ends, stop.part, start, end)
-    return found
+            pressed[name] = _pressed(run.parted, mechanics, stop.ends, stop.part, start, end)
+    return pressed
 
 
 def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: float) -> list[tuple[float, float]]:
@@ -111,20 +111,20 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
 def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
     """Hits within a span on each stop that throws bodies back, by the bodies that meet: times [s] and rates of the gap [m/s]."""
     machine = machine_of(run.model)
-    found: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
+    hits: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
     for event in run.events:
         if event.kind == "hit" and start <= event.t <= end:
-            found[event.part].append((event.t, float(event.velocity)))
-    return found
+            hits[event.part].append((event.t, float(event.velocity)))
+    return hits
 
 
 def landings(run: Any, start: float, end: float) -> dict[str, list[float]]:
     """When each contact lands within a span [s], of those that fly."""
-    found: dict[str, list[float]] = {}
+    landings: dict[str, list[float]] = {}
     for _, event in run._flights:
         if event.kind == "landing" and start <= event.t <= end:
-            found.setdefault(event.part, []).append(event.t)
-    return found
+            landings.setdefault(event.part, []).append(event.t)
+    return landings
 
 
 def stop_rows(run: Any, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:

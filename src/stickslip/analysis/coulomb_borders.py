@@ -99,11 +99,11 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
 
     fine_x, fine_y, plus = _field(grid, "alpha_plus", first, second)
     minus = _field(grid, "alpha_minus", first, second)[2]
-    found = []
+    borders = []
     for types, values in border_functions(plus, minus).items():
         lines = contourpy.contour_generator(fine_x, fine_y, np.ma.masked_invalid(values)).lines(0.0)
-        found += [Border(types, *np.asarray(line).T) for line in lines if len(line) > 1]
-    return found
+        borders += [Border(types, *np.asarray(line).T) for line in lines if len(line) > 1]
+    return borders
 
 
 def plane_of(grid: Any, x: str | None = None, y: str | None = None) -> tuple[str, str]:
@@ -115,9 +115,9 @@ def plane_of(grid: Any, x: str | None = None, y: str | None = None) -> tuple[str
     first = x or next((d for d in dims if d != y), "")
     second = y or next((d for d in dims if d != first), "")
     if sorted(dims) != sorted((first, second)) or any(grid[d].dtype.kind not in "iuf" for d in dims):
-        told = ", ".join(dims) or "none"
+        listed = ", ".join(dims) or "none"
         raise InputError(
-            "map", [f"the dataset has the axes {told}; allowed are two of numbers; choose with grid.sel(...) or grid.isel(...)"]
+            "map", [f"the dataset has the axes {listed}; allowed are two of numbers; choose with grid.sel(...) or grid.isel(...)"]
         )
     return first, second
 

@@ -81,8 +81,8 @@ class Energy(Drawn):
             works |= {f"{kind} of {name}": work for name, work in parts.items() if len(parts) > 1}
         means = {name: float(np.mean(work[self.settle :])) for name, work in works.items() if len(work) > self.settle}
         largest = max(map(abs, means.values()), default=0.0)
-        told = {f"work of {name}, a period": f"{mean:.6g} J" for name, mean in means.items() if abs(mean) > 1e-12 * largest}
-        return {**told, "worst residual": f"{self.worst:.1e}"}
+        shares = {f"work of {name}, a period": f"{mean:.6g} J" for name, mean in means.items() if abs(mean) > 1e-12 * largest}
+        return {**shares, "worst residual": f"{self.worst:.1e}"}
 
     def __repr__(self) -> str:
         n = len(self.drive)
@@ -154,8 +154,8 @@ def energy(run: Run) -> Energy:
     gross += [abs(w) for n, w in {**works, **changes}.items() if n != "actuator"]
     energies = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
     residual = _residual(run, {**works, **changes}, gross, energies, owner)
-    told = {f"{n}_of": found for n, found in of_parts.items()}
-    return Energy(**works, **changes, residual=residual, settle=min(int(run.settle), count), **told)
+    by_part = {f"{n}_of": work for n, work in of_parts.items()}
+    return Energy(**works, **changes, residual=residual, settle=min(int(run.settle), count), **by_part)
 
 
 def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
@@ -164,11 +164,11 @@ def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, di
     if machine.is_single:
         return {"friction": {name: integral(powers["friction"]) for name in run.contacts}, "damping": {}}
     names = {"friction": list(run.contacts), "damping": works_of_parts.names_of_links(machine.mechanics)}
-    found: dict[str, dict[str, Array]] = {"friction": {}, "damping": {}}
-    for of, works in found.items():
+    works_of: dict[str, dict[str, Array]] = {"friction": {}, "damping": {}}
+    for of, works in works_of.items():
         for name, power in zip(names[of], powers[of].T, strict=True):
             works[name] = works.get(name, 0.0) + integral(power)
-    return found
+    return works_of
 
 
 def _borders(run: Any) -> tuple[Array, Array, Array]:
@@ -204,8 +204,8 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     x, v, z = run._states_at(t, index)
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
     if not machine_of(model).is_single:
-        found = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, z, column)
-        return found | {"actuator": none}
+        powers = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, z, column)
+        return powers | {"actuator": none}
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
     if machine_of(model).drive is None:
@@ -243,8 +243,8 @@ def _kinetic(run: Any, v: Array) -> Array:
     """Kinetic energy of all bodies [J]."""
     if machine_of(run.model).is_single:
         return 0.5 * run.model.total_mass * v**2
-    found: Array = works_of_parts.kinetic(machine_of(run.model).mechanics, v)
-    return found
+    kinetic: Array = works_of_parts.kinetic(machine_of(run.model).mechanics, v)
+    return kinetic
 
 
 def _potential(run: Any, t: Array, x: Array) -> Array:

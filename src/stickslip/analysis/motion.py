@@ -197,19 +197,19 @@ def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
     """The motion of each contact of a machine."""
     period = period_number(run)
     watched = {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
-    found = {name: _motion(run, each, _Slip(run, each.number), slip_ratio, dwell) for name, each in watched.items()}
-    still = tuple(name for name, each in watched.items() if _never_moves(run, each, found[name]))
+    motions = {name: _motion(run, each, _Slip(run, each.number), slip_ratio, dwell) for name, each in watched.items()}
+    still = tuple(name for name, each in watched.items() if _never_moves(run, each, motions[name]))
     net = run.steadiness.mean_velocity
     machine = machine_of(run.model)
     floor = (float(run.rtol) if machine.has_inner_states else 1e-12) * float(machine.free_velocity)
-    own = list(found)[machine.own["contact"]] if "contact" in machine.own else None
-    return Motions(found, still, period, int(np.sign(net)) if abs(net) > floor else 0, own)
+    own = list(motions)[machine.own["contact"]] if "contact" in machine.own else None
+    return Motions(motions, still, period, int(np.sign(net)) if abs(net) > floor else 0, own)
 
 
-def _never_moves(run: Any, watched: Watched, found: Motion) -> bool:
+def _never_moves(run: Any, watched: Watched, motion: Motion) -> bool:
     """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
     if watched.law.has_slip_ratio:
-        return found.type in ("rest", "presliding")
+        return motion.type in ("rest", "presliding")
     return not np.any(watched.modes[clipped(run.pieces, *run.window)[1]])
 
 
@@ -238,8 +238,8 @@ class _Slip(_One):
         run, direction = self.run, np.array(self.run.pieces.layout.contacts[self.number].direction)
         x, since = run.strobe_x, run.strobe_times[-1] - count * run.period_time * (1 + 1e-12)
         inside = run.t >= since
-        told = self.column[inside] - run.v[inside] @ direction
-        return float((x[-1] - x[max(len(x) - 1 - count, 0)]) @ direction + np.trapezoid(told, run.t[inside]))
+        velocity = self.column[inside] - run.v[inside] @ direction
+        return float((x[-1] - x[max(len(x) - 1 - count, 0)]) @ direction + np.trapezoid(velocity, run.t[inside]))
 
     @property
     def column(self) -> Any:
@@ -251,10 +251,10 @@ def _motion(run: Any, watched: Watched, moved: _One, slip_ratio: float, dwell: f
     """The motion of one contact."""
     period = period_number(run)
     raw = raw_segments(run, period or 1, slip_ratio, watched)
-    told = _typed(run, raw, period, dwell, watched, moved)
+    typed = _typed(run, raw, period, dwell, watched, moved)
     dynamic, single = watched.law.dynamic, machine_of(run.model).is_single
     return Motion(
-        **told,
+        **typed,
         period=period,
         intervals=_intervals(raw, dwell),
         slip_ratio=slip_ratio if dynamic else None,
@@ -281,8 +281,8 @@ def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: W
     floor = (float(run.rtol) if dynamic else 1e-12) * speed * run.period_time * count
     v = moved.column[run.t >= run.pieces.t[-1] - count * run.period_time]
     moving = np.ptp(v) > (0.0 if dynamic else 1e-9 * speed)
-    found = type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
-    return {name.removeprefix("motion_"): column[0].item() for name, column in found.items()}
+    types = type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
+    return {name.removeprefix("motion_"): column[0].item() for name, column in types.items()}
 
 
 def _intervals(raw: Segments, dwell: float) -> tuple[tuple[float, float, int], ...]:
@@ -359,6 +359,6 @@ def threshold_table(
     for slip_ratio in slip_ratios:
         raw = raw_segments(run, period or 1, slip_ratio)
         for dwell in dwells:
-            told = _typed(run, raw, period, dwell, Watched(run), _One(run))
-            rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": told["type"], "pattern": told["pattern"]})
+            typed = _typed(run, raw, period, dwell, Watched(run), _One(run))
+            rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": typed["type"], "pattern": typed["pattern"]})
     return rows

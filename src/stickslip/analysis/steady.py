@@ -100,20 +100,20 @@ def _of_body(run: Any, body: int | str) -> float:
 def is_run(what: str, run: Any) -> None:
     """Say what to type where something else than a run was given."""
     if is_flow(getattr(run, "model", None)):
-        told = "the run is that of a flow, which has states of its own and no bodies"
-        raise InputError(what, [f"{told}; allowed is a Trajectory; type run[name] for a state, run.strobe for its strobe points"])
+        mistake = "the run is that of a flow, which has states of its own and no bodies"
+        raise InputError(what, [f"{mistake}; allowed is a Trajectory; type run[name] for a state, run.strobe for its strobe points"])
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
     if getattr(run, "interrupted", False):
-        told = f"the run was {run.status}, and what is asked of it is that of the whole run"
-        raise InputError(what, [f"{told}; type run.shortened() for the part that there is, or ss.solve again"])
+        mistake = f"the run was {run.status}, and what is asked of it is that of the whole run"
+        raise InputError(what, [f"{mistake}; type run.shortened() for the part that there is, or ss.solve again"])
 
 
 def _too_short(run: Any) -> str:
     """Why a run has no mean velocity."""
     end = float(run.pieces.t[-1])
-    told = f"the run ended at t = {end:.6g} s ({run.status}), before its first drive period of {run.period_time:.6g} s was over"
-    return f"{told}, so it has no mean velocity; type run.x and run.v for the motion until then, or give more load or a smaller drive"
+    reason = f"the run ended at t = {end:.6g} s ({run.status}), before its first drive period of {run.period_time:.6g} s was over"
+    return f"{reason}, so it has no mean velocity; type run.x and run.v for the motion until then, or give more load or a smaller drive"
 
 
 def velocity_range(run: Any) -> tuple[float, float]:
@@ -223,13 +223,13 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     from stickslip.solvers import solve
 
     shape = shape_of(model)
-    found = np.full(int(np.prod(shape)), np.nan)
+    means = np.full(int(np.prod(shape)), np.nan)
     for looser in (1.0, 1e2, 1e4):
-        left = np.flatnonzero(np.isnan(found))
+        left = np.flatnonzero(np.isnan(means))
         if len(left):
             many: Any = solve(some_of(model, left), periods=periods, settle="auto", rtol=min(looser * rtol, 1e-3), keep="summary")
-            found[left] = np.where(many.period > 0, many.mean_velocity, np.nan)
-    return found.reshape(shape)[()]
+            means[left] = np.where(many.period > 0, many.mean_velocity, np.nan)
+    return means.reshape(shape)[()]
 
 
 def closed_mean_velocity(model: Any) -> Any:

@@ -36,8 +36,8 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
         damped.append((force - still) * rate + none)
         net = net - np.outer(force + none, [float(name == ends[0]) - float(name == ends[1]) for name in mechanics.bodies])
     weight = sum(body.weight_at(t, x[:, i], v[:, i]) * v[:, i] for i, body in enumerate(mechanics.parts.values()))
-    told = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.prescribed else none
-    drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + told
+    prescribed = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.prescribed else none
+    drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + prescribed
     damping = np.array(damped).reshape(-1, len(t)).T
     return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}
 
@@ -109,7 +109,7 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str
 
     An impulse along the track works with the mean of the velocities before and after it.
     """
-    found = []
+    landings = []
     for node, event in run._flights:
         i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
         (_, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
@@ -117,5 +117,5 @@ def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str
         gained = float(kinetic(mechanics, after)[0] - kinetic(mechanics, before)[0])
         j = mechanics.coordinate_of(mechanics.joints[event.part].body)
         taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])
-        found.append((float(t[0]), float(taken), gained + float(taken), event.part))
-    return found
+        landings.append((float(t[0]), float(taken), gained + float(taken), event.part))
+    return landings

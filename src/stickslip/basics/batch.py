@@ -32,7 +32,7 @@ def shape_of(model: Any) -> tuple[int, ...]:
 
 def check_shape(model: Any, problems: Problems) -> None:
     """Add the problems with the shapes of a model's arrays, if its fields have none."""
-    if not problems.found:
+    if not problems.mistakes:
         try:
             shape_of(model)
         except InputError as error:

@@ -85,11 +85,11 @@ class Problems:
 
     def __init__(self, what: str):
         self.what = what
-        self.found: list[str] = []
+        self.mistakes: list[str] = []
 
     def add(self, sentence: str) -> None:
         """Note one problem."""
-        self.found.append(sentence)
+        self.mistakes.append(sentence)
 
     def whole(self, name: str, value: Any, least: int, example: int, what: str = "", most: int = 10**12) -> None:
         """Note a value that is not a Python or NumPy whole number from `least` to `most`; `what` names the things counted.
@@ -98,7 +98,7 @@ class Problems:
         --------
         >>> problems = Problems("sweep")
         >>> problems.whole("workers", 2.5, 1, example=2)
-        >>> problems.found
+        >>> problems.mistakes
         ['workers = 2.5; allowed is a whole number from 1; type for example workers=2']
         """
         if not is_whole(value) or not least <= value <= most:
@@ -107,12 +107,12 @@ class Problems:
 
     def include(self, error: InputError, prefix: str = "") -> None:
         """Take over the problems of another error, each with `prefix` before it."""
-        self.found.extend(prefix + p for p in error.problems)
+        self.mistakes.extend(prefix + p for p in error.problems)
 
     def check(self) -> None:
         """Raise one `InputError` with all problems found, if there are any."""
-        if self.found:
-            raise InputError(self.what, self.found)
+        if self.mistakes:
+            raise InputError(self.what, self.mistakes)
 
 
 def is_number(value: Any) -> bool:

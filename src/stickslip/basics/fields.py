@@ -179,10 +179,10 @@ def checked_number(
     --------
     >>> from stickslip.basics.quantities import positive
     >>> problems = Problems("robot")
-    >>> checked_number("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
+    >>> checked_number("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.mistakes
     (2.0, [])
     >>> _ = checked_number("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
-    >>> problems.found
+    >>> problems.mistakes
     ["mass: '2' is not a number; allowed is a positive mass [kg]; type for example mass=0.06"]
     >>> checked_number("mass", "60 g", Problems("robot"), positive, "a positive mass [kg]", "mass=0.06", "kg")
     0.06
@@ -231,7 +231,7 @@ class Frozen:
         try:
             self._check(problems)
         except (TypeError, ValueError, ArithmeticError, Warning):
-            if not problems.found:
+            if not problems.mistakes:
                 raise
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
@@ -585,7 +585,7 @@ def field_description(record: Any, name: str) -> Mapping[str, Any]:
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     """A copy, made without any check, in which the named numbers are replaced (by symbols in the engine)."""
     copy = object.__new__(type(record))
-    for name, value in _beside_fields(record).items():
+    for name, value in _extra_attributes(record).items():
         object.__setattr__(copy, name, value)
     for field, holds in _plan(type(record)):  # type: ignore[arg-type]
         value, name = getattr(record, field), prefix + field
@@ -601,7 +601,7 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     return copy
 
 
-def _beside_fields(record: Any) -> dict[str, Any]:
+def _extra_attributes(record: Any) -> dict[str, Any]:
     """Attributes that are not fields; refused in a record with numbers, where they would be outdated once the numbers are replaced."""
     cls: Any = type(record)
     plan = _plan(cls)

@@ -44,7 +44,7 @@ def moved_into_place(path: Path, failed: Failed, new: bool = False, ending: str 
         _check_target(path, target)
         os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o664))  # not for everybody to change, whatever the umask
         yield part
-        _place(part, target, new)
+        _move(part, target, new)
     except FileExistsError as error:
         raise error if new else failed(path, error) from None
     except OSError as error:
@@ -108,7 +108,7 @@ def _check_target(path: Path, target: Path) -> None:
         raise PermissionError(errno.EACCES, "it is there already and must not be changed")
 
 
-def _place(part: Path, target: Path, new: bool) -> None:
+def _move(part: Path, target: Path, new: bool) -> None:
     """Move a whole file to its place, with the permissions of the one that stood there."""
     if new:
         try:

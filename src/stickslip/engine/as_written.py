@@ -51,7 +51,9 @@ class _Traced:
             tuple(variable(f"c{k}") for k in range(m.controllers.count)),
         )  # fmt: skip
         self.names = at
-        self.found = {name: given if isinstance(given, str) else self._lifted(given) for name, given in answers(calls(own, at)).items()}
+        self.expressions = {
+            name: given if isinstance(given, str) else self._lifted(given) for name, given in answers(calls(own, at)).items()
+        }
 
     def _lifted(self, values: Sequence[Any]) -> tuple[Sym, ...] | str:
         try:
@@ -65,41 +67,41 @@ def _check(model: Any) -> bool:
     case = cases_of(model, slice(1))[0]
     m = fresh_mechanics(case)
     one, other = _Traced(model, m), _Traced(model, m)
-    for name, found in one.found.items():
-        if shape_of(found) != shape_of(other.found[name]):
+    for name, expressions in one.expressions.items():
+        if shape_of(expressions) != shape_of(other.expressions[name]):
             raise InputError(what, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
     points = instants(case, m, _POINTS)
     plain = [answers(calls(m, at)) for at in points]
     traced, aside = _values(one, case, points, 0.0), _values(one, case, points, _ASIDE)
     for name, values in traced.items():
         for k, at in enumerate(points):
-            told = f"t = {at.t:.6g}, velocities {', '.join(f'{v:.6g}' for v in at.u)}"
+            instant = f"t = {at.t:.6g}, velocities {', '.join(f'{v:.6g}' for v in at.u)}"
             given = plain[k].get(name, "")
             if not isinstance(given, str) and len(given) == len(values):
-                compare(what, name, told, given, [(value[k], beside[k]) for value, beside in zip(values, aside[name], strict=True)])
+                compare(what, name, instant, given, [(value[k], moved[k]) for value, moved in zip(values, aside[name], strict=True)])
     return True
 
 
-def shape_of(found: tuple[Sym, ...] | str) -> Any:
+def shape_of(roots: tuple[Sym, ...] | str) -> Any:
     """Expressions as a list of operations, the same for the same expressions of another graph."""
-    if isinstance(found, str):
-        return found
-    nodes = needed_by(found)
-    place = {node.number: k for k, node in enumerate(nodes)}
-    listed = [(node.op, tuple(place[a.number] for a in node.args), node.name, node.value.hex()) for node in nodes]
-    return listed, [place[node.number] for node in found]
+    if isinstance(roots, str):
+        return roots
+    nodes = needed_by(roots)
+    order = {node.number: k for k, node in enumerate(nodes)}
+    listed = [(node.op, tuple(order[a.number] for a in node.args), node.name, node.value.hex()) for node in nodes]
+    return listed, [order[node.number] for node in roots]
 
 
 def _values(traced: _Traced, case: Any, points: Sequence[Arguments], aside: float) -> dict[str, list[Any]]:
     """Values of the expressions at some arguments, which may be moved a little."""
-    roots = {name: found for name, found in traced.found.items() if not isinstance(found, str)}
+    roots = {name: computed for name, computed in traced.expressions.items() if not isinstance(computed, str)}
     moved = np.random.default_rng(0)
     known: dict[str, Any] = {name: value * (1 + aside * moved.uniform(-1, 1)) for name, value in leaves(case)}
     for symbol, *numbers in zip(_flat(traced.names), *map(_flat, points), strict=True):
         values = np.array(numbers, float)
         known[symbol.name] = values if symbol.op == "flag" else values * (1 + aside * moved.uniform(-1, 1, len(points)))
-    found = values_of(traced.graph, known, [node for nodes in roots.values() for node in nodes])
-    return {name: [np.broadcast_to(found[node.number], (len(points),)) for node in nodes] for name, nodes in roots.items()}
+    computed = values_of(traced.graph, known, [node for nodes in roots.values() for node in nodes])
+    return {name: [np.broadcast_to(computed[node.number], (len(points),)) for node in nodes] for name, nodes in roots.items()}
 
 
 def _flat(at: Arguments) -> list[Any]:
@@ -109,15 +111,15 @@ def _flat(at: Arguments) -> list[Any]:
 
 def compare(what: str, name: str, at: str, given: Sequence[Any], values: Sequence[tuple[float, float]]) -> None:
     """`InputError` where plain Python and the traced expressions differ at some arguments by more than rounding does."""
-    for number, (value, beside) in zip(given, values, strict=True):
+    for number, (value, moved) in zip(given, values, strict=True):
         if number is None or not isinstance(number, (int, float)):
             continue
         size = max(abs(number), abs(value))
-        if not abs(number) < _HUGE or abs(number - value) <= _SAME * size + 3 * abs(value - beside):
+        if not abs(number) < _HUGE or abs(number - value) <= _SAME * size + 3 * abs(value - moved):
             continue
-        told = f"{name} gives {number:.9g} where it is called with numbers ({at})"
+        mistake = f"{name} gives {number:.9g} where it is called with numbers ({at})"
         traced = f"its equations, written down by calling it with symbols once, give {value:.9g}"
-        raise InputError(what, [f"{told}; {traced}; {_ALIKE}"])
+        raise InputError(what, [f"{mistake}; {traced}; {_ALIKE}"])
 
 
 _ALIKE = (

@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Contact
+from stickslip.engine.system import TracedContact
 
 
 class Assembly:
@@ -25,7 +25,7 @@ class Assembly:
         self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
         self.own_events: dict[int, int] = {}  # of a contact that decides for itself, the first of its three events
         self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
-        self.contacts: list[Contact] = []
+        self.contacts: list[TracedContact] = []
         self.hits: dict[Any, tuple[int, Sym]] = {}  # of a stop with restitution, its event's number and the size of its impulse
 
     def mode(self, first: Sym) -> tuple[int, Sym]:
@@ -39,7 +39,7 @@ class Assembly:
         slip, zero = self.m.slips[i], self.m.graph.constant(0.0)
         return slip if i in self.m.owner else self.m.graph.by_side(self.modes[i], slip, slip, zero)
 
-    def place(self, number: int) -> Sym:
+    def position(self, number: int) -> Sym:
         """A position by its number among the states."""
         zero = self.m.graph.constant(0.0)
         return [place for place in self.m.places if place is not zero][number - len(self.m.y) - len(self.inner)]

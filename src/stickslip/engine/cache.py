@@ -43,14 +43,14 @@ def folder() -> Path:
     STICKSLIP_CACHE_SHARED=1 says that sharing is meant.
     """
     try:
-        place = _chosen()
+        chosen = _chosen()
     except RuntimeError:  # a container whose user is in no list of users has no home
-        place = None
-    reason = "has no place, as there is no home folder" if place is None else unsafe(place)
-    if place is not None and reason is None:
-        return place
+        chosen = None
+    reason = "has no place, as there is no home folder" if chosen is None else unsafe(chosen)
+    if chosen is not None and reason is None:
+        return chosen
     own = private_folder()
-    what = "the cache folder" if place is None else f"the cache folder {place}"
+    what = "the cache folder" if chosen is None else f"the cache folder {chosen}"
     _say(
         f"{what} {reason}; {own} is used instead, since kernels are code that is run; "
         f"set STICKSLIP_CACHE_DIR to a folder of your own, or {SHARED}=1 if sharing is meant"
@@ -161,33 +161,33 @@ def _import(source: str, key: str, label: str) -> types.ModuleType:
 
 def _in_memory(source: str, key: str, label: str, error: OSError) -> types.ModuleType:
     """The module without files, and what is wrong with them."""
-    place = folder()
+    cache = folder()
     blocked = [Path(name) for name in (error.filename, error.filename2) if isinstance(name, str) and key in Path(name).name]
     blocked = [file for file in blocked if file.is_dir()]
     if blocked:
         why = f"is damaged: {blocked[0]} is a folder where a file should be; delete it"
-    elif place.exists() and not place.is_dir():
+    elif cache.exists() and not cache.is_dir():
         why = "is not a folder; delete it, or set STICKSLIP_CACHE_DIR to a folder of yours"
     else:
         why = f"cannot be written ({error.strerror or error})"
-    _say(f"the cache folder {place} {why}; compiling {label} in memory for this process only …")
+    _say(f"the cache folder {cache} {why}; compiling {label} in memory for this process only …")
     return _execute(source, key, None)
 
 
 def _written(source: str, key: str) -> Path:
     """The kernel's file, written whole or not at all; OSError where the folder cannot be written."""
     path, text = folder() / f"{key}.py", "CACHE = True\n" + source
-    beside = path.parent / "__pycache__"
-    if path.parent.is_dir() and not beside.is_dir() and (beside.exists() or beside.is_symlink()):
-        beside.unlink()  # a file, or a link that leads nowhere
+    compiled = path.parent / "__pycache__"
+    if path.parent.is_dir() and not compiled.is_dir() and (compiled.exists() or compiled.is_symlink()):
+        compiled.unlink()  # a file, or a link that leads nowhere
     _remove_foreign(path)
     if path.is_dir():
         _remove([path])
     if not (path.exists() and _text_of(path) == text):
-        make_folder(beside)
+        make_folder(compiled)
         write_whole(path, text, lambda _, error: error)
-    elif not (_compiled(path) or os.access(beside if beside.exists() else path.parent, os.W_OK)):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(beside))
+    elif not (_compiled(path) or os.access(compiled if compiled.exists() else path.parent, os.W_OK)):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(compiled))
     return path
 
 
@@ -265,8 +265,8 @@ def _remove_foreign(path: Path) -> None:
 
 def _compilation(path: Path) -> list[Path]:
     """Files that Python and Numba keep of a kernel's file."""
-    beside = path.parent / "__pycache__"  # of a cache with many kernels: no pattern is matched against all of its names
-    return [beside / name for name in (os.listdir(beside) if beside.is_dir() else ()) if name.startswith(path.stem)]
+    compiled = path.parent / "__pycache__"  # of a cache with many kernels: no pattern is matched against all of its names
+    return [compiled / name for name in (os.listdir(compiled) if compiled.is_dir() else ()) if name.startswith(path.stem)]
 
 
 def _compiled(path: Path) -> bool:

@@ -43,27 +43,27 @@ class Closed:
     numbers: dict[str, Sym]
 
     @np.errstate(all="ignore")  # what is not a number is the status of its row
-    def rows_with(self, known: dict[str, Array]) -> Rows:
+    def rows_with(self, known: dict[str, Array]) -> ArcNumbers:
         """Values for all rows of a batch, whose numbers are columns or single floats."""
         roots = [*(c for _, c in self.vanishing), *(s for pair in self.sines for s in pair), *self.numbers.values()]
         graph = self.numbers["period"].graph
-        found = values_of(graph, known, roots)
-        numbers = {name: found[node.number] for name, node in self.numbers.items()}
-        broken = [why for why, c in self.vanishing if np.any(abs(found[c.number]) > 0)]  # not a number breaks nothing: it is a status
+        computed = values_of(graph, known, roots)
+        numbers = {name: computed[node.number] for name, node in self.numbers.items()}
+        broken = [why for why, c in self.vanishing if np.any(abs(computed[c.number]) > 0)]  # not a number breaks nothing: it is a status
         drive, omega = 0.0, 2 * pi / numbers["period"]
         for rate, amplitude in self.sines:
-            a, r = found[amplitude.number], found[rate.number]
+            a, r = computed[amplitude.number], computed[rate.number]
             fits = abs(r * numbers["period"] - 2 * pi) <= 2 * pi * _ROUNDING
             if np.any(np.logical_not(fits) & (abs(a) > 0)):
                 broken.append("sines of another period")
             drive, omega = drive + np.where(fits, a, 0.0), np.where(fits, r, omega)
         if np.any(drive < 0):
             broken.append("a sine of another phase")
-        return Rows(tuple(dict.fromkeys(broken)), {"drive": drive, "omega": omega, **numbers})
+        return ArcNumbers(tuple(dict.fromkeys(broken)), {"drive": drive, "omega": omega, **numbers})
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ArcNumbers:
     """The numbers of closed arcs row by row, and what keeps some of them from being the motion, in words."""
 
     broken: tuple[str, ...]
@@ -118,18 +118,18 @@ def _words(eq: System, key: tuple[int, ...]) -> str:
 
 def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
     """Forces on the body besides friction and the drive's inertia [N], row by row; None if they are not constant."""
-    parts = _forces(kind_of(model), lambda: _beside(trace(model)))
+    parts = _forces(kind_of(model), lambda: _force_pairs(trace(model)))
     if parts is None:
         return None
     pairs, whole = parts
-    found = values_of(whole.graph, known, [*(s for pair in pairs for s in pair), whole])
-    for a, b in ((found[offered.number], found[driven.number]) for offered, driven in pairs):
+    computed = values_of(whole.graph, known, [*(s for pair in pairs for s in pair), whole])
+    for a, b in ((computed[offered.number], computed[driven.number]) for offered, driven in pairs):
         if np.any(abs(a - b) > _SUMS * (abs(a) + abs(b))):
             return None
-    return found[whole.number]
+    return computed[whole.number]
 
 
-def _beside(eq: System) -> tuple[list[tuple[Sym, Sym]], Sym] | None:
+def _force_pairs(eq: System) -> tuple[list[tuple[Sym, Sym]], Sym] | None:
     """Coefficients that all forces and the drive's inertia must have alike, and the difference of their constants."""
     if eq.inertia is None:
         return None

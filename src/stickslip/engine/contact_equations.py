@@ -12,7 +12,7 @@ from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settle
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Branches, Contact
+from stickslip.engine.system import Branches, TracedContact
 
 _NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
@@ -41,7 +41,7 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     inner = tuple(range(first, first + law.states))
     creep = law.creep_velocity(z, load)
     parts.contacts.append(
-        Contact(
+        TracedContact(
             m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied,
             None if creep is None else creep + least, least,
         )
@@ -54,12 +54,12 @@ def _applied(parts: Assembly, i: int) -> Sym:
     What rubs on the other end does what it would do alone, if it is decided later, so that together they bear what they can.
     """
     m = parts.m
-    found = _applied_alone(m, i)
+    force = _applied_alone(m, i)
     for p in [p for p in m.pressed if sum(map(abs, p.row)) == 2.0 and _on(p, m.directions[i])]:
         others = {k: parts.forces[k] if k in parts.forces else _alone(m, k) for k, row in enumerate(m.directions) if k != i and _on(p, row)}
         mass = sum((m.lift(each) for each, h in zip(m.equations.masses, p.row, strict=True) if h), m.graph.constant(0.0))
-        found = m.graph.select(p.closed, _kept(m, i, mass, m.accelerations(others, closed=p)), found)
-    return found
+        force = m.graph.select(p.closed, _kept(m, i, mass, m.accelerations(others, closed=p)), force)
+    return force
 
 
 def _on(p: Pressed, row: tuple[float, ...]) -> bool:
@@ -105,7 +105,7 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     j = next(k for k, g in enumerate(m.directions[i]) if g)  # the coordinate that it brakes
     one, zero = graph.constant(1.0), graph.constant(0.0)
     sliding: list[Sym] = []
-    place, mode = i, parts.modes[i]
+    mode_number, mode = i, parts.modes[i]
     slides = parts.slip(i)
     for side in (1.0, -1.0):
         graph.assumed[slides.number] = side
@@ -129,17 +129,19 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     near = zero if owned else _NEAR * m.lift(m.machine.velocity_scale)
     parts.own_events[i] = len(parts.events)
     parts.events += [
-        (graph.by_side(mode, slip + near, near - slip, one), {place: stopped}, {j: still}, 0),
-        (graph.by_side(mode, one, one, -push if holds else one), {place: one}, {}, 0),
-        (graph.by_side(mode, one, one, -pull if holds else one), {place: -one}, {}, 0),
+        (graph.by_side(mode, slip + near, near - slip, one), {mode_number: stopped}, {j: still}, 0),
+        (graph.by_side(mode, one, one, -push if holds else one), {mode_number: one}, {}, 0),
+        (graph.by_side(mode, one, one, -pull if holds else one), {mode_number: -one}, {}, 0),
     ]
-    parts.first_modes[place] = graph.by_side(slip, one, -one, first)
+    parts.first_modes[mode_number] = graph.by_side(slip, one, -one, first)
     moved = graph.by_side(mode, sliding[0], sliding[1], held)
     parts.f[j] = moved if flight is None else graph.select(flight.aloft, m.accelerations({})[j], moved)
     branches = Branches(*sliding, push, pull)
     guard, inner = 0 if m.single else None, () if flight is None else flight.inner
     name, state = m.equations.contacts[i], j if owned else None
-    parts.contacts.append(Contact(name, slip, m.directions[i], state, guard, inner, (place,), branches, speed, False, flight=flight))
+    parts.contacts.append(
+        TracedContact(name, slip, m.directions[i], state, guard, inner, (mode_number,), branches, speed, False, flight=flight)
+    )
 
 
 def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
@@ -183,8 +185,8 @@ def add_stop(parts: Assembly, stop: Any) -> None:
     if p is not None:
         gap = graph.select(p.closed, one, gap)
         modes[p.number] = graph.select(over, one, zero)
-        place, shut = shut_at(parts, p)
-        states[place] = graph.select(over, shut, parts.place(place))
+        position, shut = shut_at(parts, p)
+        states[position] = graph.select(over, shut, parts.position(position))
     else:
         number, closed = parts.mode(zero)
         modes[number] = graph.select(over, one, zero)
@@ -214,12 +216,12 @@ def _deciding(parts: Assembly) -> dict[int, int]:
 
 def _thrown(parts: Assembly, stop: Any, rate: Sym, e: Any) -> dict[int, Sym]:
     """Of each contact whose slip a hit changes, to which side it slips then."""
-    m, found = parts.m, {}
+    m, sides = parts.m, {}
     graph, one = m.graph, m.graph.constant(1.0)
     states = _after(parts, stop, (1.0 + e) * rate * _mass_at(parts, stop))
     for i, number in _deciding(parts).items():
         contact = next(c for c in parts.contacts if m.equations.contacts.index(c.name) == i)
         thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
         if thrown is not graph.constant(0.0):
-            found[i] = graph.by_side(contact.slip + thrown, one, -one, parts.modes[number])
-    return found
+            sides[i] = graph.by_side(contact.slip + thrown, one, -one, parts.modes[number])
+    return sides

@@ -12,7 +12,7 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Branches, Contact
+from stickslip.engine.system import Branches, TracedContact
 
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
 SLIP = 1.5e-14  # of a velocity, 64 roundings: what a slip may be that is zero
@@ -54,14 +54,14 @@ class Feet:
     def pushed(self, i: int, now: dict[int, Sym], own: tuple[Sym, Sym], slips: dict[int, tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
         """How strongly a foot is driven beyond its rest, forwards and backwards, with forces of its own and of those that would slip."""
 
-        def besides(same: int) -> dict[int, Sym]:
+        def forces_if(same: int) -> dict[int, Sym]:
             return {
                 k: own[same] if i == k else self.graph.by_side(self.apart(i, k), slips[k][1], slips[k][0], slips[k][same])
                 for k in self.feet
             }
 
         held = self.held[i]
-        return self.acceleration(now, besides(1)) - held, held - self.acceleration(now, besides(0))
+        return self.acceleration(now, forces_if(1)) - held, held - self.acceleration(now, forces_if(0))
 
     def moved(self, i: int, now: dict[int, Sym], forces: dict[int, tuple[Sym, Sym]]) -> Sym:
         """The mode of a foot whose slip is zero, if these are the forces at which feet slip."""
@@ -75,18 +75,18 @@ class Feet:
         Where that holds none they slide, and if one comes to rest then, kinetic friction says which.
         """
         graph, feet, one, zero = self.graph, self.feet, self.graph.constant(1.0), self.graph.constant(0.0)
-        found = {i: self.moved(i, now, self.limits) for i in feet}
+        modes = {i: self.moved(i, now, self.limits) for i in feet}
         if any(a is not b for i in feet for a, b in zip(self.limits[i], self.kinetic[i], strict=True)):
-            holds = _total([graph.by_side(found[i], zero, zero, one) for i in feet])
+            holds = _total([graph.by_side(modes[i], zero, zero, one) for i in feet])
             sliding = {i: self.moved(i, now, self.kinetic) for i in feet}
-            found = {i: graph.select(holds, found[i], sliding[i]) for i in feet}
+            modes = {i: graph.select(holds, modes[i], sliding[i]) for i in feet}
             for i in rested:
                 push, pull = self.pushed(i, now, self.limits[i], self.kinetic)
                 stays = graph.select(push, zero, graph.select(pull, zero, graph.by_side(rested[i], zero, zero, one)))
                 for k in feet:
                     side = zero if i == k else graph.by_side(now[k], one, -one, graph.by_side(self.apart(i, k), one, -one, zero))
-                    found[k] = graph.select(stays, side, found[k])
-        return self.all_alike(found)
+                    modes[k] = graph.select(stays, side, modes[k])
+        return self.all_alike(modes)
 
     def all_alike(self, new: dict[int, Sym]) -> dict[int, Sym]:
         """The same for those that are one foot."""
@@ -142,7 +142,7 @@ def add_feet(parts: Assembly, every: list[int], speeds: list[Sym | None]) -> Non
         branches = Branches(sliding, sliding, forwards - held[first], held[first] - backwards)
         state = j if m.owner[j] == i else None
         name = m.equations.contacts[i]
-        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
+        parts.contacts.append(TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
 
 
 def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None:
@@ -169,7 +169,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         state = m.owner.index(i) if i in m.owner else None
         branches = Branches(zero, zero, forces[i] - high, low - forces[i])
         name = m.equations.contacts[i]
-        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
+        parts.contacts.append(TracedContact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
     sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
@@ -211,11 +211,11 @@ class _Box:
             for i in pattern[n + 1 :]:
                 factor = rows[i][0][p] / rows[p][0][p]
                 rows[i] = ({k: rows[i][0][k] - factor * rows[p][0][k] for k in pattern[n + 1 :]}, rows[i][1] - factor * rows[p][1])
-        found: dict[int, Sym] = {}
+        forces: dict[int, Sym] = {}
         for p in reversed(pattern):
-            known = _total([rows[p][1], *(-(rows[p][0][k] * found[k]) for k in found)])
-            found[p] = known / rows[p][0][p]
-        return found
+            known = _total([rows[p][1], *(-(rows[p][0][k] * forces[k]) for k in forces)])
+            forces[p] = known / rows[p][0][p]
+        return forces
 
     def forces(self, modes: dict[int, Sym]) -> dict[int, Sym]:
         """The friction forces in any mode: those of what slides, and what holds the rest."""
@@ -231,11 +231,11 @@ class _Box:
             moving, resting = by_rest(others, pattern, i), by_rest(others, tuple(sorted((*pattern, k))), i)
             return graph.by_side(modes[k], moving, moving, resting)
 
-        found = {}
+        forces = {}
         for i in self.group:
             at_rest = by_rest([k for k in self.group if k != i], (i,), i)
-            found[i] = graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], at_rest)
-        return found
+            forces[i] = graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], at_rest)
+        return forces
 
     def decided(self, now: dict[int, Sym]) -> dict[int, Sym]:
         """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first."""
@@ -272,12 +272,12 @@ class _Box:
 
 def sliding_both_ways(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     """Friction force of a contact that slides forwards, and backwards."""
-    m, found, slip = parts.m, [], parts.slip(i)
+    m, forces, slip = parts.m, [], parts.slip(i)
     for side in (1.0, -1.0):
         m.graph.assumed[slip.number] = side
-        found.append(m.lift(m.laws[i].sliding(slip, m.loads[i])))
+        forces.append(m.lift(m.laws[i].sliding(slip, m.loads[i])))
     m.graph.assumed.clear()
-    return found[0], found[1]
+    return forces[0], forces[1]
 
 
 def limits_of(parts: Assembly, i: int) -> tuple[Sym, Sym]:

@@ -24,7 +24,7 @@ _KIND = "int64(f1, f1, int64, int64, int64, f2, f2, f1)"
 
 
 @dataclass(frozen=True)
-class Slopes:
+class TracedSlopes:
     """Data of a model for a Runge-Kutta stage; y[0] = v, then the inner states."""
 
     names: tuple[str, ...]
@@ -38,7 +38,7 @@ class Slopes:
 
 
 @dataclass(frozen=True)
-class Kernel:
+class FixedStepKernel:
     """The compiled loop, and the numbers of the model that make its row."""
 
     module: Any
@@ -46,12 +46,14 @@ class Kernel:
     states: int
 
 
-def slopes(model: Any) -> Slopes:
+def traced_slopes(model: Any) -> TracedSlopes:
     """The right side of a model's equations, for a law of either kind; what a plain Runge-Kutta script does not do is refused."""
     eq = trace(model)
     if why := lacks(eq):
         raise InputError("solve", [f'{why}; type method="auto"'])
-    return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
+    return (
+        TracedSlopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
+    )
 
 
 def lacks(eq: System) -> str:
@@ -64,26 +66,26 @@ def lacks(eq: System) -> str:
     return f"it knows robots without impulses or memory; here is {' and '.join(lacking)}" if lacking else ""
 
 
-def _usual_practice(eq: System) -> Slopes:
+def _usual_practice(eq: System) -> TracedSlopes:
     """Sliding friction by the sign of v, and at v = 0 what holds the body, up to break-away."""
     assert eq.contact is not None
     graph, c = eq.graph, eq.contact
     held = graph.select(c.push, c.push, graph.select(c.pull, -c.pull, graph.constant(0.0)))
     slides = graph.select(eq.y[0], c.forwards, c.backwards)
-    return Slopes(eq.names, eq.t, eq.y, (slides,), eq.guards[: eq.signs], held, eq.clocks, eq.period)
+    return TracedSlopes(eq.names, eq.t, eq.y, (slides,), eq.guards[: eq.signs], held, eq.clocks, eq.period)
 
 
-def kernel(model: Any) -> Kernel:
+def fixed_step_kernel(model: Any) -> FixedStepKernel:
     """The compiled loop of a model's kind."""
-    s, name = slopes(model), label(model)
+    s, name = traced_slopes(model), label(model)
     source = HEADER.format(label=f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())
-    return Kernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
+    return FixedStepKernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 
 class _Loop:
     """Writes the loop over periods and steps."""
 
-    def __init__(self, s: Slopes):
+    def __init__(self, s: TracedSlopes):
         self.s, self.w, self.n = s, Writer(), len(s.y)
 
     def _stage(self, q: int, t: str, y: list[str]) -> list[str]:

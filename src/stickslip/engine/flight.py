@@ -38,13 +38,15 @@ def touching(parts: Assembly, i: int, value: Sym) -> Sym:
 
 def add_take_off_and_landing(parts: Assembly, i: int, flight: Flight, rest: Sym, still: Sym, held: Sym) -> None:
     """The guards of a contact that may fly; `rest` is the mode of one that has come to rest, `still` its body's velocity there."""
-    m, place, mode = parts.m, i, parts.modes[i]
+    m, mode_number, mode = parts.m, i, parts.modes[i]
     graph, one, zero, j = m.graph, m.graph.constant(1.0), m.graph.constant(0.0), _brakes(parts, i)
     aloft, (first, second) = flight.aloft, flight.inner
     gap, rate = parts.inner[first - len(m.y)], parts.inner[second - len(m.y)]
     apart = side_in_flight(parts, i, held)
     mass, e = m.lift(m.equations.masses[j]), m.lift(m.laws[i].restitution)
-    parts.events.append((graph.select(aloft, one, m.loads[i]), {flight.mode: one, place: graph.by_side(mode, one, -one, apart)}, {}, 0))
+    parts.events.append(
+        (graph.select(aloft, one, m.loads[i]), {flight.mode: one, mode_number: graph.by_side(mode, one, -one, apart)}, {}, 0)
+    )
     over = _MOMENT * (m.period(m.model) * ((1.0 - e) * m.loads[i])) + 2.0 * (e * (mass * rate))  # > 0: so are the rebounds
     forwards, backwards = _impulses(parts, i, -(mass * rate * graph.select(over, one, 1.0 + e)))
     left = graph.by_side(mode, mass * m.slips[i] - forwards, backwards - mass * m.slips[i], zero)  # > 0: it slips on
@@ -52,7 +54,7 @@ def add_take_off_and_landing(parts: Assembly, i: int, flight: Flight, rest: Sym,
     parts.events.append(
         (
             graph.select(aloft, gap, one),
-            {flight.mode: graph.select(over, zero, one), place: graph.select(left, mode, graph.select(over, rest, apart))},
+            {flight.mode: graph.select(over, zero, one), mode_number: graph.select(left, mode, graph.select(over, rest, apart))},
             {j: graph.select(left, slip, still), first: zero, second: graph.select(over, zero, -(e * rate))},
             0,
         )
@@ -68,12 +70,12 @@ def side_in_flight(parts: Assembly, i: int, held: Sym) -> Sym:
 
 def _impulses(parts: Assembly, i: int, across: Sym) -> tuple[Sym, Sym]:
     """Impulses along [N s], forwards and backwards, with one across: what the sliding force has for it, without what no load makes."""
-    m, found = parts.m, []
+    m, impulses = parts.m, []
     for side in (1.0, -1.0):
         m.graph.assumed[m.slips[i].number] = side
-        found.append(m.lift(m.laws[i].sliding(m.slips[i], across)) - m.lift(m.laws[i].sliding(m.slips[i], m.graph.constant(0.0))))
+        impulses.append(m.lift(m.laws[i].sliding(m.slips[i], across)) - m.lift(m.laws[i].sliding(m.slips[i], m.graph.constant(0.0))))
     m.graph.assumed.clear()
-    return found[0], found[1]
+    return impulses[0], impulses[1]
 
 
 def _brakes(parts: Assembly, i: int) -> int:

@@ -28,20 +28,20 @@ def _calls(flow: Any, t: float, y: list[float]) -> Calls:
     def called(f: Callable[..., Any]) -> Callable[[], Any]:
         return lambda: _numbers(f(t, np.array(y)))
 
-    found: dict[str, Callable[[], Any]] = {f"fields[{mode!r}]": called(f) for mode, f in flow.fields.items()}
+    functions: dict[str, Callable[[], Any]] = {f"fields[{mode!r}]": called(f) for mode, f in flow.fields.items()}
     for mode, exits in flow.switches.items():
         for k, switch in enumerate(exits):
             name = f"switches[{mode!r}][{k}]"
-            found[f"{name}.guard"] = called(switch.guard)
+            functions[f"{name}.guard"] = called(switch.guard)
             if switch.reset is not None:
-                found[f"{name}.reset"] = called(switch.reset)
+                functions[f"{name}.reset"] = called(switch.reset)
             if callable(switch.to):
-                found[f"{name}.to"] = lambda to=switch.to: (to(t, np.array(y)),)
-    return found
+                functions[f"{name}.to"] = lambda to=switch.to: (to(t, np.array(y)),)
+    return functions
 
 
-def _numbers(found: Any) -> tuple[Any, ...]:
-    rows = list(found) if hasattr(found, "__iter__") else [found]
+def _numbers(value: Any) -> tuple[Any, ...]:
+    rows = list(value) if hasattr(value, "__iter__") else [value]
     return tuple(float(row) if np.ndim(row) == 0 else float(np.ravel(row)[0]) for row in rows)
 
 
@@ -75,8 +75,8 @@ def first_of(flow: Any, n: int) -> First:
 def check_flow_as_written(flow: Any, n: int) -> None:
     """`InputError` where traced functions of a flow differ from trace to trace, or from what plain Python gives."""
     one, other = TracedFlow(flow, n), TracedFlow(flow, n)
-    for name, found in one.expressions.items():
-        if shape_of(found) != shape_of(other.expressions[name]):
+    for name, expressions in one.expressions.items():
+        if shape_of(expressions) != shape_of(other.expressions[name]):
             raise InputError(_WHAT, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
     points = _points(flow, n)
     traced, aside = _values(one, flow, points, 0.0), _values(one, flow, points, _ASIDE)
@@ -87,10 +87,10 @@ def check_flow_as_written(flow: Any, n: int) -> None:
                 continue
             if name.endswith(".to"):
                 given = tuple(1.0 + one.modes.index(mode) for mode in given if mode in one.modes)
-            values = [(value[k], beside[k]) for value, beside in zip(traced[name], aside[name], strict=True)]
+            values = [(value[k], moved[k]) for value, moved in zip(traced[name], aside[name], strict=True)]
             if len(values) != len(given):
-                told = f"{name} gives {len(given)} numbers for an array of numbers and {len(values)} for a list of symbols"
-                raise InputError(_WHAT, [f"{told}; write it coordinate by coordinate: (y[1], -y[0])"])
+                mistake = f"{name} gives {len(given)} numbers for an array of numbers and {len(values)} for a list of symbols"
+                raise InputError(_WHAT, [f"{mistake}; write it coordinate by coordinate: (y[1], -y[0])"])
             compare(_WHAT, name, f"t = {t:.6g}, y = {[float(f'{v:.6g}') for v in y]}", given, values)
 
 
@@ -102,5 +102,5 @@ def _values(traced: TracedFlow, flow: Any, points: list[tuple[float, list[float]
     columns = {"t": [t for t, _ in points]} | {f"y{i}": [y[i] for _, y in points] for i in range(traced.n)}
     known |= {name: np.array(column) * (1 + aside * moved.uniform(-1, 1, count)) for name, column in columns.items()}
     known |= {BEGIN: 0.0, MOST: 1e4, SPAN: 1.0} | {f"{SIZE}{i}": 1.0 for i in range(traced.n)} | {f"mode{k}": 1.0 for k in range(4)}
-    found = values_of(traced.graph, known, [node for nodes in traced.expressions.values() for node in nodes])
-    return {name: [np.broadcast_to(found[node.number], (count,)) for node in nodes] for name, nodes in traced.expressions.items()}
+    computed = values_of(traced.graph, known, [node for nodes in traced.expressions.values() for node in nodes])
+    return {name: [np.broadcast_to(computed[node.number], (count,)) for node in nodes] for name, nodes in traced.expressions.items()}

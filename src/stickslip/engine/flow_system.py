@@ -17,7 +17,7 @@ from typing import Any
 from stickslip.basics.status import Status
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
-from stickslip.engine.system import Switch, System
+from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
 
@@ -61,11 +61,11 @@ class _Asking(Graph):
 
     def constant(self, value: Any) -> Sym:
         """A number: of the case, unless it is one that shapes equations, such as 0 and 1."""
-        found = super().constant(value)
-        if abs(found.value) in _PLAIN or not self.of_user:
-            return found
-        name = f"#{found.value!r}"
-        self.constants[name] = found.value
+        node = super().constant(value)
+        if abs(node.value) in _PLAIN or not self.of_user:
+            return node
+        name = f"#{node.value!r}"
+        self.constants[name] = node.value
         return self.case(name)
 
     def decided(self, condition: Condition) -> bool:
@@ -87,11 +87,11 @@ class _Asking(Graph):
         if left[0] < 0:
             raise TraceError(f"a function asks more than {_PATHS} questions of `if`")
         self._script, self._asked, self._answers = script, {}, {}
-        found = f()
+        value = f()
         answers, asked = list(self._answers.values()), list(self._asked.values())
         for k in range(len(answers) - 1, len(script) - 1, -1):
-            found = _Choice(asked[k], found, self._path(f, [*answers[:k], False], left))
-        return found
+            value = _Choice(asked[k], value, self._path(f, [*answers[:k], False], left))
+        return value
 
 
 @dataclass(frozen=True)
@@ -123,29 +123,29 @@ class TracedFlow:
     @property
     def expressions(self) -> dict[str, tuple[Sym, ...]]:
         """The value of every function of the flow, by the function's name."""
-        found = {f"fields[{mode!r}]": tuple(rates) for mode, rates in zip(self.modes, self.fields, strict=True)}
+        expressions = {f"fields[{mode!r}]": tuple(rates) for mode, rates in zip(self.modes, self.fields, strict=True)}
         for mode in self.modes:
             own = [k for k, (at, _) in enumerate(self.exits) if self.modes[at] == mode]
             for number, k in enumerate(own):
                 name, switch = f"switches[{mode!r}][{number}]", self.switches[k]
                 after = tuple(y if new is None else new for y, new in zip(self.y, switch.states, strict=True))
-                found |= {f"{name}.guard": (self.guards[k][1],), f"{name}.reset": after, f"{name}.to": switch.modes[:1]}
-        return found
+                expressions |= {f"{name}.guard": (self.guards[k][1],), f"{name}.reset": after, f"{name}.to": switch.modes[:1]}
+        return expressions
 
     # ---- what a user's functions give ----
     def _called(self, f: Callable[..., Any]) -> Any:
         extra = (SimpleNamespace(**self.numbers),) if self.numbers else ()
         self.graph.of_user = True
-        found = self.graph.explored(lambda: f(self.time, list(self.y), *extra))
+        value = self.graph.explored(lambda: f(self.time, list(self.y), *extra))
         self.graph.of_user = False
-        return found
+        return value
 
-    def _numbers(self, found: Any, count: int) -> list[Sym]:
+    def _numbers(self, value: Any, count: int) -> list[Sym]:
         """So many expressions, choices as selects."""
-        if isinstance(found, _Choice):
-            yes, no = self._numbers(found.yes, count), self._numbers(found.no, count)
-            return [found.condition.__ss_where__(a, b) for a, b in zip(yes, no, strict=True)]
-        rows = list(found) if hasattr(found, "__iter__") else [found]
+        if isinstance(value, _Choice):
+            yes, no = self._numbers(value.yes, count), self._numbers(value.no, count)
+            return [value.condition.__ss_where__(a, b) for a, b in zip(yes, no, strict=True)]
+        rows = list(value) if hasattr(value, "__iter__") else [value]
         if len(rows) != count:
             raise TraceError(f"{len(rows)} numbers where {count} are wanted")
         return [self._number(row) for row in rows]
@@ -154,22 +154,22 @@ class TracedFlow:
         if isinstance(row, Sym):
             return row
         self.graph.of_user = True
-        found = self.graph.constant(_plain(row))
+        node = self.graph.constant(_plain(row))
         self.graph.of_user = False
-        return found
+        return node
 
-    def _number_of(self, found: Any) -> Sym:
+    def _number_of(self, mode: Any) -> Sym:
         """The number of the mode that a function tells."""
-        if isinstance(found, _Choice):
-            return found.condition.__ss_where__(self._number_of(found.yes), self._number_of(found.no))
-        if isinstance(found, Sym) and found.op == "select":
-            held, yes, no = found.args
+        if isinstance(mode, _Choice):
+            return mode.condition.__ss_where__(self._number_of(mode.yes), self._number_of(mode.no))
+        if isinstance(mode, Sym) and mode.op == "select":
+            held, yes, no = mode.args
             return self.graph.select(held, self._number_of(yes), self._number_of(no))
-        if isinstance(found, Sym):
-            found = self.graph.constants.get(found.name, found.value if found.op == "constant" else None)
-        if found not in self.modes:
-            raise TraceError(f"{found!r} is not a mode of the flow")
-        return self.graph.constant(1.0 + self.modes.index(found))
+        if isinstance(mode, Sym):
+            mode = self.graph.constants.get(mode.name, mode.value if mode.op == "constant" else None)
+        if mode not in self.modes:
+            raise TraceError(f"{mode!r} is not a mode of the flow")
+        return self.graph.constant(1.0 + self.modes.index(mode))
 
     # ---- what a mode chooses ----
     def within(self, low: int, high: int, of: Callable[[int], Sym]) -> Sym:
@@ -185,7 +185,7 @@ class TracedFlow:
         return self.within(0, len(self.modes), lambda k: guard if k in places else other)
 
     # ---- switches ----
-    def _switch(self, switch: Any) -> Switch:
+    def _switch(self, switch: Any) -> TracedSwitch:
         to = self._number_of(self._called(switch.to) if callable(switch.to) else switch.to)
         states = tuple(self._numbers(self._called(switch.reset), self.n)) if switch.reset is not None else self.y
         graph, one = self.graph, self.graph.constant(1.0)
@@ -193,14 +193,14 @@ class TracedFlow:
         early = self.since - self.t  # a period has begun
         near = graph.select(late, graph.constant(0.0), graph.select(early, graph.constant(0.0), one))
         modes = (to, self.count + one, near * (self.burst + one), graph.select(near, self.since, self.t))
-        return Switch(modes, tuple(None if new is y else new for new, y in zip(states, self.y, strict=True)))
+        return TracedSwitch(modes, tuple(None if new is y else new for new, y in zip(states, self.y, strict=True)))
 
-    def ends(self) -> list[tuple[Sym, Switch]]:
+    def ends(self) -> list[tuple[Sym, TracedSwitch]]:
         """Conditions that end a run: the largest number of switches, and switches that accumulate."""
         same, none, half = self.held, (None,) * self.n, self.graph.constant(0.5)
         return [
-            (self.graph.case(MOST) - half - self.count, Switch(same, none, Status.SWITCHES)),
-            (self.graph.constant(_MANY - 0.5) - self.burst, Switch(same, none, Status.CHATTERS)),
+            (self.graph.case(MOST) - half - self.count, TracedSwitch(same, none, Status.SWITCHES)),
+            (self.graph.constant(_MANY - 0.5) - self.burst, TracedSwitch(same, none, Status.CHATTERS)),
         ]
 
     # ---- together ----
@@ -227,12 +227,12 @@ class TracedFlow:
 
     def _readers(self, flag: int) -> set[int]:
         """The modes in which something reads a flag."""
-        name, found = f"b{flag}", set()
+        name, readers = f"b{flag}", set()
         for k, field in enumerate(self.fields):
             own = [guard for mode, guard in self.guards if mode == k]
             if any(node.op == "flag" and node.name == name for node in needed_by([*field, *own])):
-                found.add(k)
-        return found
+                readers.add(k)
+        return readers
 
 
 def flow_system(flow: Any, n: int) -> FlowSystem:

@@ -141,9 +141,9 @@ def _first_of(case: Any) -> First:
     except InputError:
         raise
     except (TypeError, AttributeError, LookupError, NameError) as error:
-        told = f"one of its functions raised {type(error).__name__}: {error} when it was called with numbers"
+        mistake = f"one of its functions raised {type(error).__name__}: {error} when it was called with numbers"
         allowed = "allowed are functions of time, positions and velocities that return a number for all of them"
-        raise InputError(type(case).__name__, [f"{told}; {allowed}; type for example lambda t, x, v: -2.0 * x"]) from error
+        raise InputError(type(case).__name__, [f"{mistake}; {allowed}; type for example lambda t, x, v: -2.0 * x"]) from error
     except Exception:  # outside of its domain: said where the run comes to it
         return First(dict, dict, (case,))
 

@@ -135,8 +135,8 @@ def kernel_of(
     """
 
     def system() -> System:
-        found = trace(model, observe, noted)
-        return found if made is None else replace(made(found), signals=(), ratios=())  # nothing is noted of what is made of a system
+        traced = trace(model, observe, noted)
+        return traced if made is None else replace(made(traced), signals=(), ratios=())  # nothing is noted of what is made of a system
 
     def compiled() -> Kernel:
         check_numbers(model)
@@ -260,8 +260,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
     scale_at = [-1] * eq.states
-    for place, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
-        scale_at[i] = first + 4 + place
+    for number, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
+        scale_at[i] = first + 4 + number
     constants = len(_constants(eq, step))
     sample_at = first + 4 + sum(s is not None for s in eq.scales)
     breaks, share_at = len(eq.instants) + len(eq.impulses), sample_at + len(eq.sampling)
@@ -382,7 +382,7 @@ def run(
     todo = np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     count[:, 0] = Status.NOT_COMPUTED
-    found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
+    noted = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
     seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8)), []
     shared = {
@@ -392,7 +392,7 @@ def run(
         "START": start,
         "OUT": out,
         "COUNT": count,
-        "NOTED": found,
+        "NOTED": noted,
         "SEGT": seg_time,
         "SEGC": seg_code,
         "PIECES": pieces,
@@ -419,8 +419,8 @@ def run(
             progress(job.periods if keep_pieces else cases)
     kept.append(pieces[: todo[columns.WRITTEN]].copy())
     last = 6 + n + k.modes
-    wide_max, wide_min = found[:, signals:, 1:].transpose(2, 0, 1)
-    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for name, i in k.signals.items()}) if signals else None
+    wide_max, wide_min = noted[:, signals:, 1:].transpose(2, 0, 1)
+    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: noted[:, i] for name, i in k.signals.items()}) if signals else None
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
         seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,

@@ -84,5 +84,5 @@ def written(function: Callable[..., Any], **names: str) -> list[str]:
     \mu_{0} \cos{\left(\theta \right)} + \sin{\left(\theta \right)}
     """
     symbols = {name: symbol(text) for name, text in names.items()}
-    found = function(**symbols)
-    return [text_of(value) for value in (found if isinstance(found, tuple) else (found,))]
+    values = function(**symbols)
+    return [text_of(value) for value in (values if isinstance(values, tuple) else (values,))]

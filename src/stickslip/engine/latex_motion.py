@@ -183,14 +183,14 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
-        found = dict[str, tuple[list[str], list[str]]]()
+        by_text = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
             alone = lines_of(law.law, formula(slip), formula(load), index, v)
             turned = _states(["i" if each == index else each for each in bodies])[1]
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
-            found.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
-        blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in found.items() if alone]
-    return [*_told_once(blocks), *_flights(mechanics, own)]
+            by_text.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
+        blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in by_text.items() if alone]
+    return [*_with_ranges(blocks), *_flights(mechanics, own)]
 
 
 def _flights(mechanics: Any, own: list[str]) -> list[str]:
@@ -205,7 +205,7 @@ def _flights(mechanics: Any, own: list[str]) -> list[str]:
     return lines
 
 
-def _told_once(blocks: list[tuple[list[str], list[str]]]) -> list[str]:
+def _with_ranges(blocks: list[tuple[list[str], list[str]]]) -> list[str]:
     """The lines of all blocks; for what i stands is said after the last of neighbouring blocks with the same contacts."""
     lines = []
     for k, (block, of) in enumerate(blocks):

@@ -96,6 +96,6 @@ def _function(law: TracedLaw, name: str, takes: str, fills: dict[str, Any]) -> s
     bind = {number: f"row[{i}]" for i, number in enumerate(law.names)} | {word: word for word in ("v", "load", "applied")}
     bind |= {s.name: f"z[{i}]" for i, s in enumerate(law.z)} | {s.name: f"mode[{i}]" for i, s in enumerate(law.mode)}
     ends: dict[str, Sym] = {f"{array}[{i}]": root for array, roots in fills.items() for i, root in enumerate(roots)}
-    lines = [f"{place} = 1.0 * {w.value(root, bind)}" for place, root in ends.items()]
+    lines = [f"{target} = 1.0 * {w.value(root, bind)}" for target, root in ends.items()]
     kinds = ", ".join("float64" if word in ("v", "load", "applied") else "f1" for word in takes.split(", "))
     return function(name, takes, [*w.lines, *lines], f"void({kinds})")

@@ -56,7 +56,7 @@ class Letter(Atom):
 
 
 @dataclass(frozen=True)
-class Group(Atom):
+class Bracket(Atom):
     """A sum in brackets."""
 
     sum: Formula
@@ -162,9 +162,9 @@ class _Condition(ABC):
         if (known := self.decided()) is not None:
             return formula(yes if known else no)
         one, other = formula(yes), formula(no)
-        return one if one == other else self._told(one, other)
+        return one if one == other else self._by_cases(one, other)
 
-    def _told(self, yes: Formula, no: Formula) -> Formula:
+    def _by_cases(self, yes: Formula, no: Formula) -> Formula:
         return Formula.of(Cases(self, yes, no))  # type: ignore[arg-type]
 
     def __and__(self, other: Any) -> Both:
@@ -194,11 +194,11 @@ class Comparison(_Condition):
             return _holds(difference.number, self.sign)
         return None if not difference.sign() else _holds(difference.sign(), self.sign)
 
-    def _told(self, yes: Formula, no: Formula) -> Formula:
+    def _by_cases(self, yes: Formula, no: Formula) -> Formula:
         way = expanded(yes - no), expanded(self.left - self.right)
         if way[0] in (way[1], -way[1]):
             return Formula.of(Extreme("max" if (way[0] == way[1]) == (">" in self.sign) else "min", yes, no))
-        return super()._told(yes, no)
+        return super()._by_cases(yes, no)
 
     def parts(self) -> tuple[Formula, ...]:
         """Both sides."""
@@ -306,20 +306,20 @@ class Formula:
     def at(self, values: Mapping[Letter, Any]) -> Any:
         """The formula with values, or other formulas, for some letters."""
         numeric = _numeric(values)
-        found: Any = 0.0 if numeric else formula(0)
+        total: Any = 0.0 if numeric else formula(0)
         for factors, number in self.terms.items():
             value: Any = float(number) if numeric else formula(number)
             for atom, exponent in factors:
                 value = value * atom.at(values) ** (float(exponent) if numeric else exponent)
-            found = found + value
-        return found
+            total = total + value
+        return total
 
     # ---- arithmetic ----
     def __add__(self, other: Any) -> Formula:
-        found = dict(self.terms)
+        terms = dict(self.terms)
         for factors, number in formula(other).terms.items():
-            found[factors] = found.get(factors, Fraction(0)) + number
-        return Formula(found)
+            terms[factors] = terms.get(factors, Fraction(0)) + number
+        return Formula(terms)
 
     def __neg__(self) -> Formula:
         return Formula({factors: -number for factors, number in self.terms.items()})
@@ -422,7 +422,7 @@ def _sign(factors: Factors, number: Fraction) -> int:
 def _factors_of(value: Formula) -> tuple[Fraction, Factors]:
     """A formula as a number times factors."""
     if value.is_sum:
-        return Fraction(1), ((Group(value), Fraction(1)),)
+        return Fraction(1), ((Bracket(value), Fraction(1)),)
     return next(((number, factors) for factors, number in value.terms.items()), (Fraction(0), ()))
 
 
@@ -436,7 +436,7 @@ def _product(values: Iterable[Formula]) -> Formula:
     for atom in list(powers):
         _join_tangent(atom, powers)
     factors = tuple(sorted(((atom, e) for atom, e in powers.items() if e), key=lambda pair: order_of(pair[0])))
-    if len(factors) == 1 and isinstance(factors[0][0], Group) and factors[0][1] == 1:
+    if len(factors) == 1 and isinstance(factors[0][0], Bracket) and factors[0][1] == 1:
         return Formula({own: n * number for own, n in factors[0][0].sum.terms.items()})
     return Formula({factors: number})
 
@@ -458,7 +458,7 @@ def _raised(base: Formula, power: Fraction) -> Formula:
         root = math.isqrt(number.numerator) if number > 0 else 0, math.isqrt(number.denominator)
         plain = power.denominator == 2 and Fraction(*root) ** 2 == number if root[0] else False
         if not plain or any(atom.sign() <= 0 for atom, _ in factors):
-            return base if power == 1 else Formula({((Group(base), power),): Fraction(1)})
+            return base if power == 1 else Formula({((Bracket(base), power),): Fraction(1)})
         return Formula({tuple((a, e * power) for a, e in factors): Fraction(*root) ** power.numerator})
     return _product([Formula({tuple((a, e * power) for a, e in factors): number**power.numerator})])
 
@@ -466,7 +466,7 @@ def _raised(base: Formula, power: Fraction) -> Formula:
 @functools.lru_cache(maxsize=4096)
 def order_of(atom: Atom) -> tuple[int, str]:
     """Letters by their texts (a rate as the letter below its dots), then brackets, then functions."""
-    kind = (Letter, Group, Power, Call, Extreme, Cases).index(type(atom))
+    kind = (Letter, Bracket, Power, Call, Extreme, Cases).index(type(atom))
     inner = "".join(str(sorted((order_of(a), e) for a, e in factors)) for part in atom.parts() for factors in part.terms)
     dots, _, letter = getattr(atom, "text", getattr(atom, "name", "")).rpartition(r"dot ")
     return kind, letter + dots + inner
@@ -474,15 +474,15 @@ def order_of(atom: Atom) -> tuple[int, str]:
 
 def expanded(value: Formula) -> Formula:
     """Brackets multiplied out."""
-    found = formula(0)
+    total = formula(0)
     for factors, number in value.terms.items():
-        found = found + Formula({(): number}) * 1 if not factors else found + _distributed(number, factors)
-    return found
+        total = total + Formula({(): number}) * 1 if not factors else total + _distributed(number, factors)
+    return total
 
 
 def _distributed(number: Fraction, factors: Factors) -> Formula:
     for i, (atom, exponent) in enumerate(factors):
-        if isinstance(atom, Group) and exponent == 1:
+        if isinstance(atom, Bracket) and exponent == 1:
             rest = Formula({factors[:i] + factors[i + 1 :]: number})
             return sum((expanded(rest * Formula({own: n})) for own, n in atom.sum.terms.items()), formula(0))
     return Formula({factors: number})
@@ -497,13 +497,13 @@ def spread(value: Formula, by: Any = 1) -> Formula:
     >>> spread(a / (M + m) + b, by=M + m) == a + b * (M + m)
     True
     """
-    found = formula(0)
+    total = formula(0)
     for factors, number in value.terms.items():
         term = Formula({factors: number})
-        fractions = [atom for atom, e in factors if e == 1 and isinstance(atom, Group) and _has_fractions(atom.sum)]
+        fractions = [atom for atom, e in factors if e == 1 and isinstance(atom, Bracket) and _has_fractions(atom.sum)]
         rest = term / fractions[0].sum if fractions else term
-        found = found + (spread(fractions[0].sum, rest * by) if fractions else term * by)
-    return found
+        total = total + (spread(fractions[0].sum, rest * by) if fractions else term * by)
+    return total
 
 
 def _has_fractions(value: Formula) -> bool:

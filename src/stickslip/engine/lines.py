@@ -37,10 +37,10 @@ class Lines(ABC):
         """Names of the variables and flags that a node depends on."""
         if node.number not in self._depends:
             if node.op in ("variable", "flag"):
-                found: tuple[str, ...] = (node.name,)
+                names: tuple[str, ...] = (node.name,)
             else:
-                found = tuple(sorted({d for a in node.args for d in self.depends(a)}))
-            self._depends[node.number] = found
+                names = tuple(sorted({d for a in node.args for d in self.depends(a)}))
+            self._depends[node.number] = names
         return self._depends[node.number]
 
     def value(self, node: Sym, bind: dict[str, str]) -> str:

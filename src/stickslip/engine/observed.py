@@ -40,12 +40,12 @@ def signals_of(parts: Assembly, first_event: int) -> tuple[Signal, ...]:
 
 def _merged(signals: list[Signal]) -> tuple[Signal, ...]:
     """Each expression once, with all that is made of it: a body's velocity is often a slip."""
-    found: dict[Any, Signal] = {}
+    merged: dict[Any, Signal] = {}
     for each in signals:
         key = each.node.number, each.guard
-        known = found.get(key)
-        found[key] = each if known is None else Signal(known.names + each.names, each.node, known.kind | each.kind, each.guard)
-    return tuple(found.values())
+        known = merged.get(key)
+        merged[key] = each if known is None else Signal(known.names + each.names, each.node, known.kind | each.kind, each.guard)
+    return tuple(merged.values())
 
 
 def _force(parts: Assembly, i: int) -> Sym:
@@ -60,15 +60,15 @@ def _force(parts: Assembly, i: int) -> Sym:
 def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:
     """Of a stop with restitution the impulse of each hit; of an elastic one its force, and how often that begins."""
     m = parts.m
-    found = []
+    signals = []
     for name, stop in m.equations.named_stops:
         if stop.part.restitution is not None:
             event, impulse = parts.hits[stop]
-            found.append(Signal((f"J.{name}",), impulse, 0, first_event + event))
+            signals.append(Signal((f"J.{name}",), impulse, 0, first_event + event))
         else:
             x, v = m.equations.positions(m.t, m.places), m.equations.velocities(m.t, m.v)
-            found.append(Signal((f"F.{name}",), m.lift(stop.pressed(x, v)), MOST | COUNTED))
-    return found
+            signals.append(Signal((f"F.{name}",), m.lift(stop.pressed(x, v)), MOST | COUNTED))
+    return signals
 
 
 def ratios_of(parts: Assembly, scale: Sym) -> tuple[Sym, ...]:

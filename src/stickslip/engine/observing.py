@@ -44,7 +44,7 @@ class _State:
         """Positions of the bodies."""
         m = self._m
         way = m.graph.variable(WAY)
-        return self._given("x", m.equations.positions(m.t, tuple(way + place for place in m.places) if m.cyclic else m.places))
+        return self._given("x", m.equations.positions(m.t, tuple(way + position for position in m.places) if m.cyclic else m.places))
 
     @cached_property
     def v(self) -> Any:
@@ -90,11 +90,11 @@ class _State:
     def _by_name(self, names: Any, columns: tuple[str, ...], friction_force: bool = False) -> dict[str, Any]:
         for column in columns:
             getattr(self, column)
-        found = {}
+        parts = {}
         for i, name in enumerate(names):
             own = {column: self._every[column][i] for column in columns}
-            found[name] = _Contact(self._parts, i, **own) if friction_force else SimpleNamespace(**own)
-        return found
+            parts[name] = _Contact(self._parts, i, **own) if friction_force else SimpleNamespace(**own)
+        return parts
 
 
 _KNOWN = tuple(name for name in vars(_State) if not name.startswith("_"))
@@ -135,8 +135,8 @@ def observed_node(name: str, function: Any, parts: Assembly, eq: System) -> Sym:
     try:
         node, again = (_number(graph, function(_State(parts, eq))) for _ in range(2))
     except (TraceError, AttributeError, TypeError, ValueError, KeyError, IndexError) as error:
-        told = f"no part is called {error}, or has this number" if isinstance(error, KeyError | IndexError) else str(error)
-        raise InputError("observe", [f"{name}: {told}; {hint}"]) from error
+        mistake = f"no part is called {error}, or has this number" if isinstance(error, KeyError | IndexError) else str(error)
+        raise InputError("observe", [f"{name}: {mistake}; {hint}"]) from error
     if again is not node:
         raise InputError("observe", [f"{name} is another expression each time it is called with the same state; {NOT_REPEATABLE}"])
     if graph.derivative(node, graph.variable(WAY)) is not graph.constant(0.0):
@@ -146,5 +146,5 @@ def observed_node(name: str, function: Any, parts: Assembly, eq: System) -> Sym:
     return node
 
 
-def _number(graph: Graph, found: Any) -> Sym:
-    return found if isinstance(found, Sym) else graph.constant(float(found))
+def _number(graph: Graph, value: Any) -> Sym:
+    return value if isinstance(value, Sym) else graph.constant(float(value))

@@ -75,12 +75,12 @@ class Pressed:
 
     def together(self, m: Symbolic, a: Sequence[Any], first: Sym) -> tuple[Any, ...]:
         """Accelerations of all coordinates, of which the stop's have that of the first one."""
-        found = list(a)
+        together = list(a)
         for n, c in enumerate(self.rubs):
-            found[c] = (
+            together[c] = (
                 first if n == 0 else self._following(m, [first if k in self.rubs else m.graph.constant(0.0) for k in range(len(a))], c)
             )
-        return tuple(found)
+        return tuple(together)
 
     def feet(self, parts: Assembly) -> Feet:
         """The contacts of all its ends, which hold one acceleration while it is closed."""
@@ -109,11 +109,11 @@ def pressed_stops(parts: Assembly) -> None:
     m = parts.m
     braked = {c for row in m.directions for c, g in enumerate(row) if g}
     alone = all(sum(map(abs, row)) == 1.0 and m.directions.count(row) == 1 for row in m.directions)
-    told = all(law.dynamic for law in m.laws)
-    for stop in m.equations.stops if alone or told else ():
+    dynamic = all(law.dynamic for law in m.laws)
+    for stop in m.equations.stops if alone or dynamic else ():
         ends = [c for c, h in enumerate(stop.direction) if h]
-        follower = None if told else next((c for c in ends if c not in braked), None)
-        rubs = {} if told or follower is not None else {c: next(i for i, row in enumerate(m.directions) if row[c]) for c in ends}
+        follower = None if dynamic else next((c for c in ends if c not in braked), None)
+        rubs = {} if dynamic or follower is not None else {c: next(i for i, row in enumerate(m.directions) if row[c]) for c in ends}
         if any(m.laws[i].flies for i in rubs.values()) or sum(stop.direction[c] for c in rubs) * (len(rubs) - 1):
             continue  # what lifts off, and ends that do not go the same way
         number, closed = parts.mode(m.graph.constant(0.0))
@@ -134,14 +134,14 @@ def closes(parts: Assembly, p: Pressed, sides: dict[int, Sym]) -> Sym:
 
 def _pressures(parts: Assembly, p: Pressed, sides: dict[int, Sym]) -> dict[int, Sym]:
     """By coordinate the force of a closed stop on an end that rubs [N]; the largest that its contact allows where it rests."""
-    m, graph, feet, found = parts.m, parts.m.graph, p.feet(parts), {}
+    m, graph, feet, pressures = parts.m, parts.m.graph, p.feet(parts), {}
     sides = {i: sides[feet.alike[i][0]] for i in feet.alike}
     shut = p.together(m, [graph.constant(0.0)] * len(m.y), feet.motion(sides)[1])
     for c, i in p.rubs.items():
         backward, forward = limits_of(parts, i)
         force = graph.by_side(sides[i], *sliding_both_ways(parts, i), forward if p.row[c] > 0 else backward)
-        found[c] = (shut[c] - m.accelerations({i: force}, closed=None)[c]) * (m.lift(m.equations.masses[c]) / p.row[c])
-    return found
+        pressures[c] = (shut[c] - m.accelerations({i: force}, closed=None)[c]) * (m.lift(m.equations.masses[c]) / p.row[c])
+    return pressures
 
 
 def _closed(parts: Assembly, p: Pressed, c: int, sides: dict[int, Sym]) -> Sym:
@@ -215,11 +215,11 @@ def _add_rubbing(parts: Assembly, p: Pressed, now: dict[int, Sym]) -> None:
 
 def _all_still(m: Symbolic, p: Pressed, c: int, i: int, feet: Feet) -> dict[int, Sym]:
     """Velocities of the ends with which a contact of coordinate c rests, to the last digit, and others with it."""
-    found = {c: m.y[c] - m.slips[i]}
+    velocities = {c: m.y[c] - m.slips[i]}
     for other, k in p.rubs.items():
         if other != c:
-            found[other] = m.y[other] - m.slips[k] if k in feet.alike[i] else m.y[other] + (p.row[c] / p.row[other]) * m.slips[i]
-    return found
+            velocities[other] = m.y[other] - m.slips[k] if k in feet.alike[i] else m.y[other] + (p.row[c] / p.row[other]) * m.slips[i]
+    return velocities
 
 
 def _either(parts: Assembly, p: Pressed, shut: tuple[Sym, dict[int, Sym], dict[int, Sym]], open_: Event) -> Event:
@@ -257,7 +257,7 @@ def shut_at(parts: Assembly, p: Pressed) -> tuple[int, Sym]:
     """A position among the states, by its number, and its value with which the gap is as a closed stop keeps it."""
     m = parts.m
     zero = m.graph.constant(0.0)
-    places = [c for c, place in enumerate(m.places) if place is not zero]
-    c = p.follower if p.follower in places else next(c for c in places if p.row[c])
+    positions = [c for c, position in enumerate(m.places) if position is not zero]
+    c = p.follower if p.follower in positions else next(c for c in positions if p.row[c])
     more = (_kept(m) - m.lift(p.stop.gap(m.t, m.places))) / p.row[c]
-    return len(m.y) + len(parts.inner) + places.index(c), m.places[c] + more
+    return len(m.y) + len(parts.inner) + positions.index(c), m.places[c] + more

@@ -44,11 +44,11 @@ class Remembered(Generic[T]):
                 return self._known[key]
         except TypeError:
             return find()
-        found = find()
+        answer = find()
         for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
             self._known.pop(oldest, None)  # other threads may take it away as well
-        self._known[key] = found
-        return found
+        self._known[key] = answer
+        return answer
 
 
 class OfFrozen(Generic[T]):
@@ -72,7 +72,7 @@ class OfFrozen(Generic[T]):
         kept = known.get(key)
         if kept is not None and kept[0]() is record:
             return kept[1]
-        found = self._find(record)
+        answer = self._find(record)
         if is_frozen(record):
-            known[key] = weakref.ref(record, lambda _: known.pop(key, None)), found
-        return found
+            known[key] = weakref.ref(record, lambda _: known.pop(key, None)), answer
+        return answer

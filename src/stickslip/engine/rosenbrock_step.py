@@ -13,7 +13,7 @@ from functools import reduce
 from stickslip.basics.status import Status
 from stickslip.engine.step_events import EventWriter
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Contact, System
+from stickslip.engine.system import System, TracedContact
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
@@ -109,7 +109,7 @@ class _StepWriter(EventWriter):
         w.line("_hh", "_rem if _last else _hh")
         w.line("_ih", "1.0 / _hh")
 
-    def _swing(self, contact: Contact) -> None:
+    def _swing(self, contact: TracedContact) -> None:
         """A shorter step near rest: the change of the slip velocity in it is limited."""
         w, k = self.w, self.k
         v_s, slip = w.value(contact.stribeck_velocity, self.start), w.value(contact.slip, self.start)
@@ -120,7 +120,7 @@ class _StepWriter(EventWriter):
         w.line("_hl", f"2.0 * _swing / ({slope} + math.sqrt(fma({slope}, {slope}, 2.0 * _swing * _jerk)) + 1e-300)")
         w.line("_hh", "_hh if _hh < _hl else _hl")
 
-    def _along(self, contact: Contact, of: Callable[[int], str]) -> str:
+    def _along(self, contact: TracedContact, of: Callable[[int], str]) -> str:
         """Coefficients of the coordinates in a contact's slip."""
         terms = [("-" if g < 0 else "") + of(j) for j, g in enumerate(contact.direction) if g]
         return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})"
@@ -263,7 +263,7 @@ class _StepWriter(EventWriter):
             self._mean(parts)
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
 
-    def _size_of_creep(self, i: int, creeping: list[Contact]) -> str:
+    def _size_of_creep(self, i: int, creeping: list[TracedContact]) -> str:
         """The scale of errors in a velocity under creeping friction: the slip, or the velocity up to which it creeps."""
         w = self.w
         most = w.line(w.fresh(), f"{literal(self.k.velocity_floor)} * {self.scale_v}")
@@ -274,18 +274,18 @@ class _StepWriter(EventWriter):
             sizes.append(w.line(w.fresh(), f"({creep} if {creep} < {most} else {most}) + {slip}"))
         return reduce(lambda a, b: w.line(w.fresh(), f"{a} if {a} < {b} else {b}"), sizes)
 
-    def _creeping(self, i: int) -> list[Contact]:
+    def _creeping(self, i: int) -> list[TracedContact]:
         """The contacts that brake a coordinate and creep."""
         return [c for c in self.eq.contacts if c.creep_velocity is not None and c.direction[i]]
 
-    def _largest_slip(self, contact: Contact) -> str:
+    def _largest_slip(self, contact: TracedContact) -> str:
         """The slip of a contact where the step begins, or where it ends if that is more."""
         w = self.w
         ends = self._bind(w.line("_rim", "_t + _hh"), [f"_n{i}" for i in range(self.n)])
         before, after = (w.line(w.fresh(), f"abs({w.value(contact.slip, at)})") for at in (self.start, ends))
         return w.line(w.fresh(), f"{before} if {before} > {after} else {after}")
 
-    def _smallest(self, i: int, creeping: list[Contact]) -> str:
+    def _smallest(self, i: int, creeping: list[TracedContact]) -> str:
         """An error that no step can be free of: what it changes by in the shortest step, and what rounding makes of slips."""
         least = f"fma({self._shortest}, abs({self.f[i]}), 1e-290)"
         apart = [self.w.value(c.least, self.start) for c in creeping if c.state != i]
@@ -326,8 +326,8 @@ class _StepWriter(EventWriter):
         parts = [[j] for j in range(self.eq.coordinates)]
         for contact in self.eq.contacts:
             parts[next(j for j, g in enumerate(contact.direction) if g)].extend(contact.inner)
-        for place, i in enumerate(self.eq.positions):
-            parts[place + int(self.eq.cyclic)].append(i)
+        for number, i in enumerate(self.eq.positions):
+            parts[number + int(self.eq.cyclic)].append(i)
         return parts
 
     def _control(self) -> None:

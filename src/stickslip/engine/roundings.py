@@ -13,7 +13,7 @@ from stickslip.engine.kernel_text import function
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import STATE, Sym, slope_of
-from stickslip.engine.system import Contact, System
+from stickslip.engine.system import System, TracedContact
 from stickslip.engine.write import Writer
 
 
@@ -54,7 +54,7 @@ def hold_sizes(eq: System, case_nodes: list[Sym]) -> None:
         sizes.of(f)
 
 
-def sizes_text(eq: System, step: Step, lanes: int, slips: Sequence[Sequence[Contact]]) -> str:
+def sizes_text(eq: System, step: Step, lanes: int, slips: Sequence[Sequence[TracedContact]]) -> str:
     """Text of the function that puts the sizes of the rates of all states into W, and behind them those of the watched guards' rates.
 
     `slips` has for each of these guards the contacts whose slip it is. Of one that is no slip the size is 0: its rate is taken as it is.

@@ -34,12 +34,12 @@ def write_rows(y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Wri
     Returns the names of their rows by the numbers of the nodes; what does not vary has none. A row's place 0 is left as it is: an
     expression's value is among the lines before the loop.
     """
-    rows = Rows(y, f, wanted, w, start, order)
+    rows = RowWriter(y, f, wanted, w, start, order)
     rows.write()
     return rows.rows
 
 
-class Rows:
+class RowWriter:
     """The same in two parts: values at the start of the step, which are written at once, and the coefficients, where `write` is called.
 
     `known` are expressions that have their rows already. Written `out`, the loop is one round after another, and its rows need no memory.
@@ -79,17 +79,17 @@ class Rows:
 
     def _counted(self, roots: Iterable[Sym]) -> Counter[int]:
         """In how many others an expression stands; a root counts twice."""
-        found, waiting = Counter[int](), list(roots)
+        uses, waiting = Counter[int](), list(roots)
         for node in waiting:
-            found[node.number] += 2
-        seen: set[int] = set()
+            uses[node.number] += 2
+        visited: set[int] = set()
         while waiting:
             node = waiting.pop()
-            if node.number not in seen:
-                seen.add(node.number)
-                found.update(a.number for a in node.args)
+            if node.number not in visited:
+                visited.add(node.number)
+                uses.update(a.number for a in node.args)
                 waiting += node.args
-        return found
+        return uses
 
     def _turns(self, node: Sym) -> bool:
         """Whether it is a sine or cosine of what is linear in time."""
@@ -112,8 +112,8 @@ class Rows:
         if node.number in self._states or node.number in self._given:
             return itself
         if node.op in ("add", "subtract"):
-            found = self._total(node)
-            return found if len(found.terms) < 2 or self._users[node.number] < 2 else itself
+            total = self._total(node)
+            return total if len(total.terms) < 2 or self._users[node.number] < 2 else itself
         if node.op == "select":
             return self._chosen(node) or itself
         if node.op == "exp" and node.number not in self._wanted:
@@ -141,12 +141,12 @@ class Rows:
 
     def _total(self, node: Sym) -> Form:
         """A sum or a difference."""
-        found: dict[int, tuple[Sym, Sym]] = {}
+        factors: dict[int, tuple[Sym, Sym]] = {}
         for arg, sign in zip(node.args, (1.0, 1.0 if node.op == "add" else -1.0), strict=True):
             for term, factor in self._form(arg).terms:
-                before = found[term.number][1] if term.number in found else self.graph.constant(0.0)
-                found[term.number] = term, before + sign * factor
-        terms = tuple(pair for pair in found.values() if not is_zero(pair[1]))
+                before = factors[term.number][1] if term.number in factors else self.graph.constant(0.0)
+                factors[term.number] = term, before + sign * factor
+        terms = tuple(pair for pair in factors.values() if not is_zero(pair[1]))
         return Form(terms, pure=all(self._form(arg).pure for arg in node.args))
 
     def _chosen(self, node: Sym) -> Form | None:
@@ -167,9 +167,9 @@ class Rows:
     def _linear(self, form: Form) -> str:
         """The sum of a form's terms at the present order, the term that is ready last added last."""
         named = [(self._coefficient(term), factor) for term, factor in form.terms]
-        place = {self._names[term.number]: k for k, term in enumerate(self._order)}
+        rank = {self._names[term.number]: k for k, term in enumerate(self._order)}
         text = ""
-        for name, factor in sorted(named, key=lambda pair: place[pair[0]]):
+        for name, factor in sorted(named, key=lambda pair: rank[pair[0]]):
             one = {1.0: "", -1.0: "-"}.get(factor.value) if factor.op == "constant" else None
             held = "" if one is not None else self._value(factor)
             if not text:

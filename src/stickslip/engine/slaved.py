@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from stickslip.basics.status import Status
 from stickslip.engine.graphs import Substituted
 from stickslip.engine.rosenbrock_step import Step, sides
-from stickslip.engine.rows import Rows
+from stickslip.engine.rows import RowWriter
 from stickslip.engine.slaving import Slaving, slaving
 from stickslip.engine.steptext import bound
 from stickslip.engine.symbols import Sym
@@ -69,10 +69,10 @@ TINY = 1e-14  # of the velocity scale: below it a velocity is zero
 
 def write_step(eq: System, method: Series, record: bool) -> Step:
     """The lines of one step; with `record` the dense output's coefficients are kept always, else while a lane is looked at."""
-    found = slaving(eq)
-    if isinstance(found, str):
-        raise TypeError(found)
-    return _StepWriter(eq, method, found, record).write()
+    equations = slaving(eq)
+    if isinstance(equations, str):
+        raise TypeError(equations)
+    return _StepWriter(eq, method, equations, record).write()
 
 
 class _StepWriter:
@@ -110,7 +110,7 @@ class _StepWriter:
         w.line("_slow", "_sort > 0.5 and not _idle")
         w.line("_mine", "not _slow and not _idle")
         self._look_at_start()
-        self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
+        self.explicit = RowWriter(eq.y, eq.f, [], w, self.start, self.n, out=True)
         self.slope_row = self.explicit.rate(eq.y[0])
         for name in ("went", "v", "z", "dx", "d1"):
             w.line(f"_{name}", "0.0")
@@ -277,7 +277,7 @@ class _StepWriter:
         """The series of v with a known z', and that of z, which follows from it."""
         w, n = self.w, self.n
         bind = self.start | {self.law.rate.name: "_dz0"}
-        rows = Rows([self.eq.y[0]], [braked], [z], w, bind, n, known, out=True)
+        rows = RowWriter([self.eq.y[0]], [braked], [z], w, bind, n, known, out=True)
         rows.write()
         w.line("_brake2", "1.0 * _brake1")
         w.line("_brake1", "1.0 * _brake")

@@ -23,8 +23,8 @@ class Slaving:
 
     def not_of_rate(self, graph: Graph) -> list[Sym]:
         """The parts of these expressions that do not depend on z'."""
-        found = [node for node in needed_by([self.z, self.braked, self.weight]) if node.level == STATE and node.args]
-        return [node for node in found if self.rate.name not in graph.varies(node)]
+        nodes = [node for node in needed_by([self.z, self.braked, self.weight]) if node.level == STATE and node.args]
+        return [node for node in nodes if self.rate.name not in graph.varies(node)]
 
 
 def slaving(eq: System) -> Slaving | str:
@@ -73,12 +73,12 @@ def _quotient(a: Sym, b: Sym) -> Sym:
             above.append(node)
         else:
             del below[k]  # one for one
-    found = graph.constant(1.0)
+    quotient = graph.constant(1.0)
     for node in above:
-        found = found * node
+        quotient = quotient * node
     for node in below:
-        found = found * (node if is_sign(node) else node.args[0] if node.op == "reciprocal" else graph.constant(1.0) / node)
-    return found
+        quotient = quotient * (node if is_sign(node) else node.args[0] if node.op == "reciprocal" else graph.constant(1.0) / node)
+    return quotient
 
 
 def _factors(node: Sym) -> list[Sym]:

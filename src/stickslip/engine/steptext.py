@@ -43,22 +43,22 @@ class Layout:
 
 def step_text(step: Step, at: Layout) -> str:
     """The source of `step`: it reads what its lines ask for, and writes those fields of a lane to which they give a value."""
-    places = {f"_{name}": at.offsets[name] for name in step.fields}
+    offsets = {f"_{name}": at.offsets[name] for name in step.fields}
     numbers = {f"_c{i}": at.constants + i * at.lanes for i in range(len(step.case_nodes))}
-    rows = {name: places[f"{name}_0"] for name in _rows(step.lines)}
+    rows = {name: offsets[f"{name}_0"] for name in _rows(step.lines)}
     asked, made = {f"_{name}" for name in used(step.lines)} - rows.keys(), _made(step.lines)
-    if unknown := asked - places.keys() - numbers.keys():
+    if unknown := asked - offsets.keys() - numbers.keys():
         raise AssertionError(f"the lines of a step ask for {', '.join(sorted(unknown))}, which neither they nor a lane hold")
-    reads = {name: place for name, place in (places | numbers).items() if name in asked}
-    writes = {name: place for name, place in places.items() if name in made}
+    reads = {name: offset for name, offset in (offsets | numbers).items() if name in asked}
+    writes = {name: offset for name, offset in offsets.items() if name in made}
     lines = "\n".join(step.lines)
     tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
     return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
 
 
-def _table(name: str, places: dict[str, int]) -> str:
+def _table(name: str, offsets: dict[str, int]) -> str:
     """A table of places, a line for each."""
-    return "\n".join([f"{name} = {{", *(f'    "{field}": {place},' for field, place in places.items()), "}"])
+    return "\n".join([f"{name} = {{", *(f'    "{field}": {offset},' for field, offset in offsets.items()), "}"])
 
 
 # ---- lines ----
@@ -69,8 +69,8 @@ def _made(lines: Sequence[str]) -> set[str]:
 
 def _rows(lines: Sequence[str]) -> list[str]:
     """Names of the rows that a lane holds: lines read and write their numbers, and did not make them."""
-    found = {name: None for line in lines for name in re.findall(r"(?<![\w.])(_\w+)\[", line)}
-    return [name for name in found if name not in _made(lines)]
+    names = {name: None for line in lines for name in re.findall(r"(?<![\w.])(_\w+)\[", line)}
+    return [name for name in names if name not in _made(lines)]
 
 
 def used(lines: Sequence[str]) -> set[str]:

@@ -50,10 +50,10 @@ class _Sums:
     def of(self, node: Sym) -> Terms:
         """The terms of a node, remembered."""
         if node.number not in self.known:
-            self.known[node.number] = _without_zeros(self._found(node))
+            self.known[node.number] = _without_zeros(self._terms(node))
         return self.known[node.number]
 
-    def _found(self, node: Sym) -> Terms:
+    def _terms(self, node: Sym) -> Terms:
         if node.level < STATE:
             return {(): node}
         match node.op:

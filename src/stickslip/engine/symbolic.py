@@ -80,12 +80,14 @@ class Symbolic:
         """
         v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
-        found = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces, self.held))
+        accelerations = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces, self.held))
         if closed is not AS_IT_IS:
-            return found if closed is None else closed.closing(self, found)
+            return accelerations if closed is None else closed.closing(self, accelerations)
         for p in [p for p in self.pressed if not p.rubs]:
-            found = tuple(self.graph.select(p.closed, shut, a) for shut, a in zip(p.closing(self, found), found, strict=True))
-        return found
+            accelerations = tuple(
+                self.graph.select(p.closed, shut, a) for shut, a in zip(p.closing(self, accelerations), accelerations, strict=True)
+            )
+        return accelerations
 
     @property
     def held_scales(self) -> tuple[Sym, ...]:
@@ -100,9 +102,9 @@ class Symbolic:
         """The controllers' states after a sample; its conditions are those of the instant."""
         graph, before = self.graph, self.graph.at_once
         graph.at_once = True
-        found = tuple(map(self.lift, self.equations.control_sampled(self.t, self.places, self.v, self.held)))
+        sampled = tuple(map(self.lift, self.equations.control_sampled(self.t, self.places, self.v, self.held)))
         graph.at_once = before
-        return found
+        return sampled
 
     def feet(self, i: int) -> list[int]:
         """The contacts of the coordinate that a contact brakes, where it brakes one alone."""
@@ -115,11 +117,11 @@ class Symbolic:
 
 def _owners(directions: Any, offsets: tuple[Sym, ...], coordinates: int) -> tuple[int | None, ...]:
     """For each coordinate the first contact whose slip is its velocity plus a number of the case, which neither varies nor jumps."""
-    found = []
+    owners = []
     for j in range(coordinates):
         alone = [i for i, row in enumerate(directions) if row[j] == 1.0 and sum(map(abs, row)) == 1.0 and offsets[i].level < STATE]
-        found.append(alone[0] if alone else None)
-    return tuple(found)
+        owners.append(alone[0] if alone else None)
+    return tuple(owners)
 
 
 def _spread(node: Sym, factor: Sym | None = None) -> Sym:

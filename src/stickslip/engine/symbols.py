@@ -242,8 +242,8 @@ class Graph:
     def varies(self, node: Sym) -> frozenset[str]:
         """The variables (time and states) that a node depends on; held flags do not count."""
         if node.number not in self._varies:
-            found = frozenset((node.name,)) if node.op == "variable" else frozenset().union(*(self.varies(a) for a in node.args))
-            self._varies[node.number] = found
+            names = frozenset((node.name,)) if node.op == "variable" else frozenset().union(*(self.varies(a) for a in node.args))
+            self._varies[node.number] = names
         return self._varies[node.number]
 
     def add(self, a: Sym, b: Sym) -> Sym:

@@ -20,7 +20,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Switch:
+class TracedSwitch:
     """The effect of a guard that falls to zero, besides the flip of its flag."""
 
     modes: tuple[Sym, ...]  # the new modes
@@ -49,7 +49,7 @@ class Flight:
 
 
 @dataclass(frozen=True)
-class Contact:
+class TracedContact:
     """One contact: where it stands in the states, guards and modes."""
 
     name: str
@@ -86,12 +86,12 @@ class System:
     slips_of: tuple[tuple[float, ...], ...]  # of each contact, what its slip takes of each body's velocity
     single: bool  # one body with one contact by its kind, as a robot
     offsets: tuple[Sym, ...]  # velocity of each coordinate less the state that stands for it
-    contacts: tuple[Contact, ...]
+    contacts: tuple[TracedContact, ...]
     free: Sym  # acceleration of the first coordinate without friction
     inertia: Sym | None  # what the drive's mass does to the body [N], where there is one
     guards: tuple[Sym, ...]
     signs: int  # the first guards have flags that flip; the others are positive until their switch
-    switches: dict[int, Switch]  # by number of the guard
+    switches: dict[int, TracedSwitch]  # by number of the guard
     modes: tuple[Sym, ...]
     first_modes: tuple[Sym, ...]  # from the state, at the start and after an impulse
     clocks: tuple[Sym, ...]

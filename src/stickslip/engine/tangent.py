@@ -25,7 +25,7 @@ from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.observed import MEAN
 from stickslip.engine.symbols import Sym, is_zero
-from stickslip.engine.system import Switch, System
+from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 
@@ -72,16 +72,16 @@ def tangent(system: System, wrt: Iterable[str] | None = None, integrals: Mapping
     slopes = [along.of(f) + pace * f for f in rates]
     instants = [*system.instants, *(instant for instant, _ in system.impulses)]
     given = [along.of(instant) - pace * instant for instant in instants]
-    found = _with_passive(system, [*changes, late, *sums], [*slopes, zero, *integrals.values()])
+    extended = _with_passive(system, [*changes, late, *sums], [*slopes, zero, *integrals.values()])
     switches = {k: _saltation(system, k, rows, rates, changes, late, along) for k in _switching(system)}
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
     held = {system.states + i: along.of(new) + (flow.of(new) - rates[i]) * late for i, new in system.sampled.items()}
     return replace(
-        found,
+        extended,
         names=(*system.names, *map(part_in, names)),
         sampling=(*system.sampling, *(along.of(between) - pace * between for between in system.sampling)),
         sampled=system.sampled | held,
-        switches=found.switches | switches,
+        switches=extended.switches | switches,
         carried=tuple(rates),
         delays=tuple(given),
         kicks=tuple(tuple(map(along.of, jumps)) for _, jumps in system.impulses),
@@ -117,12 +117,12 @@ def means_of(system: System) -> dict[str, Sym]:
     A user's observable with a condition that is no guard of the system jumps where no step ends, and is none of them.
     """
     signals = [signal for signal in system.signals if signal.kind & MEAN and _ends_steps(system, signal.node)]
-    found = {name: signal.node for signal in signals for name in signal.names if name[0] in "Pu"}
+    means = {name: signal.node for signal in signals for name in signal.names if name[0] in "Pu"}
     if system.single and system.inertia is not None:
-        beside = system.graph.multiply(system.mass, system.free) - system.inertia  # where it is a constant force, such as gravity's
-        (power,) = (node for name, node in found.items() if name[0] == "P")
-        found["D"] = power - beside * (system.y[0] + system.offset)
-    return found
+        constant = system.graph.multiply(system.mass, system.free) - system.inertia  # where it is a constant force, such as gravity's
+        (power,) = (node for name, node in means.items() if name[0] == "P")
+        means["D"] = power - constant * (system.y[0] + system.offset)
+    return means
 
 
 def _ends_steps(system: System, node: Sym) -> bool:
@@ -145,17 +145,17 @@ def with_volume(system: System) -> System:
     of D = R_x + u g_x^T / (g_x f- + g_t), u = f+ - R_x f- - R_t.
     """
     graph, (rows, rates), count = system.graph, _rows(system), system.states - system.passive
-    found, volume = tangent(system, ()), graph.variable("volume")
+    extended, volume = tangent(system, ()), graph.variable("volume")
     trace = graph.constant(0.0)
     for y, f in zip(system.y[:count], system.f[:count], strict=True):
         trace = trace + graph.derivative(f, y)
-    found = _with_passive(found, [volume], [trace])
-    switches = dict(found.switches)
+    extended = _with_passive(extended, [volume], [trace])
+    switches = dict(extended.switches)
     for k in _switching(system):
         grown = volume + _grown(system, k, _crossing(system, k, rows, rates), count)
         switches[k] = replace(switches[k], states=(*switches[k].states[:-1], grown))
-    held = {found.states - 1: volume + _logarithm(_size(_resampled(system)))} if system.sampled else {}
-    return replace(found, switches=switches, sampled=found.sampled | held)
+    held = {extended.states - 1: volume + _logarithm(_size(_resampled(system)))} if system.sampled else {}
+    return replace(extended, switches=switches, sampled=extended.sampled | held)
 
 
 def _resampled(system: System) -> Sym:
@@ -259,8 +259,8 @@ def _rows(system: System) -> tuple[list[Sym], list[Sym]]:
 
 def _switching(system: System) -> list[int]:
     """The guards at which something changes and the run goes on."""
-    seen = range(len(system.guards)) if system.dynamic else watched(system)
-    return [k for k in seen if k not in system.switches or not system.switches[k].status]
+    watching = range(len(system.guards)) if system.dynamic else watched(system)
+    return [k for k in watching if k not in system.switches or not system.switches[k].status]
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,7 @@ class _Crossing:
 
 def _crossing(system: System, k: int, rows: list[Sym], rates: list[Sym]) -> _Crossing:
     graph, guard, count = system.graph, system.guards[k], system.states - system.passive
-    old = system.switches.get(k, Switch(system.modes, (None,) * system.states))
+    old = system.switches.get(k, TracedSwitch(system.modes, (None,) * system.states))
     changed = {mode.name: new for mode, new in zip(system.modes, old.modes, strict=True) if new is not mode}
     if k < system.signs:
         changed[f"b{k}"] = -graph.mode(f"b{k}")
@@ -299,15 +299,15 @@ def _is_thrown(system: System, guard: Sym) -> bool:
     return i is not None and any(switch.states[i] is not None for switch in system.switches.values())
 
 
-def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], changes: list[Sym], late: Sym, along: Along) -> Switch:
+def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], changes: list[Sym], late: Sym, along: Along) -> TracedSwitch:
     """The switch of a guard with what it does to the changes."""
-    old = system.switches.get(k, Switch(system.modes, (None,) * system.states))
+    old = system.switches.get(k, TracedSwitch(system.modes, (None,) * system.states))
     at = _crossing(system, k, rows, rates)
     tau = _later(system, system.guards[k], at.falls, along.of(system.guards[k]), late)
     moved = [along.of(row) - jump * tau for row, jump in zip(at.rows, at.jumps, strict=True)]
     new = [None if after is S else after for after, S in zip(moved, changes, strict=True)]
     kept = (None,) * (len(rows) - len(_rows(system)[0]))  # integrals go on
-    return Switch(old.modes, (*old.states, *new, tau, *kept), old.status)
+    return TracedSwitch(old.modes, (*old.states, *new, tau, *kept), old.status)
 
 
 def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym:

@@ -15,7 +15,7 @@ from stickslip.engine.roundings import hold_sizes
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held
 from stickslip.engine.symbols import CASE, Sym
-from stickslip.engine.system import Contact, Switch, System
+from stickslip.engine.system import System, TracedContact, TracedSwitch
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
@@ -43,17 +43,17 @@ def switches(eq: System, step: Step, lanes: int) -> str:
     It returns the status of a run that ends there.
     """
     parts, calls = [], []
-    for place, k in enumerate(watched(eq)):
+    for number, k in enumerate(watched(eq)):
         switch = eq.switches.get(k)
         lines = [] if switch is None else _switch(eq, step, lanes, switch)
         lines += [_put(step, lanes, f"b{k}", f"-_b{k}")] if k < eq.signs else []
         status = 0 if switch is None else switch.status
-        parts.append(function(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines], "void(int64, f1)"))
-        calls += [f"if which == {place}:", f"    switch_{place}(lane, S)", f"    return {status}"]
+        parts.append(function(f"switch_{number}", "lane, S", [*held(step, lanes, lines), *lines], "void(int64, f1)"))
+        calls += [f"if which == {number}:", f"    switch_{number}(lane, S)", f"    return {status}"]
     return "\n".join([*parts, function("switched", "which, lane, S", [*calls, "return 0"])])
 
 
-def _switch(eq: System, step: Step, lanes: int, switch: Switch) -> list[str]:
+def _switch(eq: System, step: Step, lanes: int, switch: TracedSwitch) -> list[str]:
     """The lines of one switch; what stays as it is is not among them."""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
@@ -78,7 +78,7 @@ def _outcomes(node: Sym) -> list[Sym]:
     return [node]
 
 
-def slips_of(eq: System, guard: Sym) -> list[Contact]:
+def slips_of(eq: System, guard: Sym) -> list[TracedContact]:
     """The contacts whose slip a guard is on some side; none if it is no slip."""
     reached = {node.number for node in _outcomes(guard)}
     return [contact for contact in eq.contacts if contact.slip.number in reached]
@@ -165,15 +165,15 @@ class _SeriesWriter:
 
     def _of_guards(self, reach: str) -> list[tuple[Sym, str]]:
         """The same of the guards, which are as large as they become within some time, and of quotients."""
-        found = []
+        sizes = []
         for _, guard in self.watched:
             if guard.number in self.rows:
                 low = [self._value(guard), *(f"{self.rows[guard.number]}[{m}]" for m in (1, 2, 3))]
                 size = horner([f"abs({c})" for c in low], reach)
-                found.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
+                sizes.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
         for quotient, ways in self.quotients.items():
-            found.append((quotient, f"{literal(NEAR_POLE)} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
-        return found
+            sizes.append((quotient, f"{literal(NEAR_POLE)} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
+        return sizes
 
     def _counts(self, ways: list[Way]) -> str:
         """Whether what is held leads to a part of the equations."""
@@ -211,12 +211,12 @@ class _SeriesWriter:
                 w.line(f"_clear{k}", f"_clear{k} - abs({term})")
         w.end()
 
-    def _guard(self, place: int, k: int, guard: Sym) -> tuple[str, str, str, str]:
+    def _guard(self, number: int, k: int, guard: Sym) -> tuple[str, str, str, str]:
         """A polynomial's name, the row that it is made of (none if it does not vary), what its flag multiplies it by, and its beginning."""
         flag, value = f"_b{k}" if k < self.eq.signs else "", self._value(guard)
         if size := self._size_of_slip(guard):  # what rounding leaves of a slip that is zero, is zero: it may grow more slowly than that
             value = self.w.line(self.w.fresh(), f"0.0 if abs({value}) <= {literal(SLIP)} * {size} else {value}")
-        return f"_g{place}", self.rows.get(guard.number, ""), flag, f"{flag} * {value}" if flag else value
+        return f"_g{number}", self.rows.get(guard.number, ""), flag, f"{flag} * {value}" if flag else value
 
     def _size_of_slip(self, guard: Sym) -> str:
         """Of a guard that is a slip made of velocities, or of one and of what is prescribed: how large they are; else nothing."""

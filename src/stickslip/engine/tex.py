@@ -12,12 +12,12 @@ from stickslip.basics.fields import field_description
 from stickslip.engine.letters import (
     Atom,
     Both,
+    Bracket,
     Call,
     Cases,
     Extreme,
     Factors,
     Formula,
-    Group,
     Letter,
     Power,
     expanded,
@@ -59,7 +59,7 @@ def text_of(value: Any) -> str:
 def _sum(value: Formula) -> str:
     """Terms by their letters, then numbers, then terms with brackets; a sum does not begin with a minus if it has a positive term."""
     terms = sorted(
-        (_place(factors), [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
+        (_rank(factors), [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
     )
     texts = [term for *_, term in terms]
     first = next((term for term in texts if not term.startswith("-")), None)
@@ -70,9 +70,9 @@ def _sum(value: Formula) -> str:
     return (text.replace("- ", "-", 1) or "0") if value.is_number else text
 
 
-def _place(factors: Factors) -> int:
+def _rank(factors: Factors) -> int:
     """Where a term stands in a sum: 0 for letters and functions, 1 for a number, 2 for a term with a bracket."""
-    return 1 if not factors else 2 if any(isinstance(atom, Group) for atom, _ in factors) else 0
+    return 1 if not factors else 2 if any(isinstance(atom, Bracket) for atom, _ in factors) else 0
 
 
 def _term(factors: Factors, number: Fraction) -> str:
@@ -93,20 +93,20 @@ def _decimal(number: Fraction) -> tuple[str, str]:
 
 def _joined(number: str, factors: Iterable[tuple[Atom, Fraction]]) -> str:
     """Factors side by side; a bracket alone needs no brackets."""
-    found = list(factors)
-    if number == "1" and len(found) == 1 and isinstance(found[0][0], Group) and found[0][1] == 1:
-        return _sum(found[0][0].sum)
-    return " ".join([number] * (number != "1" or not found) + [_text(atom, exponent) for atom, exponent in found])
+    atoms = list(factors)
+    if number == "1" and len(atoms) == 1 and isinstance(atoms[0][0], Bracket) and atoms[0][1] == 1:
+        return _sum(atoms[0][0].sum)
+    return " ".join([number] * (number != "1" or not atoms) + [_text(atom, exponent) for atom, exponent in atoms])
 
 
 def _text(atom: Atom, exponent: Fraction) -> str:
     """A factor with its power."""
     if exponent == Fraction(1, 2):
-        return rf"\sqrt{{{_sum(atom.sum) if isinstance(atom, Group) else _text(atom, Fraction(1))}}}"
+        return rf"\sqrt{{{_sum(atom.sum) if isinstance(atom, Bracket) else _text(atom, Fraction(1))}}}"
     raised = "" if exponent == 1 else f"^{{{_sum(formula(exponent))}}}"
     if isinstance(atom, Letter):
         return atom.text if not raised else f"{{{atom.text}}}{raised}" if "^" in atom.text else atom.text + raised
-    if isinstance(atom, Group):
+    if isinstance(atom, Bracket):
         return _bracketed(atom.sum) + raised
     if isinstance(atom, Call):
         return _called(atom, raised, exponent)
@@ -150,7 +150,7 @@ def _cases(atom: Any) -> str:
 
 def _only_cases(value: Formula) -> Cases | None:
     """The case distinction that a formula is, if it is one."""
-    (atom,) = found if len(found := [a for factors in value.terms for a, _ in factors]) == 1 else [None]
+    (atom,) = atoms if len(atoms := [a for factors in value.terms for a, _ in factors]) == 1 else [None]
     return atom if isinstance(atom, Cases) and value == Formula.of(atom) else None
 
 
@@ -163,8 +163,8 @@ def _condition(condition: Any) -> str:
 # ---- letters ----
 def subscripted(letter: str, *indices: str) -> str:
     r"""A letter with its indices: ``\mu_{+,1}``; those that are empty are left out."""
-    told = ",".join(index for index in indices if index)
-    return letter + (f"_{{{told}}}" if told else "")
+    joined = ",".join(index for index in indices if index)
+    return letter + (f"_{{{joined}}}" if joined else "")
 
 
 def _letter(name: str) -> tuple[str, str]:
@@ -200,8 +200,8 @@ def indices(names: Iterable[str]) -> list[str]:
     if len(names) == 1:
         return [""]
     numbered = [re.fullmatch(r"(.*?)[ _]*(\d+)", name) for name in names]
-    if all(numbered) and len({found[1] for found in numbered if found}) == 1:
-        return [found[2] for found in numbered if found]
+    if all(numbered) and len({match[1] for match in numbered if match}) == 1:
+        return [match[2] for match in numbered if match]
     return [name if len(name) == 1 else _upright(name) for name in names]
 
 
@@ -214,10 +214,10 @@ class Letters:
 
     def renumbered(self, expressions: Iterable[Any], index: str) -> dict[Any, Any]:
         """A function that replaces the number common to all numbered symbols by an index; nothing if there is none."""
-        found = {s for expression in expressions for s in formula(expression).atoms if s in self.numbered}
-        if len({self.numbered[s][1] for s in found}) != 1:
+        symbols = {s for expression in expressions for s in formula(expression).atoms if s in self.numbered}
+        if len({self.numbered[s][1] for s in symbols}) != 1:
             return {}
-        return {s: symbol(self.numbered[s][0].replace("%s", index)) for s in found}
+        return {s: symbol(self.numbered[s][0].replace("%s", index)) for s in symbols}
 
 
 def letters_of(record: Any, names: Iterable[str]) -> Letters:
@@ -227,12 +227,12 @@ def letters_of(record: Any, names: Iterable[str]) -> Letters:
     """
     ways = {name: _ways(record, name) for name in names}
     chosen: dict[str, str] = {}
-    for place in range(3):
-        tried = {name: forms[place].replace("%s", number) for name, (forms, number) in ways.items()}
+    for length in range(3):
+        tried = {name: forms[length].replace("%s", number) for name, (forms, number) in ways.items()}
         for name, text in tried.items():
             is_own = list(tried.values()).count(text) == 1 and text not in _TAKEN and text not in _printed(chosen, ways)
-            if name not in chosen and (is_own or place == 2):
-                chosen[name] = ways[name][0][place]
+            if name not in chosen and (is_own or length == 2):
+                chosen[name] = ways[name][0][length]
     texts = {name: form.replace("%s", ways[name][1]) for name, form in chosen.items()}
     symbols = {name: symbol(text) for name, text in texts.items()}
     numbered = {Letter(texts[name]): (chosen[name], number) for name, (_, number) in ways.items() if number}
@@ -248,12 +248,12 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     """Three ways to write a number, from the shortest to the one that is always its own, with %s for its number; and the number."""
     places = name.split(".")
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
-    place = "%s" if number else ""
+    digits = "%s" if number else ""
     own = str(field_description(record, name).get("symbol", ""))
     stem, index = _own_letter(own) if own else _letter(words[-1])
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
     return (
-        subscripted(stem, index, place),
-        subscripted(stem, index, place, owner),
-        subscripted(_upright(" ".join(words)), place),
+        subscripted(stem, index, digits),
+        subscripted(stem, index, digits, owner),
+        subscripted(_upright(" ".join(words)), digits),
     ), number

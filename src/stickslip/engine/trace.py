@@ -19,7 +19,7 @@ from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
-from stickslip.engine.system import Switch, System
+from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.values import values_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import lists_parts
@@ -63,20 +63,20 @@ def _trace(model: Any, observe: Observed, noted: bool) -> System:
 
 def _only_differences(eq: System) -> bool:
     """Whether the positions appear as differences only: what a common shift changes is zero, at any numbers."""
-    graph, places = eq.graph, [eq.y[i] for i in eq.positions]
+    graph, positions = eq.graph, [eq.y[i] for i in eq.positions]
     changes = []
     for node in (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()):
         total = graph.constant(0.0)
-        for place in places:
-            total = total + graph.derivative(node, place)
-        changes.append((total, [graph.derivative(node, place) for place in places]))
+        for position in positions:
+            total = total + graph.derivative(node, position)
+        changes.append((total, [graph.derivative(node, position) for position in positions]))
     numbers = np.random.default_rng(20261122)
     for _ in range(4):
         known = {name: numbers.uniform(0.5, 1.5) for name in (*eq.names, SPAN, *(s.name for s in (*eq.y, eq.t)))}
         known |= {mode.name: float(numbers.integers(-1, 2)) for mode in eq.modes}
-        found = values_of(graph, known, [node for total, parts in changes for node in (total, *parts)])
+        computed = values_of(graph, known, [node for total, parts in changes for node in (total, *parts)])
         for total, parts in changes:
-            if abs(found[total.number]) > 1e-9 * sum(abs(found[part.number]) for part in parts):
+            if abs(computed[total.number]) > 1e-9 * sum(abs(computed[part.number]) for part in parts):
                 return False
     return True
 
@@ -95,19 +95,21 @@ def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) ->
         add_stop(parts, stop)
     moved = m.accelerations(parts.forces)
     f = tuple(a if own is None else own for a, own in zip(moved, parts.f, strict=True))
-    places = tuple(place for place in m.places if place is not zero)
+    positions = tuple(position for position in m.places if position is not zero)
     rates = m.v if not cyclic else tuple(v - m.v[0] for v in m.v[1:])
     n = len(m.y)
     held = range(n + len(parts.inner), n + len(parts.inner) + len(m.held))
-    y, f = (*m.y, *parts.inner, *m.held, *places), (*f, *parts.rates, *m.held_rates(), *rates)
+    y, f = (*m.y, *parts.inner, *m.held, *positions), (*f, *parts.rates, *m.held_rates(), *rates)
     distance = None if m.single or model.period is None else scale * m.period(model) / (2 * pi)
     for i in range(len(m.laws)):
         if m.loads[i].level >= STATE and not m.laws[i].flies:  # one that jumps at known instants counts too
             parts.events.append((m.loads[i], {}, {}, Status.LOST))
     guards = (*graph.guards, *(guard for guard, *_ in parts.events))
 
-    def switch(modes: dict[int, Sym], states: dict[int, Sym], status: int = 0) -> Switch:
-        return Switch(tuple(modes.get(k, old) for k, old in enumerate(parts.modes)), tuple(states.get(k) for k in range(len(y))), status)
+    def switch(modes: dict[int, Sym], states: dict[int, Sym], status: int = 0) -> TracedSwitch:
+        return TracedSwitch(
+            tuple(modes.get(k, old) for k, old in enumerate(parts.modes)), tuple(states.get(k) for k in range(len(y))), status
+        )
 
     switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
     switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
@@ -121,7 +123,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) ->
         impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
         period=m.period(model), velocity_scale=scale,
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
-        scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *m.held_scales, *(distance for _ in places)),
+        scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *m.held_scales, *(distance for _ in positions)),
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m), apart=_apart(m, parts), **_of_controllers(m, held),
     )  # fmt: skip
@@ -164,8 +166,8 @@ def _check_contact(model: Any) -> None:
     """Refuse a contact whose velocity is not that of the body less a number of the case: steps know the two by their difference."""
     graph = Graph()
     v = graph.variable("v")
-    found = replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}).contact_velocity(v)
-    terms = terms_of(found) if isinstance(found, Sym) else {}
+    velocity = replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}).contact_velocity(v)
+    terms = terms_of(velocity) if isinstance(velocity, Sym) else {}
     if terms.get((v.number,)) is not graph.constant(1.0) or set(terms) - {(), (v.number,)}:
         raise TraceError("contact_velocity(v) is not v less a number; allowed is for example return v - self.speed")
 

@@ -84,8 +84,8 @@ class TracedLaw:
     @cached_property
     def switches(self) -> list[tuple[Sym, tuple[Sym, ...], tuple[Sym, ...]]]:
         """Guards, with the modes and the inner states after each."""
-        found = self.law.switches(self.v, self.z, self.load, self.mode)
-        return [(self._lift(g), tuple(map(self._lift, m)), self.z if z is None else tuple(map(self._lift, z))) for g, m, z in found]
+        switches = self.law.switches(self.v, self.z, self.load, self.mode)
+        return [(self._lift(g), tuple(map(self._lift, m)), self.z if z is None else tuple(map(self._lift, z))) for g, m, z in switches]
 
     @cached_property
     def start(self) -> tuple[Sym, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.engine.graphs import Copied
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.system import Branches, Switch, System
+from stickslip.engine.system import Branches, System, TracedSwitch
 from stickslip.engine.trace import instants_of
 
 
@@ -29,10 +29,10 @@ def mirrored(system: System) -> System:
     slips = {contact.guard for contact in system.contacts if contact.branches is None} | ({0} if system.single else set())
     turned = {y.name: -graph.variable(y.name) for y in system.y} | {system.modes[k].name: -graph.mode(system.modes[k].name) for k in sided}
     turned |= {f"b{k}": -graph.mode(f"b{k}") for k in slips if k is not None}
-    seen = Copied(graph, turned)
-    found: System = _mapped(system, seen.of)
-    guards = tuple(-guard if k in slips else guard for k, guard in enumerate(found.guards))
-    graph.guards, graph.clocks = list(guards[: system.signs]), list(found.clocks)
+    copied = Copied(graph, turned)
+    image: System = _mapped(system, copied.of)
+    guards = tuple(-guard if k in slips else guard for k, guard in enumerate(image.guards))
+    graph.guards, graph.clocks = list(guards[: system.signs]), list(image.clocks)
 
     def modes(new: tuple[Sym, ...]) -> tuple[Sym, ...]:
         return tuple(-mode if k in sided else mode for k, mode in enumerate(new))
@@ -41,14 +41,14 @@ def mirrored(system: System) -> System:
         return tuple(None if value is None else -value for value in values)
 
     return replace(
-        found,
+        image,
         graph=graph, y=tuple(graph.variable(y.name) for y in system.y), modes=tuple(graph.mode(mode.name) for mode in system.modes),
-        f=back(found.f), offsets=back(found.offsets), guards=guards, first_modes=modes(found.first_modes),
-        contacts=tuple(replace(c, slip=-c.slip, branches=_other_way(c.branches)) for c in found.contacts),
-        free=-found.free, inertia=None if found.inertia is None else -found.inertia,
-        offered=None if found.offered is None else -found.offered,
-        switches={k: Switch(modes(switch.modes), back(switch.states), switch.status) for k, switch in found.switches.items()},
-        impulses=tuple((instant, back(jumps)) for instant, jumps in found.impulses),
+        f=back(image.f), offsets=back(image.offsets), guards=guards, first_modes=modes(image.first_modes),
+        contacts=tuple(replace(c, slip=-c.slip, branches=_other_way(c.branches)) for c in image.contacts),
+        free=-image.free, inertia=None if image.inertia is None else -image.inertia,
+        offered=None if image.offered is None else -image.offered,
+        switches={k: TracedSwitch(modes(switch.modes), back(switch.states), switch.status) for k, switch in image.switches.items()},
+        impulses=tuple((instant, back(jumps)) for instant, jumps in image.impulses),
     )  # fmt: skip
 
 
@@ -73,18 +73,18 @@ def shifted(system: System, phase: float) -> System:
     period = numbers.of(system.period)
     begin = (phase % 1.0) * period
     later = graph.select(graph.sign(period - begin - t), t + begin, t + begin - period)
-    found: System = _mapped(system, Copied(graph, {system.t.name: later} | _renamed(system, graph)).of)
-    graph.guards, graph.clocks = list(found.guards[: system.signs]), [*graph.clocks, *found.clocks]
+    delayed: System = _mapped(system, Copied(graph, {system.t.name: later} | _renamed(system, graph)).of)
+    graph.guards, graph.clocks = list(delayed.guards[: system.signs]), [*graph.clocks, *delayed.clocks]
 
     def wrapped(instant: Sym) -> Sym:
         early = instant - begin
         return graph.select(-early, early + period, early)
 
     return replace(
-        found,
+        delayed,
         graph=graph, t=t, clocks=tuple(graph.clocks), period=period,
         instants=tuple(instant for clock in graph.clocks for instant in instants_of(graph, clock, t)),
-        impulses=tuple((wrapped(instant), jumps) for instant, jumps in found.impulses),
+        impulses=tuple((wrapped(instant), jumps) for instant, jumps in delayed.impulses),
     )  # fmt: skip
 
 

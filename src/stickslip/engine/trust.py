@@ -15,7 +15,7 @@ SHARED = "STICKSLIP_CACHE_SHARED"
 _ROOT = 0
 
 
-def unsafe(place: Path) -> str | None:
+def unsafe(kernels: Path) -> str | None:
     """Why kernels in this folder must not be run, or None.
 
     A folder (or the `__pycache__` in it) that everybody may write, or that belongs to a user who is neither oneself nor root, is not
@@ -24,28 +24,28 @@ def unsafe(place: Path) -> str | None:
     """
     if _unchecked():
         return None
-    for folder in (place, place / "__pycache__"):
-        if (found := _status(folder)) is not None:
-            if found.st_uid not in (os.geteuid(), _ROOT):
-                return f"belongs to another user ({_user(found.st_uid)})"
-            if found.st_mode & stat.S_IWOTH:
+    for folder in (kernels, kernels / "__pycache__"):
+        if (status := _status(folder)) is not None:
+            if status.st_uid not in (os.geteuid(), _ROOT):
+                return f"belongs to another user ({_user(status.st_uid)})"
+            if status.st_mode & stat.S_IWOTH:
                 return "may be written by every user"
-    for above in Path(os.path.realpath(place)).parents:
-        found = _status(above)
-        if found is not None and found.st_mode & stat.S_IWOTH and not found.st_mode & stat.S_ISVTX:
+    for above in Path(os.path.realpath(kernels)).parents:
+        status = _status(above)
+        if status is not None and status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
             return f"lies in {above}, which every user may write"
     return None
 
 
 def is_foreign(path: Path) -> bool:
     """Whether a file was put there by somebody else, such as at a time when its folder was not safe."""
-    found = None if _unchecked() else _status(path, follow=False)
-    return found is not None and (found.st_uid not in (os.geteuid(), _ROOT) or stat.S_ISLNK(found.st_mode))
+    status = None if _unchecked() else _status(path, follow=False)
+    return status is not None and (status.st_uid not in (os.geteuid(), _ROOT) or stat.S_ISLNK(status.st_mode))
 
 
-def make_folder(place: Path) -> None:
+def make_folder(path: Path) -> None:
     """Make a folder, and those above it, that not everybody may write, whatever the umask."""
-    for folder in (*reversed(place.parents), place):
+    for folder in (*reversed(path.parents), path):
         if not folder.exists():
             folder.mkdir(mode=0o775, exist_ok=True)
 
@@ -55,17 +55,17 @@ def private_folder() -> Path:
     """A folder of one's own below the system's temporary folder: the same one every time where that is safe, else a new one."""
     if os.name == "nt":  # the temporary folder is the user's own
         return Path(tempfile.gettempdir()) / "stickslip"
-    place = Path(tempfile.gettempdir()) / f"stickslip-{os.geteuid()}"
+    path = Path(tempfile.gettempdir()) / f"stickslip-{os.geteuid()}"
     try:
-        place.mkdir(mode=0o700, exist_ok=True)
-        found = place.lstat()
-        if stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not found.st_mode & 0o077 and unsafe(place) is None:
-            return place
+        path.mkdir(mode=0o700, exist_ok=True)
+        status = path.lstat()
+        if stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o077 and unsafe(path) is None:
+            return path
     except OSError:
         pass
-    place = Path(tempfile.mkdtemp(prefix="stickslip-"))
-    atexit.register(shutil.rmtree, place, ignore_errors=True)
-    return place
+    path = Path(tempfile.mkdtemp(prefix="stickslip-"))
+    atexit.register(shutil.rmtree, path, ignore_errors=True)
+    return path
 
 
 def _unchecked() -> bool:

@@ -49,22 +49,22 @@ def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
 
 def active(eq: System, op: str) -> dict[Sym, list[Way]]:
     """The varying functions of one kind in the slopes and the guards, each with the ways that lead to it."""
-    found: dict[Sym, list[Way]] = {}
-    seen: set[tuple[int, Way]] = set()
+    ways: dict[Sym, list[Way]] = {}
+    visited: set[tuple[int, Way]] = set()
     stack: list[tuple[Sym, Way]] = [(root, ()) for root in (*eq.active, *eq.guards)]
     while stack:
         node, way = stack.pop()
-        if (node.number, way) in seen or not eq.graph.varies(node):
+        if (node.number, way) in visited or not eq.graph.varies(node):
             continue
-        seen.add((node.number, way))
+        visited.add((node.number, way))
         if node.op == op:
-            found.setdefault(node, []).append(way)
+            ways.setdefault(node, []).append(way)
         if node.op == "select":
             held, yes, no = node.args
             stack += [(yes, (*way, (held, True))), (no, (*way, (held, False)))]
         else:
             stack += [(a, way) for a in node.args]
-    return found
+    return ways
 
 
 def slopes(eq: System, step: Step, lanes: int) -> str:

@@ -31,16 +31,16 @@ def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None =
 
 def needed_by(roots: Iterable[Sym]) -> list[Sym]:
     """The nodes that some roots are made of, arguments before what is made of them."""
-    found: dict[int, Sym] = {}
+    needed: dict[int, Sym] = {}
     waiting = [(root, False) for root in roots]
     while waiting:
         node, ready = waiting.pop()
         if ready:
-            found[node.number] = node
-        elif node.number not in found:
+            needed[node.number] = node
+        elif node.number not in needed:
             waiting.append((node, True))
             waiting += [(a, False) for a in (*node.args, *(_held(node) if node.op == "flag" else ()))]
-    return list(found.values())
+    return list(needed.values())
 
 
 def _held(flag: Sym) -> list[Sym]:
@@ -65,10 +65,10 @@ class Arithmetic:
 
     def values(self, nodes: Iterable[Sym]) -> dict[int, Any]:
         """The values of nodes, arguments before what is made of them, by their numbers."""
-        found: dict[int, Any] = {}
+        computed: dict[int, Any] = {}
         for node in nodes:
-            found[node.number] = self._value(node, found)
-        return found
+            computed[node.number] = self._value(node, computed)
+        return computed
 
     def _value(self, node: Sym, values: dict[int, Any]) -> Any:
         a = [values[arg.number] for arg in node.args]

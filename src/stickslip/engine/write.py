@@ -80,15 +80,15 @@ class Writer(Lines):
 
     def count_uses(self, roots: Iterable[Sym]) -> None:
         """Note how often each node is used, so that a product used once can be fused."""
-        seen: set[int] = set()
+        visited: set[int] = set()
         stack = list(roots)
         for node in stack:
             self._uses[node.number] = self._uses.get(node.number, 0) + 1
         while stack:
             node = stack.pop()
-            if node.number in seen:
+            if node.number in visited:
                 continue
-            seen.add(node.number)
+            visited.add(node.number)
             for a in node.args:
                 self._uses[a.number] = self._uses.get(a.number, 0) + 1
                 stack.append(a)

@@ -15,7 +15,7 @@ from stickslip.models.mechanics import Mechanics
 _CLOSED = 1e-10  # of the velocity scale: tolerance for the gap (times the period) and the gap's rate of a closed stop
 
 
-def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any) -> dict[str, Array]:
+def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any) -> dict[str, Array]:
     """Accelerations of the bodies, and friction force, slip velocity and load of the contacts.
 
     Parameters

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.batch import flat, labels_of
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import is_array, leaves
-from stickslip.models.contact_forces import columns_of_parts
+from stickslip.models.contact_forces import contact_columns
 from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
@@ -176,7 +176,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
 def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
     """Acceleration and forces, with the motion of the inner mass if there is one, by the names in `stickslip.variables`."""
     if not machine_of(model).is_single:
-        return columns_of_parts(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
+        return contact_columns(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
     ones = np.ones_like(t)
     R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
     acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)

@@ -98,7 +98,7 @@ def in_its_unit(name: str, value: Any, make: Any, problems: Problems, label: str
     ('uniform', 0.0005, 0.0006)
     >>> in_its_unit("amplitude", (5e-4, "1%"), ss.presets.piezo_rig, problems)
     (0.0005, '1%')
-    >>> in_its_unit("amplitude", "5 kg", ss.presets.piezo_rig, problems, "start"), problems.found
+    >>> in_its_unit("amplitude", "5 kg", ss.presets.piezo_rig, problems, "start"), problems.mistakes
     ('5 kg', ['start: kg is a unit of mass and no number in it can be one in m; allowed are numbers [m]'])
     """
     axis = axis_of(name, make)

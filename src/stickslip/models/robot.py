@@ -94,7 +94,7 @@ class Robot(Frozen):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         if several or isinstance(self.inner_mass, tuple):
             _check_masses(self.drive, self.inner_mass, problems)
-        cycles = common_cycles([drive.period for drive in self.drive], problems) if several and not problems.found else None
+        cycles = common_cycles([drive.period for drive in self.drive], problems) if several and not problems.mistakes else None
         object.__setattr__(self, "cycles", cycles)
         check_law(self.friction, problems)
         check_shape(self, problems)

@@ -293,7 +293,7 @@ def _check_scales(problems: Problems, scales: Any, states: Any) -> None:
 
 
 def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) -> None:
-    if given is None or (callable(given) and problems.found):
+    if given is None or (callable(given) and problems.mistakes):
         return
     period = given
     if callable(given):

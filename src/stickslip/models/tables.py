@@ -222,12 +222,12 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
     for part in lacking:
         if "." in where and part not in arguments:  # a part of a part
             problems.add(_missing(part, where, kinds[part]))
-    if problems.found and any(len(kinds[part]) == 1 for part in lacking):  # nothing can stand for several parts
+    if problems.mistakes and any(len(kinds[part]) == 1 for part in lacking):  # nothing can stand for several parts
         return None
     try:
         made = cls(**{**arguments, **{p: _stand_in(cls, p, kinds[p]) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:
-        problems.found += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
+        problems.mistakes += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
         return None
     return None if lacking else made
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.basics.batch import labels_of, numbers_by_name
 from stickslip.basics.fields import is_array
-from stickslip.engine.closed_arc_conditions import Rows, closed_of
+from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.remembered import Remembered
 from stickslip.models.friction.law_adapter import law_of
@@ -52,7 +52,7 @@ class Arcs:
     along: Array
 
 
-_kept: Remembered[Rows] = Remembered(most=64)
+_kept: Remembered[ArcNumbers] = Remembered(most=64)
 _places: Remembered[bool] = Remembered()
 
 
@@ -70,15 +70,15 @@ def reduced(model: Any) -> Arcs:
     return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
 
 
-def _rows(model: Any) -> Rows:
+def _rows(model: Any) -> ArcNumbers:
     """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
     numbers = numbers_by_name(model)
 
-    def found() -> Rows:
+    def evaluated() -> ArcNumbers:
         return closed_of(model).rows_with(numbers)
 
     one = not any(map(is_array, numbers.values()))
-    return _kept((known_kind(model), np.array([*numbers.values()], float).tobytes()), found) if one else found()
+    return _kept((known_kind(model), np.array([*numbers.values()], float).tobytes()), evaluated) if one else evaluated()
 
 
 def handles(model: Any) -> str | None:
@@ -111,7 +111,7 @@ def handles(model: Any) -> str | None:
     return _unfit(rows, law, kind)
 
 
-def _unfit(rows: Rows, law: str, kind: str) -> str | None:
+def _unfit(rows: ArcNumbers, law: str, kind: str) -> str | None:
     """The condition that the equations of some rows violate; None if there is none."""
     if rows.broken:
         return (

@@ -104,11 +104,11 @@ def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
 def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     """Solve some cases by the mode machine, period after period, and look at the motion that it ends in."""
     model = some_of(todo.model, hard)
-    found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
-    found["seg_time"] = found["seg_time"] * arcs.period[:, None]
-    found |= ways_from(found, arcs, todo.workers)
+    solved, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
+    solved["seg_time"] = solved["seg_time"] * arcs.period[:, None]
+    solved |= ways_from(solved, arcs, todo.workers)
     for name in (*NEEDED, *_WAYS):
-        raw[name][hard] = found[name]
+        raw[name][hard] = solved[name]
 
 
 def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:

@@ -51,8 +51,8 @@ class Followed:
 
 def unknown(flow: Any, n: int) -> str:
     """Why the engine cannot follow a flow of n states: what one of its functions does that only plain numbers can do; "" if it can."""
-    found, _ = _system(flow, n)
-    return found if isinstance(found, str) else ""
+    system, _ = _system(flow, n)
+    return system if isinstance(system, str) else ""
 
 
 def _parts(flow: Any, n: int) -> Any:
@@ -79,11 +79,11 @@ def _system(flow: Any, n: int) -> tuple[FlowSystem | str, Any]:
 
     def traced() -> FlowSystem | str:
         try:
-            found = flow_system(flow, n)
+            system = flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
             return str(error) or type(error).__name__
         check_flow_as_written(flow, n)
-        return found
+        return system
 
     key = check_flow(flow, n)
     return _systems(key, traced), key
@@ -91,22 +91,22 @@ def _system(flow: Any, n: int) -> tuple[FlowSystem | str, Any]:
 
 def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
-    found, key = _system(flow, n)
-    if isinstance(found, str):
-        raise SolveError(found)
+    equations, key = _system(flow, n)
+    if isinstance(equations, str):
+        raise SolveError(equations)
 
     def compiled() -> tuple[lanes.Kernel, tuple[str, ...]]:
-        system = tangent(found.system, ()) if record else found.system
+        system = tangent(equations.system, ()) if record else equations.system
         return lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
 
-    return found, *_kernels((key, record), compiled)
+    return equations, *_kernels((key, record), compiled)
 
 
-def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:
+def _row(flow: Any, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:
     """Numbers of the case in the order of its kernel, for each start (cases, columns)."""
     cases, size = len(y), np.max(abs(y), axis=1, initial=0.0)
     size = np.where(size > 0.0, size, 1.0)
-    known: dict[str, Any] = {**found.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
+    known: dict[str, Any] = {**equations.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
     known |= {f"{SIZE}{i}": np.maximum(abs(y[:, i]), 1e-3 * size) for i in range(y.shape[1])}
     return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
 
@@ -139,8 +139,8 @@ def followed(
         Where it cannot be followed, and why.
     """
     n, labels = len(y), list(flow.fields)
-    found, kernel, names = _kernel(flow, n, record=True)
-    row = _row(flow, found, names, y[None, :], duration, begin, most)
+    equations, kernel, names = _kernel(flow, n, record=True)
+    row = _row(flow, equations, names, y[None, :], duration, begin, most)
     results = []
     for direction in np.eye(n) if growth else np.zeros((1, n)):
         start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
@@ -157,8 +157,8 @@ def followed(
         steps = steps[:-1]
     last = round(float(last))
     where = _last_before_switches(whole, steps)
-    told = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
-    events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
+    modes = [labels[int(number) - 1] for number in _sides(whole, steps)[:, 0]]
+    events = [ModeChange(begin + float(steps[k, 2]), modes[k], modes[k + 1]) for k in where]
     lasts = steps[:, 2] > steps[:, 1]
     long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
     nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
@@ -191,13 +191,13 @@ def _growth(results: list[Any], n: int, states: int) -> tuple[Array, bool]:
 def _switches(result: Any, n: int, states: int) -> list[tuple[Array, Array, Array]]:
     """At each switch the change of the state before it, that after it with the change of its time, and the rates before it."""
     steps = _steps(result)
-    c, found = result.pieces[:, _FIRST:].reshape(len(result.pieces), states, -1), []
+    c, switches = result.pieces[:, _FIRST:].reshape(len(result.pieces), states, -1), []
     for k in _last_before_switches(result, steps):
         after = c[k + 1, n : 2 * n + 1, 0] if k + 1 < len(c) else result.end[0, 1 + n : 2 + 2 * n]
         h = steps[k, 2] - steps[k, 1]
         rates = (c[k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h if h > 0.0 else np.zeros(n)
-        found.append((c[k, n : 2 * n].sum(axis=-1), after, rates))
-    return found
+        switches.append((c[k, n : 2 * n].sum(axis=-1), after, rates))
+    return switches
 
 
 def _steps(result: Any) -> Array:
@@ -232,8 +232,8 @@ def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0
         How long each is followed.
     """
     n = states.shape[1]
-    found, kernel, names = _kernel(flow, n, record=False)
-    rows = _row(flow, found, names, states, duration, begin, None)
+    equations, kernel, names = _kernel(flow, n, record=False)
+    rows = _row(flow, equations, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))
     status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, Status.NOT_A_NUMBER))
@@ -254,11 +254,11 @@ def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> No
     t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
     names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
     if status in (Status.SWITCHES, Status.CHATTERS):
-        seen = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
-        raise SolveError(accumulates(t, seen, None if status == Status.CHATTERS else MOST_SWITCHES), status)
+        visited = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
+        raise SolveError(accumulates(t, visited, None if status == Status.CHATTERS else MOST_SWITCHES), status)
     end = result.end[0, 1 : 1 + n].tolist()
-    told = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
-    raise SolveError(told, status)
+    mistake = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
+    raise SolveError(mistake, status)
 
 
 def accumulates(t: float, modes: list[str], most: int | None) -> str:

@@ -132,9 +132,9 @@ def check_start(flow: Any, states: Array, mode: Any) -> None:
         within = [each for each in plain.fields if _beyond(plain, each, y) is None]
         typed = f"type mode={within[0]!r}, in which it is within the guards" if within else "give another start"
         start = f"the run begins in mode {mode!r} at {y.tolist()}, beyond the guard of switches[{mode!r}][{k}], which is {value:.6g} there"
-        told = f"{start}: at t = 0 its reset would make {after.tolist()} of the start"
+        mistake = f"{start}: at t = 0 its reset would make {after.tolist()} of the start"
         allowed = "allowed is a start at which the guards of its mode are positive"
-        raise InputError("solve", [f"{told}; {allowed}; {typed}, or start={after.tolist()} for the state after the reset"])
+        raise InputError("solve", [f"{mistake}; {allowed}; {typed}, or start={after.tolist()} for the state after the reset"])
 
 
 def _beyond(flow: Any, mode: Any, y: Array) -> tuple[int, float] | None:
@@ -185,12 +185,12 @@ def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Arra
             return np.broadcast_to(array, (*labels.shape, n)).reshape(-1, n) + 0.0
     except (TypeError, ValueError, IndexError):
         pass
-    told = (
+    allowed = (
         "a list of finite numbers, one for each coordinate"
         if flow.states is None
         else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
     )
-    problems.add(f"start = {start!r}; allowed is {told}; type for example start=[0.5, 0.0]")
+    problems.add(f"start = {start!r}; allowed is {allowed}; type for example start=[0.5, 0.0]")
     return np.zeros((labels.cases, 1))
 
 
@@ -237,16 +237,16 @@ def untraced(why: str) -> str:
 
 
 def _summary(asked: Asked, progress: Any) -> Summary:
-    found: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     with partial_result() as ending:
         for k, flow in enumerate(cases_of(asked.flow)):
             look()
-            found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
+            rows.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
             progress(k + 1, len(asked.states))
-    ending.needs(found)
-    lacking = dict.fromkeys(found[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in found[0]}
-    found += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(len(asked.states) - len(found))]
-    columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in found[0]}
+    ending.needs(rows)
+    lacking = dict.fromkeys(rows[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in rows[0]}
+    rows += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(len(asked.states) - len(rows))]
+    columns = {name: np.array([row[name] for row in rows]).reshape(asked.labels.shape) for name in rows[0]}
     settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}
     return Summary(asked.flow, asked.labels, columns, {"settings": settings})
 
@@ -268,13 +268,13 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> d
     low, high = extremes(c, np.vstack([done.passed, end]))
     powers = np.arange(1, c.shape[-1] + 1)
     mean = (np.diff(nodes)[:, None] * (c / powers).sum(axis=-1)).sum(axis=0) / (nodes[-1] - nodes[0])
-    found = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
-    found |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {f"max_{name}": high[i] for i, name in enumerate(names)}
-    found |= {f"end_{name}": end[i] for i, name in enumerate(names)}
-    found |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}
+    columns = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
+    columns |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {f"max_{name}": high[i] for i, name in enumerate(names)}
+    columns |= {f"end_{name}": end[i] for i, name in enumerate(names)}
+    columns |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}
     if flow.period is not None:
-        found["period"] = _period(nodes, c, end, float(flow.period))
-    return found | {"status": 0}
+        columns["period"] = _period(nodes, c, end, float(flow.period))
+    return columns | {"status": 0}
 
 
 def _period(nodes: Array, c: Array, end: Array, T: float) -> int:

@@ -17,12 +17,12 @@ from stickslip.basics.status import STATUS, Status, interrupted_at
 from stickslip.results.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers.part_results import OF_TYPE, RawParts, beside, columns_of_parts, of_own_parts, typed
+from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed
 from stickslip.solvers.request import Request, provenance
 
 
 @dataclass(frozen=True, eq=False)
-class Raw:
+class RawResults:
     """Raw results of a batch solver for each case, before any words are added."""
 
     displacement: Any  # [m] over the window
@@ -45,14 +45,14 @@ class Raw:
 
 
 #: What every batch solver must find.
-NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
+NEEDED = tuple(f.name for f in fields(RawResults) if f.default is MISSING)
 
 
 #: Places for segments, of all cases, up to which columns are computed when they are read: until then a summary holds all raw results.
 _LATER = 1 << 18
 
 
-def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
+def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], RawResults]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk, in any order."""
     cases = todo.cases
     T, tolerance, shape = todo.span, mean_tolerance(method, todo.rtol), todo.labels.shape
@@ -91,7 +91,7 @@ def _summary(todo: Request, method: str, columns: Mapping[str, Any]) -> Summary:
 class _Cases:
     """Columns of some cases: intermediate results that several columns share are computed once, on first use."""
 
-    def __init__(self, todo: Request, raw: Raw, T: Any, at: slice, tolerance: float):
+    def __init__(self, todo: Request, raw: RawResults, T: Any, at: slice, tolerance: float):
         self.raw, self.T, self.at, self.tolerance = raw, T, at, tolerance
         self.labels, self.dwell, self.machine = todo.labels, todo.dwell, todo.machine
         self.periodic, self.rtol = todo.model.period is not None, todo.rtol if self.machine.has_inner_states else 0.0
@@ -119,25 +119,25 @@ class _Cases:
     def _of_one(self) -> dict[str, Callable[[], Any]]:
         """Columns about the velocity and the contact of the only body."""
         raw = self.raw
-        found: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
-        found["velocity_max"] = lambda: self.extreme(raw.v_max, raw.wide_max, np.maximum)
-        found["velocity_min"] = lambda: self.extreme(raw.v_min, raw.wide_min, np.minimum)
+        columns: dict[str, Callable[[], Any]] = {name: partial(lambda name: self.type[name], name) for name in OF_TYPE}
+        columns["velocity_max"] = lambda: self.extreme(raw.v_max, raw.wide_max, np.maximum)
+        columns["velocity_min"] = lambda: self.extreme(raw.v_min, raw.wide_min, np.minimum)
         if raw.friction_power is not None:
-            found["friction_power"] = lambda: self.known(raw.friction_power)
-        return found
+            columns["friction_power"] = lambda: self.known(raw.friction_power)
+        return columns
 
     def known(self, values: Any) -> Any:
         """Values of the cases, or of their parts, where a case was solved."""
-        return np.where(beside(self.good, values), values, np.nan)
+        return np.where(per_case(self.good, values), values, np.nan)
 
     def extreme(self, last: Any, wide: Any, larger: Any) -> Any:
         """Extremes over the last motion period, or over the window where that does not say all."""
-        return self.known(np.where(beside(self.lasting, last), last, larger(last, wide)))
+        return self.known(np.where(per_case(self.lasting, last), last, larger(last, wide)))
 
     def over_time(self, displacement: Any) -> Any:
         """Mean velocities over the window."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return self.known(displacement / beside(self.raw.window * self.T, displacement))
+            return self.known(displacement / per_case(self.raw.window * self.T, displacement))
 
     @cached_property
     def good(self) -> Any:
@@ -191,9 +191,9 @@ def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], 
     tolerance = None if method == "exact" else todo.rtol
     if todo.duration is not None and pieces.t[-1] > todo.duration:
         pieces, status = pieces.until(todo.duration), 0
-    told = interrupted_at(pieces.t[-1]) if status == Status.NOT_COMPUTED else STATUS[status]
+    sentence = interrupted_at(pieces.t[-1]) if status == Status.NOT_COMPUTED else STATUS[status]
     return Trajectory(
         model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method,
-        status=told, samples=todo.samples, start=dict(todo.given_start),
+        status=sentence, samples=todo.samples, start=dict(todo.given_start),
         provenance=provenance(todo, method, tolerance), counts=counts,
     )  # fmt: skip

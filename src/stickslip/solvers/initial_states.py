@@ -107,8 +107,8 @@ def _check_loads(mechanics: Any, loads: Any, problems: Problems) -> None:
     """Note contacts that nothing presses together at the start of any case and that do not fly; of some cases the status says it."""
     for name, law, load in zip(mechanics.contacts, mechanics.laws, loads, strict=True):
         if not law.flies and np.all(np.asarray(load, float) <= 0.0):
-            told = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
-            problems.add(f"{told}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
+            mistake = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
+            problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 
 
 def _check_stops(mechanics: Any, q: Array, problems: Problems) -> None:
@@ -117,8 +117,8 @@ def _check_stops(mechanics: Any, q: Array, problems: Problems) -> None:
     for stop in mechanics.stops:
         gap = np.asarray(stop.gap(0.0, tuple(q.T)), float)
         if np.all(gap < -_SAME * max(size, 1e-300)):
-            told, first = f"the run begins beyond the stop {stop.name}, by {-float(np.max(gap)):.3g} m", stop.ends[0]
+            mistake, first = f"the run begins beyond the stop {stop.name}, by {-float(np.max(gap)):.3g} m", stop.ends[0]
             x = _columns(mechanics.positions(0.0, tuple(q.T)), len(q))[0, mechanics.bodies.index(first)]
             touching = float(x + stop.part.side * np.broadcast_to(gap, len(q))[0])
             hint = f'type start={{"x": {{"{first}": {touching:.6g}}}}}, where they touch, or a larger gap'
-            problems.add(f"{told}; allowed is a gap that is open or closed; {hint}")
+            problems.add(f"{mistake}; allowed is a gap that is open or closed; {hint}")

@@ -82,6 +82,6 @@ class CaseTable:
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
         """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""
-        found, n = results.end, self.count
-        last = found.shape[1] - (n - 1 if self.cyclic else n)
-        return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
+        end, n = results.end, self.count
+        last = end.shape[1] - (n - 1 if self.cyclic else n)
+        return end[:, last:], end[:, 1 : 1 + n] + self.offsets, end[:, 1 + n : last]

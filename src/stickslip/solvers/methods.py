@@ -179,7 +179,7 @@ class RungeKutta:
 
 
 @dataclass(frozen=True)
-class Judge:
+class IndependentJudge:
     """SciPy's integrators on the machine in plain Python: slow, and nothing in it is ours."""
 
     title: str = "SciPy"
@@ -202,7 +202,7 @@ _BLIND = "it evaluates no functions of the state: observe is for the compiled me
 ALL: tuple[Method, ...] = (
     ClosedArcs(),
     *(_STEPPING := (TaylorSteps(), TaylorSeries(), Rosenbrock())),
-    *(_ALONE := (RungeKutta(), Judge())),
+    *(_ALONE := (RungeKutta(), IndependentJudge())),
 )
 #: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Taylor series where they know the law, or Rodas4 or
 #: Rodas5P by tolerance.
@@ -226,7 +226,7 @@ _refusals: Remembered[str | None] = Remembered()
 
 def _refusal(method: Method, model: Any) -> str | None:
     """The answer of `accepts`; for compiled methods other than closed arcs it depends on the kind only, and is cached."""
-    if isinstance(method, (ClosedArcs, Judge)):
+    if isinstance(method, (ClosedArcs, IndependentJudge)):
         return method.accepts(model)
     from stickslip.engine.kinds import known_kind
 
@@ -245,14 +245,14 @@ def method_for(name: str, model: Any, observed: bool = False) -> Method:
     >>> type(method_for("auto", robot)).__name__, type(method_for("auto", robot.replace(friction=ss.Coulomb(0.15, 0.21)))).__name__
     ('TaylorSeries', 'ClosedArcs')
     """
-    said = {}
+    refusals = {}
     for method in ALL:
         if name in method.names:
             reason = _BLIND if observed and not method.observes else _refusal(method, model)
             if reason is None:
                 return method
-            said[method.title] = reason.partition("; type method=")[0]
-    if observed and all(reason == _BLIND for reason in said.values()):
+            refusals[method.title] = reason.partition("; type method=")[0]
+    if observed and all(reason == _BLIND for reason in refusals.values()):
         raise InputError("solve", [f'observe is for the compiled methods; method = {name!r} is none of them; type method="auto"'])
-    told = "; ".join(f"{title}: {reason}" for title, reason in said.items())
-    raise InputError("solve", [f'method = {name!r} does not solve this {type(model).__name__}; {told}; type method="auto"'])
+    reasons = "; ".join(f"{title}: {reason}" for title, reason in refusals.items())
+    raise InputError("solve", [f'method = {name!r} does not solve this {type(model).__name__}; {reasons}; type method="auto"'])

@@ -63,12 +63,12 @@ def typed(
     count, time, code = seg
     highest, lowest = extremes
     floor = max(1e-12, rtol) * abs(np.maximum(highest, -lowest)) * T * spans
-    found = type_of(count, time / T[:, None], code, period, margin_force, net, dwell, (highest > 0) | (lowest < 0), floor)
-    found["motion_type"] = np.where(good, found["motion_type"], "unsolved")
-    return found | {name: np.where(good, found[name], np.nan) for name in _FRACTIONS}
+    types = type_of(count, time / T[:, None], code, period, margin_force, net, dwell, (highest > 0) | (lowest < 0), floor)
+    types["motion_type"] = np.where(good, types["motion_type"], "unsolved")
+    return types | {name: np.where(good, types[name], np.nan) for name in _FRACTIONS}
 
 
-def beside(few: Array, values: Array) -> Array:
+def per_case(few: Array, values: Array) -> Array:
     """One value for each case, in as many dimensions as others have."""
     return few.reshape(-1, *[1] * (np.ndim(values) - 1))
 
@@ -82,8 +82,8 @@ def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
     counts = {"body": raw.displacement.shape[1], "contact": raw.seg_count.shape[1], "stop": raw.hits.shape[1]}
     type_of_each = cache(lambda: _types(cases, raw))
 
-    found: dict[str, Callable[[], Any]] = {name: partial(lambda name: type_of_each()[name], name) for name in OF_TYPE}
-    found |= {
+    columns: dict[str, Callable[[], Any]] = {name: partial(lambda name: type_of_each()[name], name) for name in OF_TYPE}
+    columns |= {
         "body_velocity": lambda: cases.over_time(raw.displacement),
         "body_displacement": lambda: cases.known(raw.displacement),
         "velocity_max": lambda: cases.extreme(raw.v_max, raw.wide_max, np.maximum),
@@ -95,7 +95,7 @@ def columns_of_parts(cases: Any) -> dict[str, Callable[[], Any]]:
         "stop_force_max": lambda: cases.known(raw.stop_force_max),
         "hits": lambda: np.where(cases.good[:, None] & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32),
     }
-    return {name: make for name, make in found.items() if counts[_dim(name)] > 0}
+    return {name: make for name, make in columns.items() if counts[_dim(name)] > 0}
 
 
 def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
@@ -109,12 +109,12 @@ def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
         return values.reshape(-1, *values.shape[2:])
 
     seg, spans = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), of_each(np.maximum(cases.raw.period, 1))
-    told = typed(
+    types = typed(
         seg, of_each(cases.T), of_each(cases.raw.period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
         spans, cases.dwell, cases.rtol, of_each(cases.good),
     )  # fmt: skip
-    told |= {name: CodedWords.of(told[name]) for name in ("motion_type", "pattern")} | {"direction": told["direction"].astype(np.int8)}
-    return {name: values.reshape((len(cases.T), contacts)) for name, values in told.items()}
+    types |= {name: CodedWords.of(types[name]) for name in ("motion_type", "pattern")} | {"direction": types["direction"].astype(np.int8)}
+    return {name: values.reshape((len(cases.T), contacts)) for name, values in types.items()}
 
 
 def of_own_parts(columns: dict[str, Callable[[], Any]], machine: MachineAdapter) -> dict[str, Callable[[], Any]]:
@@ -124,8 +124,8 @@ def of_own_parts(columns: dict[str, Callable[[], Any]], machine: MachineAdapter)
     def of_the_own(make: Callable[[], Any], part: int) -> Array:
         return np.asarray(make())[:, part]
 
-    found = {name: make for name, make in columns.items() if name not in without}
-    return {name: partial(of_the_own, make, own[_dim(name)]) if _dim(name) in own else make for name, make in found.items()}
+    kept = {name: make for name, make in columns.items() if name not in without}
+    return {name: partial(of_the_own, make, own[_dim(name)]) if _dim(name) in own else make for name, make in kept.items()}
 
 
 def left_out(machine: MachineAdapter) -> tuple[str, ...]:

@@ -239,11 +239,11 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
         except (TypeError, ValueError) as error:
             allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
-    if inner and "z" not in start and not problems.found:
+    if inner and "z" not in start and not problems.mistakes:
         table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
-    elif not problems.found:
+    elif not problems.mistakes:
         _check_sizes(model, labels, table, problems)
     return table
 
@@ -275,8 +275,8 @@ def versions() -> dict[str, str]:
     """Versions of what computes: of Numba where it is at work."""
     import stickslip
 
-    found = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
-    return found | ({"numba": sys.modules["numba"].__version__} if "numba" in sys.modules else {})
+    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    return versions | ({"numba": sys.modules["numba"].__version__} if "numba" in sys.modules else {})
 
 
 def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from stickslip.results.steadiness import is_steady, outcome_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
-from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.solvers.time_dependence import check_period
 
@@ -57,12 +57,12 @@ def solve(todo: Request) -> Trajectory | Summary:
         raise InputError("solve", [f"steps = {steps!r}; allowed is {ALLOWED}; type for example steps={STEPS}"])
     check_period(todo.model)
     _check_load(todo.model)
-    kernel = engine.kernel(todo.model)
+    kernel = engine.fixed_step_kernel(todo.model)
     rows = rows_of(todo.model, kernel.names)
     if todo.keep == "summary":
         return gather(todo, "rk4", _parts(todo, kernel, rows, int(steps)))
     march = _March(todo.model, kernel, rows[0], todo.start[0], int(steps), thinned=True)
-    march.go(todo.periods, told=lambda done: todo.progress(done, todo.periods), partial=todo.partial)
+    march.go(todo.periods, report=lambda done: todo.progress(done, todo.periods), partial=todo.partial)
     if march.interrupted and march.done:
         return trajectory(todo, "rk4", march.pieces(), {"steps": march.done * int(steps)}, Status.NOT_COMPUTED)
     if march.done < todo.periods:
@@ -78,14 +78,14 @@ def _check_load(model: Any) -> None:
         return
     lowest = min(float(np.min(model.load(model.period * k / _LOOKS, 0.0))) for k in range(_LOOKS))
     if not lowest > 0:
-        told = f'method = "rk4" does not see where contact is lost, and the load falls to {lowest:.6g} N'
-        raise InputError("solve", [f'{told}; type method="auto", whose run ends there'])
+        mistake = f'method = "rk4" does not see where contact is lost, and the load falls to {lowest:.6g} N'
+        raise InputError("solve", [f'{mistake}; type method="auto", whose run ends there'])
 
 
 class _March:
     """One case on its way: its state, its strobe states, and what of its steps is kept."""
 
-    def __init__(self, model: Any, kernel: engine.Kernel, row: Any, start: Any, steps: int, thinned: bool):
+    def __init__(self, model: Any, kernel: engine.FixedStepKernel, row: Any, start: Any, steps: int, thinned: bool):
         self.model, self.kernel, self.row, self.steps = model, kernel, row, steps
         self.state = np.array(start, float)
         self.every = -(-steps // PIECES) if thinned else 0
@@ -93,7 +93,7 @@ class _March:
         self.nodes: list[Any] = []
         self.extremes, self.done, self.interrupted = np.array([np.inf, -np.inf]), 0, False
 
-    def go(self, periods: int, every: int | None = None, told: Callable[[int], None] | None = None, partial: bool = False) -> None:
+    def go(self, periods: int, every: int | None = None, report: Callable[[int], None] | None = None, partial: bool = False) -> None:
         """Do some periods; `done` counts those that went well. After an interruption, fewer, if a part of them is asked for."""
         every = self.every if every is None else every
         block = max(1, SLICE // self.steps)
@@ -101,17 +101,17 @@ class _March:
         while periods > 0:
             count = min(block, periods)
             strobe, nodes = np.empty((count, len(self.state))), np.empty((per_period * count, 2 * len(self.state) - 1))
-            found = np.empty(2)
-            finished = self.kernel.module.advance(self.row, self.state, count, self.steps, every, strobe, nodes, found)
+            extremes = np.empty(2)
+            finished = self.kernel.module.advance(self.row, self.state, count, self.steps, every, strobe, nodes, extremes)
             self.done += finished
             if finished < count:
                 return
             self.strobe += [strobe[1:], self.state[None, :].copy()]
             self.nodes.append(nodes)
-            self.extremes = np.array([min(self.extremes[0], found[0]), max(self.extremes[1], found[1])])
+            self.extremes = np.array([min(self.extremes[0], extremes[0]), max(self.extremes[1], extremes[1])])
             periods -= count
-            if told is not None:
-                told(self.done)
+            if report is not None:
+                report(self.done)
             self.interrupted = periods > 0 and is_stopped()
             if self.interrupted:
                 if not partial:
@@ -192,7 +192,7 @@ def _shifted(c: Any, part: Any) -> Any:
 
 
 # ---- batches ----
-def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Iterator[tuple[tuple[int, int], Raw]]:
+def _parts(todo: Request, kernel: engine.FixedStepKernel, rows: Any, steps: int) -> Iterator[tuple[tuple[int, int], RawResults]]:
     """Raw results case by case; the compiled loop lets go of the lock, so threads help."""
 
     def work(i: int) -> dict[str, Any]:
@@ -207,7 +207,7 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
 
 
 def _summary(todo: Request, march: _March) -> dict[str, Any]:
-    asked, period, found = 0, 0, {}
+    asked, period, results = 0, 0, {}
     for count in _blocks(todo):
         if asked <= todo.settle:  # the extremes are those of the window
             march.extremes = np.array([np.inf, -np.inf])
@@ -217,13 +217,13 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
             return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done}
         period, limit = outcome_of(march.model, march.strobes, todo.method, todo.rtol)
         repeats = todo.auto and period > 0  # the mean is then over one motion period, if it is that of the steady motion
-        found = strobes.over_window(march.strobes[:, 0], march.done - period if repeats else todo.settle, period, limit)
-        if repeats and is_steady(march.model, found, todo.method, todo.rtol):
+        results = strobes.over_window(march.strobes[:, 0], march.done - period if repeats else todo.settle, period, limit)
+        if repeats and is_steady(march.model, results, todo.method, todo.rtol):
             break
     done, wide = march.done, march.extremes
     count, seg_time, seg_code = _last(todo, march, period or 1)
     return {
-        **found, "periods_run": done, "status": int(todo.auto and done < todo.periods),
+        **results, "periods_run": done, "status": int(todo.auto and done < todo.periods),
         "v_min": march.extremes[0], "v_max": march.extremes[1],
         "wide_min": min(wide[0], march.extremes[0]), "wide_max": max(wide[1], march.extremes[1]),
         "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,

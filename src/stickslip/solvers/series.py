@@ -27,9 +27,9 @@ def method(rtol: float) -> tuple[Series, float]:
 def lacks(model: Any) -> str | None:
     """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
 
-    def found() -> str | None:
+    def reason() -> str | None:
         check_numbers(model)
         law = slaving(trace(model))
         return law if isinstance(law, str) else None
 
-    return _reasons(known_kind(model), found)
+    return _reasons(known_kind(model), reason)

@@ -22,7 +22,7 @@ from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import undriven
 from stickslip.solvers.closed_arcs import Arcs, reduced
-from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
+from stickslip.solvers.gather import NEEDED, RawResults, gather, trajectory
 from stickslip.solvers.request import Request
 
 Array = Any
@@ -65,7 +65,7 @@ def batch(todo: Request) -> dict[str, Array]:
 
 def summary(todo: Request, raw: dict[str, Array]) -> Summary:
     """A summary from raw results."""
-    return gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
+    return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in NEEDED}))])
 
 
 def _kernel() -> Any:
@@ -270,7 +270,7 @@ def solve_one(
 
 def _recorded(row: Array, periods: int, progress: Progress | None = None, partial: bool = False) -> tuple[tuple[Array, Array, Array], int]:
     """Drive period, (phase, displacement, w) and mode of all arcs; and the drive periods that are done."""
-    kernel, state, n, found = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
+    kernel, state, n, recorded = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
     while n < periods:
         number, arcs, mode = np.empty(_ROOM, np.int64), np.empty((_ROOM, 3)), np.empty(_ROOM, np.int64)
         count, n = kernel.record(row, state, n, periods, number, arcs, mode)
@@ -278,12 +278,12 @@ def _recorded(row: Array, periods: int, progress: Progress | None = None, partia
             raise SolveError(
                 f"period {n} has too many arcs; this is a bug of the exact solver: please report it with the robot's to_toml()"
             )
-        found.append((number[:count].copy(), arcs[:count].copy(), mode[:count].astype(np.int8)))
+        recorded.append((number[:count].copy(), arcs[:count].copy(), mode[:count].astype(np.int8)))
         if progress is not None:
             progress(n, periods)
         if not partial:
             look()
         elif is_stopped():
             break
-    numbers, arcs, modes = (np.concatenate(part) for part in zip(*found, strict=True))
+    numbers, arcs, modes = (np.concatenate(part) for part in zip(*recorded, strict=True))
     return (numbers, arcs.T, modes), n

@@ -20,7 +20,7 @@ from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import stopped
-from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
@@ -64,7 +64,7 @@ def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table:
     t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
     _, u, _ = table.ends(results)
     done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods,"
-    where = stopped.place(mechanics, t, u[0], results.pieces[:, 4 : 4 + kernel.contacts])
+    where = stopped.location(mechanics, t, u[0], results.pieces[:, 4 : 4 + kernel.contacts])
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
     return stopped.sentence(status, f"{done.lstrip()} {where}".strip(), _state(todo, results.end[0], table, kernel.layout), remedy)
 
@@ -113,7 +113,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
     bounds = _bounds(todo.cases, todo.workers)
     begun = [0] * len(bounds)
 
-    def work(i: int) -> Raw:
+    def work(i: int) -> RawResults:
         first, last = bounds[i]
 
         def tell(count: int) -> None:
@@ -135,10 +135,10 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any = ()) -> Raw:
+def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any = ()) -> RawResults:
     offset, carried = table.offsets[:, 0], table.carried * table.span
     of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
-    return Raw(
+    return RawResults(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,
         margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
@@ -156,21 +156,21 @@ def _reduced(r: lanes.Results, reduce: str, signal: str, span: Any) -> Any:
 
 def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: Any) -> RawParts:
     """Results of lanes for each body, contact and stop, by the names of their signals."""
-    found = r.parts
-    assert found is not None
+    parts = r.parts
+    assert parts is not None
 
     def stacked(letters: str, which: int) -> Any:
         """One number of all signals that begin with one of these letters; NaN of those that have another letter than the first."""
         named = [name for name in kernel.signals if name[0] in letters]
-        columns = [found.reduced[name][:, which] if name[0] == letters[0] else np.full(len(r.status), np.nan) for name in named]
+        columns = [parts.reduced[name][:, which] if name[0] == letters[0] else np.full(len(r.status), np.nan) for name in named]
         return np.stack(columns, axis=1) if columns else np.empty((len(r.status), 0))
 
-    beside = 0.0 if kernel.arms else offsets[:, list(kernel.bodies)]  # the states of lanes are less than the velocities by this
-    stops = {name: values[:, 0] for name, values in found.reduced.items() if name[0] in "JF"}
+    difference = 0.0 if kernel.arms else offsets[:, list(kernel.bodies)]  # the states of lanes are less than the velocities by this
+    stops = {name: values[:, 0] for name, values in parts.reduced.items() if name[0] in "JF"}
     shape = (len(r.status), kernel.contacts, -1)
     return RawParts(
-        displacement=found.moved[:, list(kernel.bodies)] + carried[:, None],
-        v_max=stacked("v", 1), v_min=stacked("v", 2), wide_max=found.wide_max + beside, wide_min=found.wide_min + beside,
+        displacement=parts.moved[:, list(kernel.bodies)] + carried[:, None],
+        v_max=stacked("v", 1), v_min=stacked("v", 2), wide_max=parts.wide_max + difference, wide_min=parts.wide_min + difference,
         slip_max=stacked("w", 1), slip_min=stacked("w", 2), slipped=stacked("w", 0), friction_work=stacked("P", 0),
         seg_count=r.seg_count, seg_time=r.seg_time.reshape(shape), seg_code=r.seg_code.reshape(shape), margin_force=np.inf,
         hits=np.stack(list(stops.values()), axis=1) if stops else np.empty((len(r.status), 0)),

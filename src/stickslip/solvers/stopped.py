@@ -19,7 +19,7 @@ _SMOOTHER = (
 _STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
 
 
-def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
+def location(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     """The instant, and the contact that changed its mode most often: how often, and its slip velocity.
 
     Parameters
@@ -37,7 +37,7 @@ def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     >>> import stickslip as ss
     >>> from stickslip.models.machine_adapter import machine_of
     >>> rig = machine_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)).mechanics
-    >>> place(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
+    >>> location(rig, 0.25, [0.5], np.array([[1], [0], [1]]))
     'at t = 0.25 s, where contact has changed its mode 2 times in 3 steps and its slip velocity is 0.5 m/s'
     """
     if not mechanics.contacts:
@@ -47,8 +47,8 @@ def place(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     i = int(np.argmax(changes)) if changes.any() else int(np.argmin(abs(slips)))
     name, steps = mechanics.contacts[i], min(len(sides), LAST)
     contact = name if name == "contact" else f"contact {name!r}"
-    told = f"has changed its mode {changes[i]} times in {steps} steps and its" if changes.any() else "keeps its mode and its"
-    return f"at t = {t:.9g} s, where {contact} {told} slip velocity is {slips[i]:.9g} m/s"
+    history = f"has changed its mode {changes[i]} times in {steps} steps and its" if changes.any() else "keeps its mode and its"
+    return f"at t = {t:.9g} s, where {contact} {history} slip velocity is {slips[i]:.9g} m/s"
 
 
 def sentence(status: int, where: str, state: str, remedy: str) -> str:

@@ -13,7 +13,7 @@ from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.models.forces import slip_ratio_of
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.results.steadiness import window_count
-from stickslip.solvers.gather import NEEDED, Raw
+from stickslip.solvers.gather import NEEDED, RawResults
 
 _LOOKS = 5000  # in a drive period
 #: Results of a case that could not be solved.
@@ -70,7 +70,7 @@ def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
     return len(starts), seg_time, seg_code
 
 
-def raw(cases: list[dict[str, Any]]) -> Raw:
-    """The results of several cases, each a dict by the names of `Raw`, as one."""
-    found: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
-    return Raw(**found, parts=cases[0].get("parts") if len(cases) == 1 else None)
+def raw(cases: list[dict[str, Any]]) -> RawResults:
+    """The results of several cases, each a dict by the names of `RawResults`, as one."""
+    columns: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
+    return RawResults(**columns, parts=cases[0].get("parts") if len(cases) == 1 else None)

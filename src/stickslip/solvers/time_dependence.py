@@ -32,10 +32,10 @@ def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
     try:
         start, still, free = mechanics.start, (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
         asked = {"load": lambda t: mechanics.loads(t, start), "acceleration": lambda t: mechanics.accelerations(t, start, still, free)}
-        found = {name: _missed(f, mechanics.period) for name, f in asked.items()}
+        differences = {name: _missed(f, mechanics.period) for name, f in asked.items()}
     except Exception:  # what is not written for these numbers is told where it is traced
         return
-    for name, (missed, largest) in found.items():
+    for name, (missed, largest) in differences.items():
         if np.any(missed > _SAME * largest):
             kind = type(model).__name__
             raise InputError(

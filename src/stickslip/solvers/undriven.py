@@ -14,15 +14,15 @@ Array = Any
 
 def arcs_of(arcs: Arcs, i: int, v0: float, end: float) -> tuple[Array, Array, Array, Array]:
     """Start times, positions, velocities and modes of the arcs of case i up to a time (two at most)."""
-    found, t, x = [], 0.0, 0.0
+    segments, t, x = [], 0.0, 0.0
     if v0 != 0.0:
         slowing = float(arcs.resist_plus[i] if v0 > 0 else arcs.resist_minus[i])
-        found.append((0.0, 0.0, v0, 1 if v0 > 0 else -1))
+        segments.append((0.0, 0.0, v0, 1 if v0 > 0 else -1))
         t = abs(v0) / slowing if slowing > 0.0 else math.inf
         x = 0.5 * v0 * t
     if t < end:
-        found.append((t, x, 0.0, 1 if arcs.hold_plus[i] < 0 else -1 if arcs.hold_minus[i] < 0 else 0))
-    t0, x0, start, mode = (np.array(column) for column in zip(*found, strict=True))
+        segments.append((t, x, 0.0, 1 if arcs.hold_plus[i] < 0 else -1 if arcs.hold_minus[i] < 0 else 0))
+    t0, x0, start, mode = (np.array(column) for column in zip(*segments, strict=True))
     return t0, x0, start, mode.astype(np.int8)
 
 

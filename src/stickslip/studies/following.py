@@ -21,7 +21,7 @@ from stickslip.results.summary import Summary
 from stickslip.solvers import coulomb_steady_motions as orbits, stepping
 from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.methods import steps_of
-from stickslip.solvers.part_results import beside
+from stickslip.solvers.part_results import per_case
 from stickslip.solvers.request import Request, request
 from stickslip.studies.models_of_points import Group, groups_of, starts_at
 from stickslip.studies.planning import Plan, solver_arguments
@@ -109,7 +109,9 @@ def _one_step(
             if name in columns:
                 columns[name][group.at] = values
             elif name.startswith(END):
-                _keep(after, name.removeprefix(END), group.at, np.where(beside(found["status"] <= 1, values), values, np.nan), len(points))
+                _keep(
+                    after, name.removeprefix(END), group.at, np.where(per_case(found["status"] <= 1, values), values, np.nan), len(points)
+                )
     return columns, after
 
 
@@ -125,6 +127,6 @@ def _start(given: dict[str, Any], ends: dict[Any, Array], at: Array) -> dict[str
     for (name, _), values in ends.items():
         mine = values[at]
         if np.isfinite(mine).any():
-            usual = np.broadcast_to(beside(np.asarray(given.get(name, 0.0), float), mine), mine.shape)
+            usual = np.broadcast_to(per_case(np.asarray(given.get(name, 0.0), float), mine), mine.shape)
             start[name] = np.where(np.isfinite(mine), mine, usual)
     return start

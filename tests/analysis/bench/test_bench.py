@@ -15,7 +15,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.analysis.bench import EXPERIMENTS
-from stickslip.analysis.bench.contact import Contact, swing
+from stickslip.analysis.bench.contact import MovedContact, swing
 from stickslip.analysis.bench.probe import Probe
 from stickslip.analysis.bench.setup import Setup
 from stickslip.show.cli import main
@@ -164,7 +164,7 @@ def test_approximations_creep(law, least, most):
 
 
 def test_a_swing_goes_its_distance():
-    moved = Contact(Probe(COULOMB, 1.0), 1e-3, rtol=1e-10)
+    moved = MovedContact(Probe(COULOMB, 1.0), 1e-3, rtol=1e-10)
     moved.follow(*swing(2e-3, 0.1))
     moved.follow(*swing(-5e-4, 0.1))
     assert moved.x == pytest.approx(1.5e-3, rel=1e-9)

@@ -375,9 +375,11 @@ def test_bounds_and_limits_may_have_units():
     found = {each.name: (each.low, each.high) for each in checked_over(robot, over, noted)}
     assert found == {"drive.amplitude": (1e-4, 7e-4), "drive.omega": (pytest.approx(20 * np.pi), 100.0)}
     [stroke, speed] = checked_limits(robot, {"stroke": (None, "1.4 mm"), "mean_velocity": ("1 mm/s", None)}, noted)
-    assert stroke.high == pytest.approx(1.4e-3) and speed.low == pytest.approx(1e-3) and noted.found == []
+    assert stroke.high == pytest.approx(1.4e-3) and speed.low == pytest.approx(1e-3) and noted.mistakes == []
     checked_over(robot, {"drive.amplitude": ("1 s", "2 s"), "drive.frequency": (1.0, 2.0)}, noted)
-    assert "allowed is (low, high)" in noted.found[0] and 'the frequency is omega, in rad/s; type drive.omega="40 Hz"' in noted.found[1]
+    assert (
+        "allowed is (low, high)" in noted.mistakes[0] and 'the frequency is omega, in rad/s; type drive.omega="40 Hz"' in noted.mistakes[1]
+    )
 
 
 def test_the_mean_velocity_is_maximised_if_nothing_is_said():

@@ -231,7 +231,7 @@ def test_rest_may_bear_less_than_slow_sliding_by_rounding_and_no_more(oil):
     for held, good in ((0.2, True), (0.2 * (1 - 9e-7), True), (0.2 * (1 - 3e-6), False), (0.19, False)):
         problems = Problems("Robot")
         check_law(Held(held, oil), problems)
-        assert bool(problems.found) is not good
+        assert bool(problems.mistakes) is not good
 
 
 def test_only_the_error_that_arrays_cause_is_taken_for_theirs():
@@ -251,7 +251,7 @@ def test_only_the_error_that_arrays_cause_is_taken_for_theirs():
     for law in laws:
         problems = Problems("Robot")
         check_law(law, problems)
-        found.append(problems.found)
+        found.append(problems.mistakes)
     assert "cannot take numbers that are arrays (which?)" in found[0][0] and found[1:] == [[], [], []]
 
 

@@ -14,7 +14,7 @@ from stickslip.testing import Claim, LawReport, check_law
 import stickslip as ss
 from registries import examples
 from rows import each_row
-from stickslip.analysis.bench.contact import Contact
+from stickslip.analysis.bench.contact import MovedContact
 from stickslip.analysis.bench.probe import Probe
 from stickslip.analysis.bench.setup import Setup
 from stickslip.analysis.law_claims.moved_contact import burst, moved, shaken
@@ -225,7 +225,7 @@ def test_dynamics_bench_and_sums_begin_where_the_law_says():
     assert states_of({"v": 0.01}, BENT_ROBOT).tolist() == [[0.01, begun]]
     assert states_of({"z": 0.0}, BENT_ROBOT).tolist() == [[0.0, 0.0]]
     assert on_grid({"v": np.array([0.0, 0.1])}, BENT_ROBOT).tolist() == [[0.0, begun], [0.1, begun]]
-    assert Contact(Probe(BENT_LAW, 0.7), 1e-3).z == (BENT_LAW.start(0.7),)
+    assert MovedContact(Probe(BENT_LAW, 0.7), 1e-3).z == (BENT_LAW.start(0.7),)
     assert adapted(BENT_LAW + ss.Viscous.example()).start(0.7) == (BENT_LAW.start(0.7),)
     assert adapted(ss.LuGre.example() + ss.Viscous.example()).start(0.7) == (0.0,)
 

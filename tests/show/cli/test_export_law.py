@@ -14,7 +14,7 @@ from stickslip.maths import tanh, where
 
 import stickslip as ss
 from compiled import CC, OCTAVE, compiled_laws, octave_steps
-from stickslip.analysis.bench.contact import Contact, steady
+from stickslip.analysis.bench.contact import MovedContact, steady
 from stickslip.analysis.bench.probe import Probe
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.models.friction.law_adapter import adapted
@@ -117,7 +117,7 @@ WAY = [v for v in (1e-3, 3e-3, -2e-3, 0.0, 1e-4, 0.0, -5e-3, 2e-2, -1e-4) for _ 
 
 def _by_python(law: Any, velocities: list[float], dt: float) -> list[float]:
     """The same way by the integrator of the bench, which shares nothing with the exported step but the law."""
-    moved = Contact(Probe(law, LOAD), 0.1 * LOAD * 1e-6, rtol=1e-10)
+    moved = MovedContact(Probe(law, LOAD), 0.1 * LOAD * 1e-6, rtol=1e-10)
     found, side = [], 0.0
     for v in velocities:
         if side * v < 0 or (side and v == 0.0):
@@ -211,7 +211,7 @@ def test_no_other_mujoco_joint_is_nearer_and_the_error_is_the_one_stated(name: s
     def friction(v: float) -> float:
         if not own.states:
             return abs(float(own.force(v, (), (), LOAD)))
-        moved = Contact(probe, 1e-6)
+        moved = MovedContact(probe, 1e-6)
         moved.follow(2e-4 / abs(v), steady(v))  # far beyond the deflections of these laws
         return abs(moved.force(v))
 

@@ -12,17 +12,17 @@ from stickslip.basics.errors import SolveError
 from stickslip.models.friction.law_adapter import TINY
 
 #: Velocity [m/s] as a function of the time since the beginning of a segment.
-Motion = Callable[[float], float]
+Velocity = Callable[[float], float]
 #: Evaluations after which a segment between two switches is passed to a stiff integrator.
 CALLS = 20_000
 
 
-def steady(speed: float) -> Motion:
+def steady(speed: float) -> Velocity:
     """A constant velocity."""
     return lambda t: speed
 
 
-def swing(distance: float, peak: float) -> tuple[float, Motion]:
+def swing(distance: float, peak: float) -> tuple[float, Velocity]:
     """Duration [s] and velocity of a half-sine stroke over a distance, at rest at both ends."""
     length, speed = 0.5 * math.pi * abs(distance) / peak, math.copysign(peak, distance)
     return length, lambda t: speed * math.sin(math.pi * t / length)
@@ -32,7 +32,7 @@ class _TooStiff(Exception):
     """The integrator takes too many steps."""
 
 
-class Contact:
+class MovedContact:
     """The state of a contact: position, inner states, memories, and the work done on it so far.
 
     Each segment is integrated from switch to switch of the law's memories, with the law as written; within a segment the velocity
@@ -61,14 +61,14 @@ class Contact:
     def _held(self, v: float) -> float:
         return self._side * max(self._side * v, TINY)
 
-    def follow(self, length: float, velocity: Motion, samples: int = 0) -> list[tuple[float, float, float, float]]:
+    def follow(self, length: float, velocity: Velocity, samples: int = 0) -> list[tuple[float, float, float, float]]:
         """Traverse one segment; returns approximately the requested number of samples of (time, position, velocity, force)."""
-        t, found, idle = 0.0, [], 0
+        t, points, idle = 0.0, [], 0
         self._side = math.copysign(1.0, velocity(0.5 * length))
         while t < length:
             run = self._run(t, length, velocity, dense=samples > 0)
             if samples:
-                found += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
+                points += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
             before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
             idle = idle + 1 if run.t[-1] <= t else 0  # consecutive steps of zero duration
             if idle > 100:
@@ -80,9 +80,9 @@ class Contact:
             v = velocity(t)
             stopped = t >= length and abs(v) < 1e-9 * abs(velocity(0.5 * length))
             self._switch(0.0 if stopped else v, before, t < length)
-        return found
+        return points
 
-    def _run(self, t: float, end: float, velocity: Motion, dense: bool, method: str = "LSODA") -> Any:
+    def _run(self, t: float, end: float, velocity: Velocity, dense: bool, method: str = "LSODA") -> Any:
         """Integrate states, position and work up to the next switch. LSODA may not detect stiffness where the rates are almost zero."""
         from scipy.integrate import solve_ivp
 
@@ -97,7 +97,7 @@ class Contact:
         except _TooStiff:
             return self._run(t, end, velocity, dense, "Radau")
 
-    def _slope(self, velocity: Motion, budget: int | None) -> Any:
+    def _slope(self, velocity: Velocity, budget: int | None) -> Any:
         calls = itertools.count()
 
         def slope(t: float, y: Any) -> list[float]:
@@ -110,7 +110,7 @@ class Contact:
 
         return slope
 
-    def _guard(self, velocity: Motion) -> Any:
+    def _guard(self, velocity: Velocity) -> Any:
         def guard(t: float, y: Any) -> float:
             z = tuple(map(float, y[: self.probe.law.states]))
             return min(float(g) for g, _, _ in self.probe.switches(velocity(t), z, self.mode))
@@ -118,13 +118,13 @@ class Contact:
         guard.terminal, guard.direction = True, -1  # type: ignore[attr-defined]
         return guard
 
-    def _sampled(self, run: Any, velocity: Motion, count: int) -> list[tuple[float, float, float, float]]:
-        found, first, last = [], float(run.t[0]), float(run.t[-1])
+    def _sampled(self, run: Any, velocity: Velocity, count: int) -> list[tuple[float, float, float, float]]:
+        points, first, last = [], float(run.t[0]), float(run.t[-1])
         for k in range(count):
             t = first + (last - first) * k / (count - 1)
             y = [float(value) for value in run.sol(t)]
-            found.append((t, y[-3], velocity(t), self.force(velocity(t), tuple(y[:-3]))))
-        return found
+            points.append((t, y[-3], velocity(t), self.force(velocity(t), tuple(y[:-3]))))
+        return points
 
     def _switch(self, v: float, before: list[float], fell: bool) -> None:
         """Update states and memories by the guards that have fallen to zero here, one after another."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.bench.envelopes import seen
+from stickslip.analysis.bench.envelopes import envelope
 from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
 from stickslip.analysis.bench.setup import Setup, shorter
 from stickslip.models.machines import ForcedOscillator
@@ -32,7 +32,7 @@ def drift(bench: Setup) -> Experiment:
     start = {"v": 2.0 * bench.typical_speed} if pushed else None
     run = bench.solved(push, _RTOL, periods=periods, samples=_SAMPLES, start=start)
     way = _per_period(run, periods, T)
-    t, x = seen(run, "x", 0.0, periods * T, periods * _SHOWN, bench.pace)
+    t, x = envelope(run, "x", 0.0, periods * T, periods * _SHOWN, bench.pace)
     return Experiment(
         "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, x),),
         (Quantity("drift", "drift", way, "m", f"displacement per period of {T:.3g} s, mean of the last {periods // 2}"),),

@@ -11,7 +11,7 @@ _PER_SWING = 12  # points per oscillation of the mass on its contact: the crest 
 _MOST = 400_000  # points that are evaluated
 
 
-def seen(run: Any, column: str, begin: float, end: float, points: int, pace: float) -> tuple[Any, Any]:
+def envelope(run: Any, column: str, begin: float, end: float, points: int, pace: float) -> tuple[Any, Any]:
     """Times [s] and values of a column; oscillations too fast for the number of points appear as a band.
 
     If `points` instants are too few for oscillations of the angular frequency `pace`, each interval gives its lowest and its highest
@@ -39,7 +39,7 @@ def seen(run: Any, column: str, begin: float, end: float, points: int, pace: flo
     >>> import stickslip as ss
     >>> mass = ss.ForcedOscillator(mass=1.0, stiffness=1e4, damping=0.0, force=0.0, omega=1.0, friction=ss.Viscous(0.0, 0.0))
     >>> run = ss.solve(mass, periods=1, start={"x": 1e-3}, method="dop853")
-    >>> t, x = seen(run, "x", 0.0, 6.0, 50, pace=100.0)
+    >>> t, x = envelope(run, "x", 0.0, 6.0, 50, pace=100.0)
     >>> bool(max(x) > 0.97e-3), bool(min(x) < -0.97e-3)
     (True, True)
     """

@@ -99,7 +99,7 @@ def bench(
     laws = _laws(law if many else [law])
     names = _names(experiments)
     _check(load, mass, stiffness, speed)
-    found: list[Bench] = []
+    results: list[Bench] = []
     report = reporting(progress, "bench")
     whole = len(laws) * len(names)
     measured: list[list[Experiment]] = []
@@ -116,13 +116,13 @@ def bench(
     ending.needs(any(measured))
     for one, done in zip(laws, filter(None, measured), strict=False):
         early = [ending.note(f"{len(done)} of {len(names)} experiments are measured")] if len(done) < len(names) else []
-        found.append(Bench(one, float(load), float(mass), tuple(done), (*early, *adapted(one).notes(float(load)))))
-    return Benches(tuple(found)) if many else found[0]
+        results.append(Bench(one, float(load), float(mass), tuple(done), (*early, *adapted(one).notes(float(load)))))
+    return Benches(tuple(results)) if many else results[0]
 
 
 def _laws(given: Iterable[Any]) -> list[Any]:
     """Laws from laws, classes and names; all errors are reported together."""
-    problems, found = Problems("bench"), []
+    problems, laws = Problems("bench"), []
     for law in given:
         if isinstance(law, str) and law.lower() not in LAWS:
             problems.add(f"{law!r} is not a law; {did_you_mean(law.lower(), LAWS)}")
@@ -134,11 +134,11 @@ def _laws(given: Iterable[Any]) -> list[Any]:
             many = [name for name, value in leaves(law) if is_array(value)]
             if many:
                 problems.add(f"{', '.join(many)} of {type(law).__name__} are arrays; allowed is one law, no batch; take one case of it")
-        found.append(law)
-    if not found:
+        laws.append(law)
+    if not laws:
         problems.add(f"no law is given; type for example ss.bench('lugre'); known: {', '.join(LAWS)}")
     problems.check()
-    return found
+    return laws
 
 
 def _names(given: Iterable[str] | None) -> list[str]:

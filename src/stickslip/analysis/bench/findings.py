@@ -244,9 +244,9 @@ class Benches(_Tabled):
     def __getitem__(self, key: int | str) -> Bench:
         if isinstance(key, int):
             return self.benches[key]
-        for found in self.benches:
-            if found.name.lower() == key.lower():
-                return found
+        for bench in self.benches:
+            if bench.name.lower() == key.lower():
+                return bench
         raise InputError("bench", [f"there is no law {key!r} here; {did_you_mean(key, [b.name for b in self.benches])}"])
 
     def rows(self) -> list[tuple[str, ...]]:
@@ -262,10 +262,10 @@ class Benches(_Tabled):
 
     def to_dict(self) -> dict[str, Any]:
         """The results as plain numbers and text."""
-        return {"laws": [found.to_dict() for found in self.benches]}
+        return {"laws": [bench.to_dict() for bench in self.benches]}
 
     def __repr__(self) -> str:
-        return f"<Benches of {', '.join(found.name for found in self.benches)}>"
+        return f"<Benches of {', '.join(bench.name for bench in self.benches)}>"
 
     def _figures(self) -> list[Any]:
         return drawn_on(self.plot, (1.75 * (len(self.benches[0].experiments) + 0.9), 0.5 + 1.0 * len(self)))

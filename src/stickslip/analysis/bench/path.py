@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stickslip.analysis.bench.contact import Contact, swing
+from stickslip.analysis.bench.contact import MovedContact, swing
 from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
 from stickslip.analysis.bench.setup import HELD, Setup
 
@@ -20,7 +20,7 @@ def hysteresis(bench: Setup) -> Experiment:
     moved, x, points, marks = bench.contact(10.0 * reach), 0.0, [], []
     for turn in TURNS:
         time, velocity = swing(turn * reach - x, bench.crawl)
-        points += [(place, R) for _, place, _, R in moved.follow(time, velocity, samples=80)]
+        points += [(position, R) for _, position, _, R in moved.follow(time, velocity, samples=80)]
         x = turn * reach
         marks.append((moved.done, points[-1][1]))
     stiffness = math.inf if bench.set_valued and bench.holds[1] > 0 else bench.contact_stiffness
@@ -53,17 +53,17 @@ def dissipation(bench: Setup) -> Experiment:
     """Work dissipated in a steady cycle against its amplitude."""
     amplitudes = [a * bench.length for a in (AMPLITUDES[1:7] if bench.random else AMPLITUDES)]
     losses = [_loss(bench, a) for a in amplitudes]
-    told = amplitudes.index(TOLD * bench.length)
-    box = 2.0 * amplitudes[told] * (bench.steady_force(bench.crawl) - bench.steady_force(-bench.crawl))
+    shown = amplitudes.index(TOLD * bench.length)
+    box = 2.0 * amplitudes[shown] * (bench.steady_force(bench.crawl) - bench.steady_force(-bench.crawl))
     return Experiment(
         "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle W", "J"),
         (
             Curve("slow cycles", amplitudes, losses),
-            Curve("sliding all the way", amplitudes, [box * a / amplitudes[told] for a in amplitudes]),
+            Curve("sliding all the way", amplitudes, [box * a / amplitudes[shown] for a in amplitudes]),
         ),
         (
-            Quantity("loss", "loss per cycle", losses[told], "J", f"at an amplitude of {amplitudes[told]:.3g} m, slowly"),
-            Quantity("loss_share", "share of full sliding", losses[told] / box, "", "the same by that of sliding all the way"),
+            Quantity("loss", "loss per cycle", losses[shown], "J", f"at an amplitude of {amplitudes[shown]:.3g} m, slowly"),
+            Quantity("loss_share", "share of full sliding", losses[shown] / box, "", "the same by that of sliding all the way"),
             Quantity("loss_exponent", "exponent at small amplitude", _exponent(amplitudes, losses), "",
                      "loss ~ amplitude to this power, between the two smallest"),
         ),
@@ -79,7 +79,7 @@ def _exponent(amplitudes: list[float], losses: list[float]) -> float:
 
 def _loss(bench: Setup, amplitude: float) -> float:
     """Loss of a cycle about x = 0 once the cycles repeat."""
-    moved: Contact = bench.contact(amplitude)
+    moved: MovedContact = bench.contact(amplitude)
     moved.follow(*swing(amplitude, bench.crawl))
     loss = math.inf
     for _ in range(2 if bench.random else CYCLES):

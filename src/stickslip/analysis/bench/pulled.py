@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.bench.envelopes import seen
+from stickslip.analysis.bench.envelopes import envelope
 from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
 from stickslip.analysis.bench.setup import FAST, HELD, Setup, shorter
 from stickslip.models.machines import PulledMass
@@ -83,7 +83,7 @@ def stick_slip(bench: Setup) -> Experiment:
     sticks = bool(still > 0)
     end, shown = float(run.pieces.t[-1]), 3.2 * (period if math.isfinite(period) else pull.time_scale)
     begin = max(end - shown, 0.0)
-    t, v = seen(run, "v", begin, end, 700, bench.pace)
+    t, v = envelope(run, "v", begin, end, 700, bench.pace)
     return Experiment(
         "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip",
         ("time t", "s"), ("velocity v", "m/s"),

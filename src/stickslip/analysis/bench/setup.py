@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from stickslip.analysis.bench.contact import Contact, steady
+from stickslip.analysis.bench.contact import MovedContact, steady
 from stickslip.analysis.bench.findings import Experiment
 from stickslip.analysis.bench.probe import Probe
 from stickslip.basics.errors import SolveError
@@ -128,9 +128,9 @@ class Setup:
             return math.sqrt(self.contact_stiffness / self.mass)
         return self.force / (self.mass * self.typical_speed)
 
-    def contact(self, path: float, rtol: float = 1e-10) -> Contact:
+    def contact(self, path: float, rtol: float = 1e-10) -> MovedContact:
         """A fresh contact that will be moved over a path of this length [m]."""
-        return Contact(self.probe, self.probe_force * path, 1e-6 if self.random else rtol)
+        return MovedContact(self.probe, self.probe_force * path, 1e-6 if self.random else rtol)
 
     @property
     def probe_force(self) -> float:
@@ -175,8 +175,8 @@ def shorter(experiment: Callable[[Setup], Experiment]) -> Callable[[Setup], Expe
         except SolveError:
             if bench.short:
                 raise
-            found = experiment(replace(bench, plain=True))
-            return replace(found, remark="; ".join(filter(None, (found.remark, _SHORT))))
+            repeated = experiment(replace(bench, plain=True))
+            return replace(repeated, remark="; ".join(filter(None, (repeated.remark, _SHORT))))
 
     return tried
 

@@ -34,10 +34,10 @@ def steady_friction(bench: Setup) -> Experiment:
     )  # fmt: skip
 
 
-def _at_rest(bench: Setup, place: float) -> tuple[Curve, ...]:
+def _at_rest(bench: Setup, edge: float) -> tuple[Curve, ...]:
     """The static friction limits if rest is exact; a logarithmic axis has no place for speed 0, so they stand at its end."""
     low, high = bench.holds
-    return (Curve("at rest", (place, place), (high, -low)),) if bench.set_valued and high - low > 0 else ()
+    return (Curve("at rest", (edge, edge), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
 def shown(bench: Setup, v: float) -> float:
@@ -68,15 +68,15 @@ def lag(bench: Setup) -> Experiment:
     frequencies = [f * middle / bench.length for f in (FREQUENCIES[-1:] if bench.random else FREQUENCIES)]
     loops = [_loop(bench, middle, swing, omega) for omega in frequencies]
     widths = [_area(loop) / (2.0 * swing) if bench.remembers else 0.0 for loop in loops]
-    told = max(range(len(widths)), key=lambda k: abs(widths[k]))
+    shown = max(range(len(widths)), key=lambda k: abs(widths[k]))
     curves = [
         Curve(f"{omega:.3g} rad/s", *zip(*loop, strict=True)) for omega, loop in zip(frequencies, loops, strict=True)
     ] if bench.remembers else [Curve("any frequency", *zip(*loops[0], strict=True))]  # fmt: skip
     lagging = "rising minus falling velocity, mean over the swing of the velocity"
     return Experiment(
         "lag", "frictional lag", ("velocity v", "m/s"), ("friction force R", "N"), tuple(curves),
-        (Quantity("lag", "lag", _zero(widths[told], bench), "N", f"{lagging}, at {frequencies[told]:.3g} rad/s"),),
-        {"middle": (middle, "m/s"), "swing": (swing, "m/s"), "omega": (frequencies[told], "rad/s")},
+        (Quantity("lag", "lag", _zero(widths[shown], bench), "N", f"{lagging}, at {frequencies[shown]:.3g} rad/s"),),
+        {"middle": (middle, "m/s"), "swing": (swing, "m/s"), "omega": (frequencies[shown], "rad/s")},
         "" if bench.remembers else "the law has no memory: the same curve up and down, at every frequency",
     )  # fmt: skip
 

@@ -70,13 +70,13 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     _check_methods(law, float(load))
     probe = Probe(law, float(load))
     with finite(law):
-        found = [_finite(probe)]
-        if found[0].passed:
+        claims = [_finite(probe)]
+        if claims[0].passed:
             try:
-                found += _of_motions(probe)
+                claims += _of_motions(probe)
             except SolveError as error:
-                found.append(judged("endless", False, math.nan, error=error))
-    report = LawReport(type(law).__name__, tuple(found))
+                claims.append(judged("endless", False, math.nan, error=error))
+    report = LawReport(type(law).__name__, tuple(claims))
     if raise_ and report.failures:
         raise InputError(report.law, [f"{c.name}: {_measured(c)}{c.meaning}; {c.remedy}" for c in report.failures])
     return report
@@ -268,11 +268,11 @@ def _arrays(probe: Probe) -> Claim | None:
     v, applied = (np.array([point[k] for point in points]) for k in (0, 3))
     z, mode = (tuple(np.array(column) for column in zip(*(point[k] for point in points), strict=True)) for k in (1, 2))
     try:
-        found = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
+        at_once = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
     except (TypeError, ValueError) as error:
         return judged("no_arrays", False, math.nan, error=error)
     single = np.array([_all_values(probe, *point) for point in points], float).T
-    worst = _difference(np.ravel(found), np.ravel(single))
+    worst = _difference(np.ravel(at_once), np.ravel(single))
     return judged("arrays", worst <= _SAME, worst)
 
 

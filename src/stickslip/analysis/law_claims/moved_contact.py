@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from stickslip.analysis.bench.contact import Contact, Motion, steady, swing
+from stickslip.analysis.bench.contact import MovedContact, Velocity, steady, swing
 from stickslip.analysis.bench.probe import Probe
 
 #: A segment of a motion: its duration [s] and its velocity.
-Piece = tuple[float, Motion]
+Piece = tuple[float, Velocity]
 
 
 def shaken(probe: Probe, stroke: float, speed: float, cycles: int = 2) -> dict[str, float]:
@@ -30,7 +30,7 @@ def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
         of the absolute power [J]; ``loss`` and ``loss_turned``: the same of the last pieces alone, ``loss`` with its sign [J]; ``force``:
         at the end [N].
     """
-    state = Contact(probe, probe.load * sum(length for length, _ in pieces) * max(abs(v(0.5 * length)) for length, v in pieces))
+    state = MovedContact(probe, probe.load * sum(length for length, _ in pieces) * max(abs(v(0.5 * length)) for length, v in pieces))
     marks = [(0.0, 0.0)]
     for length, velocity in pieces:
         state.follow(length, velocity)
@@ -43,9 +43,9 @@ def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
 def reversed_at_limit(probe: Probe, reach: float, side: float, by: float) -> list[float]:
     """Forces after strokes that reverse where a contact has slid far: each starts anew from the states, changed by a part of them [N]."""
     speed, forces = side * probe.velocity_scale, list[float]()
-    contact = Contact(probe, probe.load * 20.0 * reach)
+    contact = MovedContact(probe, probe.load * 20.0 * reach)
     for stroke, way in ((10.0, 1.0), (0.317, -1.0), (0.211, 1.0), (10.0, -1.0), (0.523, 1.0)):  # no two end where a switch is
-        anew = Contact(probe, contact.work)
+        anew = MovedContact(probe, contact.work)
         anew.z, anew.mode = tuple(z * (1.0 + by) for z in contact.z), contact.mode
         anew.follow(*swing(way * side * stroke * reach, abs(speed)))
         forces.append(anew.force(way * speed))

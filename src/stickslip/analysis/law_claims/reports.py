@@ -45,10 +45,10 @@ def _texts() -> dict[str, dict[str, str]]:
     return tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
 
 
-def judged(key: str, passed: bool | None, value: float, **told: Any) -> Claim:
+def judged(key: str, passed: bool | None, value: float, **values: Any) -> Claim:
     """A claim in the words of ``claims.toml``."""
     text = _texts()[key]
-    return Claim(text["name"], passed, value, text["meaning"].format(**told), text.get("remedy", ""))
+    return Claim(text["name"], passed, value, text["meaning"].format(**values), text.get("remedy", ""))
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ class LawReport:
 
     def __getitem__(self, name: str) -> Claim:
         """The claim of this name."""
-        found = {claim.name: claim for claim in self.claims}
-        if name not in found:
-            raise InputError("check_law", [f"has no claim {name!r}; {did_you_mean(name, found)}"])
-        return found[name]
+        claims = {claim.name: claim for claim in self.claims}
+        if name not in claims:
+            raise InputError("check_law", [f"has no claim {name!r}; {did_you_mean(name, claims)}"])
+        return claims[name]
 
     def __str__(self) -> str:
         return "\n".join([self.law, *(f"  {claim}" for claim in self.claims)])

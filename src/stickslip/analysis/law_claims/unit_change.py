@@ -16,7 +16,7 @@ _BASE = {**{name: {name: 1} for name in FACTORS}, "kg": {"N": 1, "s": 2, "m": -1
 
 def units(cls: type) -> dict[str, str]:
     """Field -> unit given in brackets in its line of the docstring, as in "Bristle stiffness [N/m]"."""
-    found: dict[str, str] = {}
+    units: dict[str, str] = {}
     names: list[str] = []
     for line in (inspect.getdoc(cls) or "").splitlines():
         head = re.match(r"(\w+(?:, \w+)*) : ", line)
@@ -24,8 +24,8 @@ def units(cls: type) -> dict[str, str]:
             names = head[1].split(", ")
         bracket = re.findall(r"\[([^\]\d][^\]]*|1)\]", line) if line.startswith(" ") else []
         if bracket:
-            found.update(dict.fromkeys(names, bracket[-1]))
-    return found
+            units.update(dict.fromkeys(names, bracket[-1]))
+    return units
 
 
 def factor(unit: str) -> float:
@@ -44,14 +44,14 @@ def factor(unit: str) -> float:
 
 def in_other_units(law: Any) -> Any:
     """The same law with all its numbers in other units; `LookupError` names the first field without a unit."""
-    told, values = units(type(law)), {}
+    known_units, values = units(type(law)), {}
     for field in dataclasses.fields(law):
         value = getattr(law, field.name)
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             values[field.name] = in_other_units(value)
         elif "float" in str(field.type) and value is not None:
-            if field.name not in told:
+            if field.name not in known_units:
                 raise LookupError(field.name)
-            by = factor(told[field.name])
+            by = factor(known_units[field.name])
             values[field.name] = tuple(by * x for x in value) if isinstance(value, tuple) else by * value
     return replace_leaf(law, values)

@@ -154,8 +154,8 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
         count[i, 3], out[i, 8], out[i, 9], out[i, 10] = 0, math.nan, math.nan, math.nan
         if status == FINISHED:
             status = REPEATS if p > 0 else FINISHED
-            found, out[i, 8] = outcome(points, n, min(n, KEPT - 1), LONGEST, scale, tolerance, tolerance)
-            p = p if p > 0 else found
+            repeated, out[i, 8] = outcome(points, n, min(n, KEPT - 1), LONGEST, scale, tolerance, tolerance)
+            p = p if p > 0 else repeated
             number = min(max(p, 1), n)
             out[i, 1], out[i, 5] = number, remaining(points, n, number, unit)
             begin = n if status == REPEATS else n - number  # where it repeats, the next motion period is the best one yet

@@ -203,7 +203,7 @@ def keep_beside(lane, row, S, D):
 
 
 @njit(int64(int64, int64, int64, i1), **OPTIONS)
-def seen_before(lane, k, W, D):
+def repeats_exactly(lane, k, W, D):
     """After how many periods the last strobe point is the same to the last bit, so that all that follows is known; 0: it is new."""
     RING = RING_of(W)
     if D[SAMPLE_AT] >= 0:
@@ -234,8 +234,8 @@ def skip(lane, p, k, S, W, D):
             row[i] = old[i]
         row[0] = old[0] + moved
         if n >= settle and n < settle + LONGEST:
-            for place in range(D[PLACES]):
-                XS[lane, n - settle, place] = row[0] + (place_of(lane, place, S, D) - begun)
+            for body in range(D[PLACES]):
+                XS[lane, n - settle, body] = row[0] + (place_of(lane, body, S, D) - begun)
         if n == settle:
             want_extremes(lane, S, D)
     S[D[F_X] + lane] += RING[lane, end % KEPT, 0] - begun
@@ -263,7 +263,7 @@ def end_period(lane, S, W, D):
     if k >= settle and k < settle + LONGEST:
         keep_places(lane, k - settle, S, W, D)
     if k < periods - 1 and not auto and N[lane, TARGET] == 0 and JOB[WHOLE] == 0:
-        p = seen_before(lane, k, W, D)
+        p = repeats_exactly(lane, k, W, D)
         if p > 0:
             skip(lane, p, k, S, W, D)
             k = N[lane, DONE]

@@ -15,17 +15,17 @@ NOBODY, MISFIT, FIT = 0, 1, 2  # what a lane has: no case, one that wants the ot
 
 
 @njit(void(int64, int64, int64, f1, int64, i1), **OPTIONS)
-def put_away(place, lane, sort, S, W, D):
+def put_away(slot, lane, sort, S, W, D):
     """Let the case of a lane wait for steps of a sort."""
     STORE, POOL = STORE_of(W), POOL_of(W)
     at, apart = np.uint64(POOL.shape[1] + lane), np.uint64(D[LANES])
-    row = STORE[place]
+    row = STORE[slot]
     for f in range(np.uint64(D[LASTING])):
         row[f] = S[at]
         at += apart
     S[POOL.shape[1] + lane + D[F_TEND]] = 1e30
     POOL[WAITING + sort, 0] += 1
-    POOL[WAITING + sort, POOL[WAITING + sort, 0]] = place
+    POOL[WAITING + sort, POOL[WAITING + sort, 0]] = slot
     POOL[IN_LANE, lane] = -1
 
 
@@ -36,9 +36,9 @@ def bring(lane, sort, S, W, D):
     count = POOL[WAITING + sort, 0]
     if count == 0:
         return -1
-    place, first = POOL[WAITING + sort, count], POOL.shape[1] + lane
+    slot, first = POOL[WAITING + sort, count], POOL.shape[1] + lane
     POOL[WAITING + sort, 0] = count - 1
-    at, apart, row = np.uint64(first), np.uint64(D[LANES]), STORE[place]
+    at, apart, row = np.uint64(first), np.uint64(D[LANES]), STORE[slot]
     lasting = np.uint64(D[LASTING])
     for f in range(lasting):
         S[at] = row[f]
@@ -48,18 +48,18 @@ def bring(lane, sort, S, W, D):
         j = np.uint64(POOL[VARIED, k])
         S[constants + j * apart] = row[lasting + j]
     S[first + D[F_SOON]] = sort
-    POOL[IN_LANE, lane] = place
-    return place
+    POOL[IN_LANE, lane] = slot
+    return slot
 
 
 @njit(int64(int64, int64, int64, int64, f1, int64, i1), **OPTIONS)
-def exchange(lane, place, wish, sort, S, W, D):
+def exchange(lane, slot, wish, sort, S, W, D):
     """Give a lane a case that wants steps of a sort, if one waits, and it has none (place -1) or another; what it has now."""
     POOL = POOL_of(W)
-    if place >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
-        put_away(place, lane, wish, S, W, D)
-        place = -1
-    if place < 0:
+    if slot >= 0 and wish != sort and POOL[WAITING + sort, 0] > 0:
+        put_away(slot, lane, wish, S, W, D)
+        slot = -1
+    if slot < 0:
         return FIT if bring(lane, sort, S, W, D) >= 0 else NOBODY
     return FIT if wish == sort else MISFIT
 
@@ -67,10 +67,10 @@ def exchange(lane, place, wish, sort, S, W, D):
 @njit(int64(f1, int64, i1), **OPTIONS)
 def marks_of(S, begin, D):
     """The lanes, as bits, in which something was noted or whose case wants the other sort of step."""
-    found = 0
+    marks = 0
     for first in range(0, D[LANES], VECTOR):
-        found |= as_bits(S[begin + D[F_MARKS] + first]) << first
-    return found
+        marks |= as_bits(S[begin + D[F_MARKS] + first]) << first
+    return marks
 
 
 @njit(int64(int64), **OPTIONS)
@@ -90,11 +90,11 @@ def count_of(bits):
 
 
 @njit(void(int64, int64, f1, int64, i1), **OPTIONS)
-def keep_constants(place, lane, S, W, D):
+def keep_constants(slot, lane, S, W, D):
     """What lasts as long as the case of a lane."""
     STORE, POOL = STORE_of(W), POOL_of(W)
     for j in range(D[CONSTANTS]):
-        STORE[place, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
+        STORE[slot, D[LASTING] + j] = S[POOL.shape[1] + lane + D[F_C] + j * D[LANES]]
 
 
 @njit(void(int64, i1), **OPTIONS)
@@ -119,8 +119,8 @@ def cases_at_work(S, W, D):
     """How many places have a case; at the start of a job they are given the first ones, and the first of these the lanes."""
     N, POOL = N_of(W), POOL_of(W)
     begin, places, active = POOL.shape[1], N.shape[0], 0
-    for place in range(places):
-        if N[place, CASE] >= 0:
+    for slot in range(places):
+        if N[slot, CASE] >= 0:
             active += 1
     if active > 0:
         return active
@@ -128,15 +128,15 @@ def cases_at_work(S, W, D):
         POOL[IN_LANE, lane] = -1
         S[begin + lane + D[F_TEND]] = 1e30
     find_varied(W, D)
-    for place in range(places - 1, -1, -1):
-        lane = place if place < D[LANES] else 0
-        if next_case(place, S[begin + lane - place :], W, D):
+    for slot in range(places - 1, -1, -1):
+        lane = slot if slot < D[LANES] else 0
+        if next_case(slot, S[begin + lane - slot :], W, D):
             active += 1
-            keep_constants(place, lane, S, W, D)
-            POOL[IN_LANE, lane] = place
+            keep_constants(slot, lane, S, W, D)
+            POOL[IN_LANE, lane] = slot
             S[begin + lane + D[F_SOON]] = 0.0
-            if place >= D[LANES]:
-                put_away(place, lane, 0, S, W, D)
+            if slot >= D[LANES]:
+                put_away(slot, lane, 0, S, W, D)
     return active
 
 
@@ -170,32 +170,32 @@ def advance_pooled(S, calls, W, D):
         while asking != 0:
             lane = lowest(asking)
             asking &= asking - 1
-            place = POOL[IN_LANE, lane]
+            slot = POOL[IN_LANE, lane]
             wish = np.int64(S[soon + lane])
-            if place >= 0 and wish > 1:
-                V = S[begin + lane - place :]
-                if N[place, RECORDING] == 1:
-                    watch(place, V, W, D)
+            if slot >= 0 and wish > 1:
+                V = S[begin + lane - slot :]
+                if N[slot, RECORDING] == 1:
+                    watch(slot, V, W, D)
                 if steps[D[F_STAT] + lane] >= 0.5:
-                    case = N[place, CASE]
-                    if not go_on(place, V, W, D):
+                    case = N[slot, CASE]
+                    if not go_on(slot, V, W, D):
                         active -= 1
-                        POOL[IN_LANE, lane] = place = -1
-                    elif N[place, CASE] != case:
-                        keep_constants(place, lane, S, W, D)
+                        POOL[IN_LANE, lane] = slot = -1
+                    elif N[slot, CASE] != case:
+                        keep_constants(slot, lane, S, W, D)
                         wish = 2
                 wish -= 2
                 S[soon + lane] = wish
-            found = exchange(lane, place, wish, sort, S, W, D)
-            empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
-            misfits |= (found == MISFIT) << lane
+            match = exchange(lane, slot, wish, sort, S, W, D)
+            empty = empty | 1 << lane if match == NOBODY else empty & ~(1 << lane)
+            misfits |= (match == MISFIT) << lane
         ready = L - count_of(misfits | empty)
         if ready < ENOUGH and active - ready > ready:
             sort = 1 - sort
             POOL[SORT, 0] = sort
             misfits = 0
             for lane in range(L):
-                found = exchange(lane, POOL[IN_LANE, lane], np.int64(S[soon + lane]), sort, S, W, D)
-                empty = empty | 1 << lane if found == NOBODY else empty & ~(1 << lane)
-                misfits |= (found == MISFIT) << lane
+                match = exchange(lane, POOL[IN_LANE, lane], np.int64(S[soon + lane]), sort, S, W, D)
+                empty = empty | 1 << lane if match == NOBODY else empty & ~(1 << lane)
+                misfits |= (match == MISFIT) << lane
     return active

@@ -223,7 +223,8 @@ def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
         problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
     if not (hasattr(robot, "friction") and hasattr(robot, "replace")):
         raise InputError(
-            "compare", [*problems.found, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"]
+            "compare",
+            [*problems.mistakes, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"],
         )
     pairs = list(laws.items()) if isinstance(laws, dict) else [(None, law) for law in ([laws] if isinstance(laws, str) else laws)]
     for label, law in pairs:

@@ -248,12 +248,12 @@ def _check_once(free: list[Free], tied: dict[str, Any], arguments: dict[str, Any
         own = [f"{name}[{f.record}]" for f in free if f.argument == name and f.record is not None]
         if name in names and own:
             problems.add(f"free names {name}, for all records, and {', '.join(dict.fromkeys(own))}; leave one of them out")
-        problems.found += [f"free names {one} twice, once as {name}[:]; leave one of them out" for one in own if own.count(one) > 1][:1]
+        problems.mistakes += [f"free names {one} twice, once as {name}[:]; leave one of them out" for one in own if own.count(one) > 1][:1]
         if name in arguments and (name in names or len(set(own)) == count):
             problems.add(f"{name} is free and given, as {name} = {arguments[name]!r}; leave one of them out")
         if name in tied:
             problems.add(f"{name} is free and tied; leave it out of free or out of tied")
-    problems.found += [
+    problems.mistakes += [
         f"{name} is tied and given, as {name} = {arguments[name]!r}; leave one of them out" for name in tied if name in arguments
     ]
 

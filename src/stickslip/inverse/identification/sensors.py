@@ -115,7 +115,7 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
         records = _records(name, targets, problems)
         made = _number(name, records, said, targets, problems) if records else None
         twice = {(made.what, i) for i in made.records} & taken if made else set()
-        problems.found += [f"sensor: {what} of record {i} is named twice; leave one of them out" for what, i in sorted(twice)]
+        problems.mistakes += [f"sensor: {what} of record {i} is named twice; leave one of them out" for what, i in sorted(twice)]
         if made:
             taken |= {(made.what, i) for i in made.records}
             (held if is_number(said) else fitted).append(made)

@@ -163,7 +163,9 @@ def _sample(model: Any, robust: Any, quantile: Any, varied: list[Varied], seed: 
     for one in spread.names:
         for other in varied:
             both = [a for a in spread.alone(one, np.array([0.5])) for b in other.leaves if a == b or a.startswith(b + ".")]
-            problems.found += [f"{one!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]]
+            problems.mistakes += [
+                f"{one!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]
+            ]
     sample = sample_of(spread, _SAMPLE, seed)
     try:
         check_sample("optimise", model, sample)

@@ -122,8 +122,8 @@ def given_numbers(problems: Problems, typed: str, **values: Any) -> dict[str, An
         if value is not None:
             own = Problems(problems.what)
             x = checked_number(name, value, own, positive, "a positive number", typed, _UNITS.get(name))
-            problems.found += own.found
-            taken |= {} if own.found else {name: x}
+            problems.mistakes += own.mistakes
+            taken |= {} if own.mistakes else {name: x}
     _check_fit(problems, taken)
     return taken
 

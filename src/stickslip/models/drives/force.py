@@ -81,7 +81,7 @@ class ForceSum(Force):
             return
         for sentence in not_forces({f"parts[{i}]": part for i, part in enumerate(self.parts)}):
             problems.add(sentence)
-        if problems.found:
+        if problems.mistakes:
             return
         periods = [part.period for part in self.parts]
         repeats = repeats_of(periods)

@@ -57,7 +57,7 @@ class Pieces(PeriodicDrive):
         for i, d in enumerate(durations):
             if not everywhere(d > 0):
                 problems.add(f"durations[{i}] = {describe(d)}; allowed is a positive time [s]; {_EXAMPLE}")
-        if problems.found:
+        if problems.mistakes:
             return
         change = sum(a * d for a, d in zip(accelerations, durations, strict=True))
         size = sum(abs(a) * d for a, d in zip(accelerations, durations, strict=True))

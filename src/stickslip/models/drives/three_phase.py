@@ -65,7 +65,7 @@ class ThreePhase(PeriodicDrive):
         completed(self, _EXAMPLE, ("w1", "w2", "w3"), ways, u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
 
     def _check(self, problems: Problems) -> None:
-        if not problems.found and not everywhere(self._turned > self._pushed):
+        if not problems.mistakes and not everywhere(self._turned > self._pushed):
             problems.add(f"w2 = {describe(self.w2)} makes the return too short for double precision; allowed is less; type w2=1e12")
 
     @property

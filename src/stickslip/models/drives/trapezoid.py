@@ -64,7 +64,7 @@ class Trapezoid(PeriodicDrive):
         completed(self, _EXAMPLE, ("u1", "u2", "ramp"), ways, u1=u1, u2=u2, ramp=ramp, **given)
 
     def _check(self, problems: Problems) -> None:
-        if problems.found:
+        if problems.mistakes:
             return
         total = (self.u1 + self.u2) * self.ramp
         if not everywhere((total < self.period * self.u1) & (total < self.period * self.u2)):

@@ -88,7 +88,7 @@ class RateState(Law):
     def _check(self, problems: Problems) -> None:
         if self.evolution not in _LAWS:
             problems.add(f'evolution = {self.evolution!r}; allowed is "aging" or "slip"; type evolution="aging"')
-        if not problems.found and not everywhere(self.mu0 <= _MOST * self.a):
+        if not problems.mistakes and not everywhere(self.mu0 <= _MOST * self.a):
             problems.add(f"a = {self.a!r} is less than mu0/{_MOST:g}; allowed is more; type for example a={0.02 * self.mu0!r}")
 
     def start(self, load: Any) -> Any:

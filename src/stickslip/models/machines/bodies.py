@@ -39,7 +39,7 @@ class Bodies(Frozen):
 
     def _check(self, problems: Problems) -> None:
         problems.whole("count", self.count, 2, example=3, what=" of bodies", most=64)
-        if isinstance(self.mass, tuple) and not problems.found and len(self.mass) != self.count:
+        if isinstance(self.mass, tuple) and not problems.mistakes and len(self.mass) != self.count:
             mistake = f"mass has {len(self.mass)} numbers for {self.count} bodies; allowed is one number, or one for each"
             problems.add(f"{mistake}; type mass={(0.05,) * self.count}")
         check_law(self.friction, problems)

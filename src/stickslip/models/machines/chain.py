@@ -66,7 +66,7 @@ class Chain(Machine):
 
     def _check(self, problems: Problems) -> None:
         _check_modules(self.modules, problems)
-        if problems.found:
+        if problems.mistakes:
             return
         count = len(self.names)
         if self.phases is not None and not self._robots:
@@ -84,7 +84,7 @@ class Chain(Machine):
         for i, phase in enumerate(self.phases or ()):
             if not everywhere(abs(phase) <= 2 * pi):
                 problems.add(f"phases[{i}] = {describe(phase)}; allowed is from -2 pi to 2 pi [rad]; type math.radians(90) for 90 degrees")
-        if problems.found:
+        if problems.mistakes:
             return
         _check_periods(self._driven, problems)
         super()._check(problems)
@@ -185,7 +185,7 @@ def _check_modules(modules: Any, problems: Problems) -> None:
             "ss.Bodies; type modules=(head, tail)"
         )
         return
-    problems.found += [
+    problems.mistakes += [
         f"modules[{i}] = {each!r}; allowed is a Robot whose drive prescribes the motion of its inner mass"
         for i, each in enumerate(modules)
         if not hasattr(each, "drive") or isinstance(each, type) or not machine_of(each).is_single

@@ -32,7 +32,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
         if not isinstance(parts, dict):
             hint = "a list gives its parts no names; " if isinstance(parts, (list, tuple)) else ""
             problems.add(f"{what}() gives {parts!r}; {hint}allowed is a dictionary; type return {_EXAMPLES[what]}")
-    if problems.found:
+    if problems.mistakes:
         return
     bodies = listed["bodies"]
     if not bodies:
@@ -54,7 +54,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
         )
     for name, part in listed["controllers"].items():
         _check_controller(name, part, bodies, problems)
-    if not problems.found:
+    if not problems.mistakes:
         mechanics = machine.mechanics
         _check_groups(mechanics, problems)
         _check_stops(mechanics, problems)
@@ -116,7 +116,7 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         _check_told(f"{where}.load", contact.load, ("time", "position"), problems, positive, "a positive force [N]", example)
     own = Problems(problems.what)
     check_law(contact.friction, own)
-    for sentence in own.found:
+    for sentence in own.mistakes:
         problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
 
 

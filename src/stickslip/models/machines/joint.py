@@ -150,7 +150,7 @@ class Joint(TakesInput, Machine):
             problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
         if self.gear_stiffness is None and not everywhere(self.gear_damping == 0.0) and everywhere(self.backlash == 0.0):
             problems.add("gear_damping is that of an elastic gear; type gear_stiffness=1e4 [N m/rad] too, or leave it out")
-        if not problems.found:
+        if not problems.mistakes:
             self._complete()
             super()._check(problems)
 

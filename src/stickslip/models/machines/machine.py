@@ -96,7 +96,7 @@ class Machine(Filed):
 
     def _check(self, problems: Problems) -> None:
         check_shape(self, problems)
-        if not problems.found:
+        if not problems.mistakes:
             check_parts(self, problems)
 
     def mirrored(self) -> Any:

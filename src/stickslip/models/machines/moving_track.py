@@ -92,11 +92,11 @@ class MovingTrack(Machine):
                 example = "ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)" if name == "along" else "ss.Harmonic(1e-4, omega=300.0)"
                 problems.add(f"{name} = {drive!r}; allowed is a drive, an object with {', '.join(NEEDS)}; type {name}={example}")
         check_law(self.friction, problems)
-        if problems.found:
+        if problems.mistakes:
             return
         if self.across is not None:
             self._check_across(problems)
-        if not problems.found:
+        if not problems.mistakes:
             super()._check(problems)
 
     def _check_across(self, problems: Problems) -> None:

@@ -51,14 +51,14 @@ class Body(Frozen):
 
     def applied(self, t: Any, x: Any, v: Any) -> Any:
         """Applied force, with gravity [N]."""
-        return _told(self.force, t, x, v)
+        return _value_of(self.force, t, x, v)
 
     def weight_at(self, t: Any, x: Any, v: Any) -> Any:
         """The part of it that is due to gravity [N]."""
-        return _told(self.gravity, t, x, v)
+        return _value_of(self.gravity, t, x, v)
 
 
-def _told(force: Any, t: Any, x: Any, v: Any) -> Any:
+def _value_of(force: Any, t: Any, x: Any, v: Any) -> Any:
     """A number, or what a function says."""
     return force(t, x, v) if callable(force) else force
 

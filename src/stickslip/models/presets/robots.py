@@ -82,9 +82,9 @@ def piezo_rig(
             near = did_you_mean(str(value), allowed)
             hint = near if near.startswith("did") else _ANOTHER_LAW if name == "law" else ""
             problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {hint}" if hint else ""))
-    if not problems.found:
+    if not problems.mistakes:
         _check_shapes(numbers, law, problems)
-    if not problems.found:
+    if not problems.mistakes:
         _check_tilt(numbers, law, incline, problems)
     problems.check()
     n = numbers

@@ -199,7 +199,7 @@ class FrictionWave(_Placed):
         x, y = np.ravel(np.asarray(place, float)), np.ravel(np.asarray(factor, float))
         problems = Problems("FrictionWave.fitted")
         problems.whole("harmonics", harmonics, 1, example=8, most=_MOST)
-        if not problems.found and (len(x) != len(y) or len(x) < 2 * harmonics + 1 or not np.isfinite([x, y]).all()):
+        if not problems.mistakes and (len(x) != len(y) or len(x) < 2 * harmonics + 1 or not np.isfinite([x, y]).all()):
             problems.add(f"{len(x)} places and {len(y)} factors; allowed are as many finite numbers of each, {2 * harmonics + 1} or more")
         problems.check()
         angle = 2 * np.pi * np.outer(x, np.arange(1, harmonics + 1)) / wavelength

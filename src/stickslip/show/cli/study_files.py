@@ -131,8 +131,8 @@ def _read(text: str, name: str, folder: Path) -> Study:
     arguments = document.get("arguments", {})
     if not isinstance(arguments, dict):
         problems.add('arguments is not a table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
-    if problems.found:
-        raise InputError(what, located(problems.found, lines_of(text)))
+    if problems.mistakes:
+        raise InputError(what, located(problems.mistakes, lines_of(text)))
     return Study(make, arguments, options, document.get("optimise"))
 
 
@@ -196,8 +196,8 @@ def _options(table: Any, make: Any, problems: Problems) -> dict[str, Any]:
         if option not in names:
             problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")
     known = {k: v for k, v in table.items() if k in names}
-    if problems.found and known:  # otherwise the command reports it, together with its own errors
-        problems.found += [f"solve.{p}" for p in of_solver(_stand_in(make), known)]
+    if problems.mistakes and known:  # otherwise the command reports it, together with its own errors
+        problems.mistakes += [f"solve.{p}" for p in of_solver(_stand_in(make), known)]
     return known
 
 

@@ -84,7 +84,7 @@ def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str,
             rest.append(word)
             if ".." in text:
                 problems.add(f"{word!r} gives the number of values, and so does the design; type {name}={text.partition(':')[0]}")
-    if not ranges and problems.found == []:
+    if not ranges and problems.mistakes == []:
         problems.add("--sobol and --latin draw from ranges, and there is none; type for example amplitude=1e-4..8e-4")
     problems.check()
     return ranges, rest

@@ -20,7 +20,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
-from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.part_results import nothing as no_parts
 from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
@@ -53,12 +53,12 @@ def _nothing(model: Any) -> dict[str, Any]:
     return {**strobes.NOTHING, "parts": no_parts(len(m.bodies), len(m.contacts), len(m.named_stops))}
 
 
-def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:
+def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], RawResults]]:
     """Raw results case by case."""
     for i in range(todo.cases):
         model = _case(todo, i)
-        found = strobes.case_or_nothing(partial(_solved, todo, model, i), _nothing(model), todo.partial)
-        yield (i, i + 1), strobes.raw([found])
+        solved = strobes.case_or_nothing(partial(_solved, todo, model, i), _nothing(model), todo.partial)
+        yield (i, i + 1), strobes.raw([solved])
         todo.progress(i + 1, todo.cases)
 
 

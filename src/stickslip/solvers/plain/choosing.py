@@ -16,7 +16,7 @@ import numpy as np
 from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
-from stickslip.solvers.plain.plain_equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
 _ORDERS = 4  # derivatives at which ties are looked; after them a tie is rest
 _NODES = 9
@@ -27,12 +27,12 @@ _ABOVE = 1e-9  # of the size of forces: what is no rounding of a coefficient
 _SOON = 1e-9  # of a period: when a body that begins at rest under a dynamic law is asked which way it went
 
 
-def begun(e: Equations, t: float, y: Any, memory: tuple[tuple[int, ...], ...]) -> tuple[Any, Mode]:
+def begun(e: Equations, t: float, y: Any, memory: tuple[tuple[int, ...], ...]) -> tuple[Any, ContactModes]:
     """State and mode at the start of a run."""
     u = e.state(y)[1]
     sides = [0 if w == 0.0 else _sign(w) for w in e.slips(t, u)]
     aloft = begun_aloft(e, t, y)
-    mode = conditioned(e, t, y, turned_aloft(e, t, y, Mode(tuple(sides), memory, aloft=aloft), [i for i in aloft if sides[i] == 0]))
+    mode = conditioned(e, t, y, turned_aloft(e, t, y, ContactModes(tuple(sides), memory, aloft=aloft), [i for i in aloft if sides[i] == 0]))
     sides = [*mode.sides]
     moving = mode.moved({i: 1 for i, side in enumerate(sides) if side == 0 and e.dynamic[i]} | _stops(e, t, y))
     y, mode = chosen(e, t, y, moving)
@@ -58,7 +58,7 @@ def _stops(e: Equations, t: float, y: Any) -> dict[int, int]:
     return {e.k + s: 0 if gap <= small and abs(rate) <= still else 1 for s, (gap, rate) in enumerate(zip(gaps, rates, strict=True))}
 
 
-def conditioned(e: Equations, t: float, y: Any, mode: Mode) -> Mode:
+def conditioned(e: Equations, t: float, y: Any, mode: ContactModes) -> ContactModes:
     """The mode with all conditions of forces and loads as they are; one that is at its kink as it will be a moment later."""
     now = e.differences(t, y, (None, None))
     if not any(now):
@@ -74,7 +74,7 @@ def _above(now: Sequence[float], later: Sequence[float] = ()) -> tuple[bool, ...
     return tuple(a > 0 if a != 0 else b > 0 for a, b in zip(now, later, strict=True))
 
 
-def _drift(e: Equations, t: float, y: Any, mode: Mode) -> Any:
+def _drift(e: Equations, t: float, y: Any, mode: ContactModes) -> Any:
     held = mode.moved({i: 1 for i, side in enumerate(mode.sides) if side == 0})
     return e.right(held)(t, y)
 
@@ -95,8 +95,8 @@ class _Problem:
 
 
 def chosen(
-    e: Equations, t: float, y: Any, mode: Mode, touched: Sequence[int] = (), forced: dict[int, int] | None = None
-) -> tuple[Any, Mode]:
+    e: Equations, t: float, y: Any, mode: ContactModes, touched: Sequence[int] = (), forced: dict[int, int] | None = None
+) -> tuple[Any, ContactModes]:
     """State and mode after an event.
 
     `touched` are rows that came to zero slip, which with the resting rows of `mode` are decided; `forced` ones break away as told.
@@ -124,13 +124,13 @@ def chosen(
     return y, resting.moved({i: _reversed(e, t, y, resting, i) for i in turned})
 
 
-def _reversed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> int:
+def _reversed(e: Equations, t: float, y: Any, mode: ContactModes, i: int) -> int:
     """The side of a dynamic contact whose slip came to zero."""
     before = mode.sides[i]
     return -before if e.slip_rates(t, y, mode)[i] * before <= 0 else before
 
 
-def _at_once(e: Equations, t: float, y: Any, mode: Mode, problem: _Problem, forced: dict[int, int]) -> Answer:
+def _at_once(e: Equations, t: float, y: Any, mode: ContactModes, problem: _Problem, forced: dict[int, int]) -> Answer:
     """The problem of the accelerations."""
     push = e.motion(t, y, mode.moved(dict.fromkeys(problem.rows, 0))).push
     loads = e.pressed(e.time(t), e.state(y)[0], mode)
@@ -180,7 +180,7 @@ def _order(c: Any) -> list[int]:
 
 
 def _by_derivatives(
-    e: Equations, t: float, y: Any, mode: Mode, problem: _Problem, answer: Answer, forced: dict[int, int]
+    e: Equations, t: float, y: Any, mode: ContactModes, problem: _Problem, answer: Answer, forced: dict[int, int]
 ) -> dict[int, int]:
     """Contacts that rest exactly at a limit and leave it after all, with their sides."""
     limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
@@ -195,14 +195,14 @@ def _by_derivatives(
     for m in range(1, _ORDERS + 1):
         low = [float(c[1][n, m]) if "-" in bound else -np.inf for n, bound in enumerate(bounds)]
         high = [float(c[2][n, m]) if "+" in bound else np.inf for n, bound in enumerate(bounds)]
-        found = decide(G, c[0][:, m], low, high, small=size)
-        rates = c[0][:, m] - G @ np.array(found.R)
+        decision = decide(G, c[0][:, m], low, high, small=size)
+        rates = c[0][:, m] - G @ np.array(decision.R)
         freed = {rows[n]: _sign(rates[n]) for n, bound in enumerate(bounds) if bound and abs(rates[n]) > size}
         if freed:
             return freed
         for n, bound in enumerate(bounds):
             slack = size * e.effective[rows[n]]
-            if bound and low[n] + slack < found.R[n] < high[n] - slack:
+            if bound and low[n] + slack < decision.R[n] < high[n] - slack:
                 bounds[n] = ""
     return {}
 
@@ -213,7 +213,7 @@ def _bound(R: float, low: float, high: float) -> str | None:
     return ("+" if high - R <= small else "") + ("-" if R - low <= small else "") or None
 
 
-def _ahead(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> tuple[Any, Any, Any]:
+def _ahead(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> tuple[Any, Any, Any]:
     """Series of beta and of both limits of resting rows, along the motion in which they stay at rest."""
     import scipy.integrate
 
@@ -227,8 +227,8 @@ def _ahead(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> tuple
     def values(times: Any) -> Any:
         states = [y]
         for span in itertools.pairwise(times):  # one after the other, for a dense output is of lower order
-            found = scipy.integrate.solve_ivp(right, span, states[-1], "DOP853", rtol=1e-13, atol=1e-15 * e.sizes(t, y))
-            states.append(found.y[:, -1])
+            solution = scipy.integrate.solve_ivp(right, span, states[-1], "DOP853", rtol=1e-13, atol=1e-15 * e.sizes(t, y))
+            states.append(solution.y[:, -1])
         return [look(float(at), state) for at, state in zip(times, states, strict=True)]
 
     c = _fitted(values, t, e)
@@ -245,9 +245,9 @@ def _fitted(values: Callable[[Any], list[Any]], t: float, e: Equations) -> Any:
     """Coefficients (value, power) of (t' - t)/reach, of a reach over which the series comes to an end."""
     reach, theta = _REACH * e.scale_of_time, 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
     for _ in range(_SHORTER):
-        found = np.linalg.solve(theta[:, None] ** np.arange(_NODES), np.array(values(t + reach * theta))).T
-        finite = found[np.all(np.isfinite(found), axis=1)]
+        coefficients = np.linalg.solve(theta[:, None] ** np.arange(_NODES), np.array(values(t + reach * theta))).T
+        finite = coefficients[np.all(np.isfinite(coefficients), axis=1)]
         if np.max(abs(finite[:, -2:]), initial=0.0) <= 1e3 * _ENDED * max(np.max(abs(finite), initial=0.0), 1e-300):
             break
         reach *= 0.5
-    return np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
+    return np.nan_to_num(coefficients, nan=0.0, posinf=0.0, neginf=0.0)

@@ -79,14 +79,14 @@ def blocks(G: Any) -> list[list[int]]:
     >>> blocks([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.5, 0.0, 1.0]])
     [[0, 2], [1]]
     """
-    left, found = list(range(len(G))), []
+    left, blocks = list(range(len(G))), []
     while left:
         block = [left[0]]
         for i in block:  # grows while it is walked
             block += [j for j in left if G[i][j] != 0 and j not in block]
-        found.append(sorted(block))
+        blocks.append(sorted(block))
         left = [i for i in left if i not in block]
-    return found
+    return blocks
 
 
 def is_common(G: Any) -> bool:
@@ -135,8 +135,8 @@ def decide(
     )  # fmt: skip
     R, sides = [0.0] * count, [0] * count
     for block in blocks(G):
-        found = _decide(_part(whole, block))
-        for i, force, side in zip(block, *found, strict=True):
+        decision = _decide(_part(whole, block))
+        for i, force, side in zip(block, *decision, strict=True):
             R[i], sides[i] = float(force), int(side)
     rates = beta - G @ np.array(R) if count else beta
     return Answer(R, sides, [0.0 if side == 0 else float(rate) for side, rate in zip(sides, rates, strict=True)])
@@ -173,13 +173,13 @@ def _common(block: _Block) -> tuple[list[float], list[int]]:
     sizes = np.sqrt(np.diag(block.G) / block.G[0, 0])
     level = sign * block.beta / sizes
     free = [i for i in range(len(block)) if i not in block.forced]
-    found = [
+    consistent = [
         sides for sides in _medians(block, level, sign, free)
         if _is_consistent_median(block, level, sign, sizes, sides)
     ]  # fmt: skip
-    if not found:
+    if not consistent:
         raise SolveError("no combination of resting and sliding contacts on one coordinate is consistent: static friction is below kinetic")
-    sides = min(found, key=block.preference)
+    sides = min(consistent, key=block.preference)
     R = [block.force(i, side) if side else 0.0 for i, side in enumerate(sides)]
     group = [i for i, side in enumerate(sides) if side == 0]
     if group:

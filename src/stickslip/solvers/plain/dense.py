@@ -10,11 +10,11 @@ import numpy as np
 
 from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.results.dense_output import PolynomialPieces
-from stickslip.solvers.plain.plain_equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
 
 @dataclass
-class Part:
+class DensePart:
     """One piece of dense output: where it begins, and the polynomials of `Equations.output`."""
 
     t: float
@@ -28,7 +28,7 @@ class Part:
         self.coefficients[:, -1] += np.asarray(values) - self.coefficients.sum(axis=1)
 
 
-def part_of(e: Equations, dense: Any, degree: int, start: float, end: float, before: Any, after: Any, mode: Mode) -> Part:
+def part_of(e: Equations, dense: Any, degree: int, start: float, end: float, before: Any, after: Any, mode: ContactModes) -> DensePart:
     """A step, or the beginning of one up to `end`, as polynomials of a degree; its ends are the integrator's own states."""
     theta = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree + 1) / degree)
     times = start + (end - start) * theta
@@ -37,10 +37,10 @@ def part_of(e: Equations, dense: Any, degree: int, start: float, end: float, bef
     coefficients = np.linalg.solve(theta[:, None] ** np.arange(degree + 1), values).T
     coefficients[:, 0] = values[0]
     coefficients[:, -1] += values[-1] - coefficients.sum(axis=1)
-    return Part(start, float(before[0]), coefficients, mode.sides[: e.k], tuple(m for own in mode.memory for m in own))
+    return DensePart(start, float(before[0]), coefficients, mode.sides[: e.k], tuple(m for own in mode.memory for m in own))
 
 
-def joined(parts: list[Part], end: float, equations: Equations) -> PolynomialPieces:
+def joined(parts: list[DensePart], end: float, equations: Equations) -> PolynomialPieces:
     """All parts as one dense output."""
     width = max(part.coefficients.shape[1] for part in parts)
     times = np.append([part.t for part in parts], max(parts[-1].t, end))

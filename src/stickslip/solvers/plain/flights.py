@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from stickslip.solvers.plain.plain_equations import SHORT, Equations, Mode
+from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
 
 
 def begun_aloft(e: Equations, t: float, y: Any) -> frozenset[int]:
@@ -14,19 +14,19 @@ def begun_aloft(e: Equations, t: float, y: Any) -> frozenset[int]:
     return frozenset(i for i in e.flying if any(v > 0.0 for v in e.z(y, i)) or loads[i] <= 0.0)
 
 
-def turned_aloft(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> Mode:
+def turned_aloft(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> ContactModes:
     """Sides to which slips go that are zero in flight."""
     rates = e.slip_rates(t, y, mode.moved(dict.fromkeys(rows, 1)))
     return mode.moved({i: 1 if rates[i] >= 0.0 else -1 for i in rows})
 
 
-def taken_off(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> Mode:
+def taken_off(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> ContactModes:
     """The mode once some contacts have left."""
     mode = replace(mode, aloft=mode.aloft | set(rows))
     return turned_aloft(e, t, y, mode, [i for i in rows if mode.sides[i] == 0])
 
 
-def landed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> tuple[Any, Mode, bool]:
+def landed(e: Equations, t: float, y: Any, mode: ContactModes, i: int) -> tuple[Any, ContactModes, bool]:
     """State and mode after a hit across, with its impulse along; whether the slip has come to zero."""
     gap, c, e_n = e.inner[i][0], e.alone[i] or 0, float(e.laws[i].restitution)
     mass, side, speed = e.masses[c], mode.sides[i], -float(y[gap + 1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from stickslip.solvers.plain.deciding import ROUNDING
-from stickslip.solvers.plain.plain_equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
 NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
 
@@ -24,57 +24,57 @@ class Guard(NamedTuple):
     noise: float  # rounding: nothing has happened before it lies this far below zero
 
 
-def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+def guards(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
     """All of a mode, in an order that the mode alone decides."""
     q, u = e.state(y)
     w = e.slips(t, u)
     noise = e.noise_of_slips(t, u, w)
     loads = e.loads(t, y, mode)
-    found = [
+    guards = [
         Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)
         for i, side in enumerate(mode.sides[: e.k])
         if side
     ]  # fmt: skip
-    found += [_of_load(e, y, mode, i, load) for i, load in enumerate(loads)]
+    guards += [_of_load(e, y, mode, i, load) for i, load in enumerate(loads)]
     for i, load in enumerate(e.kept_positive(loads)):
         if e.laws[i].switching:
-            found += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]
-    found += _limits(e, t, y, mode)
+            guards += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(e.switches(y, i, mode, w[i], load))]
+    guards += _limits(e, t, y, mode)
     small = e.noise_of_gaps(q)
-    found += [
+    guards += [
         Guard("gap", e.k + s, 0, gap, small)
         for s, gap in enumerate(e.gaps(t, q) if e.stops else [])
         if mode.sides[e.k + s]
     ]  # fmt: skip
-    return found + _kinks(e, t, y, mode)
+    return guards + _kinks(e, t, y, mode)
 
 
-def _of_load(e: Equations, y: Any, mode: Mode, i: int, load: float) -> Guard:
+def _of_load(e: Equations, y: Any, mode: ContactModes, i: int, load: float) -> Guard:
     """Guards that end the touch of a contact, or its flight."""
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
     return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)
 
 
-def _limits(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+def _limits(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
     if 0 not in mode.sides:
         return []
     R = e.motion(t, y, mode).R
     limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
-    found: list[Guard] = []
+    limit_guards: list[Guard] = []
     for group in e.groups(mode.sides):
         for row, side, margin, size in group.margins([R[i] for i in group.rows], limits):
-            found.append(Guard("limit", group.rows[0] if row is None else row, side, margin, ROUNDING * size))
-    return found
+            limit_guards.append(Guard("limit", group.rows[0] if row is None else row, side, margin, ROUNDING * size))
+    return limit_guards
 
 
-def _kinks(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+def _kinks(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
     if not any(mode.kinks):
         return []
-    found = []
+    kinks = []
     for what, (values, sides) in enumerate(zip(e.differences(t, y, mode.kinks), mode.kinks, strict=True)):
         largest = e.largest[what]
         for n, (value, side) in enumerate(zip(values, sides, strict=False)):
             largest[n] = max(largest.get(n, 0.0), abs(value))
-            found.append(Guard("kink", what, n, value if side else -value, ROUNDING * largest[n]))
-    return found
+            kinks.append(Guard("kink", what, n, value if side else -value, ROUNDING * largest[n]))
+    return kinks

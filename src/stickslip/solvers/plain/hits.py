@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
-from stickslip.solvers.plain.plain_equations import SHORT, Equations, Mode
+from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
 
 _MOST = 100  # hits, one handing on the next, at one instant
 
@@ -49,18 +49,18 @@ def _common_restitution(e: Equations, rows: list[int]) -> float:
 def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: float, G: Any) -> Any:
     """Change of the coordinates' velocities: impulses >= 0 with (rate after) >= -e (rate before) at each stop."""
     wanted = [(1 + restitution) * rates[i] if rates[i] < 0 else rates[i] for i in rows]
-    found = decide(G, wanted, [-np.inf] * len(rows), [0.0] * len(rows))
-    return sum(np.array(e.weights[i]) * force for i, force in zip(rows, found.R, strict=True))
+    impulses = decide(G, wanted, [-np.inf] * len(rows), [0.0] * len(rows))
+    return sum(np.array(e.weights[i]) * force for i, force in zip(rows, impulses.R, strict=True))
 
 
-def closing(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> dict[int, float]:
+def closing(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> dict[int, float]:
     """Stops whose rebounds have become a geometric series that ends at once, or too low to be told from rounding, and when it does [s]."""
     rates = e.slips(t, e.state(y)[1])
     accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])
-    found: dict[int, float] = {}
+    ends: dict[int, float] = {}
     for i in rows:
         loss, push, speed = 1.0 - float(e.stops[i - e.k].restitution), -accelerations[i], max(rates[i], 0.0)
         soon = speed <= (SHORT * e.scale_of_time) * push * loss / 2 or speed * speed <= 2 * push * small
         if push > 0 and soon and (loss > 0 or speed == 0):
-            found[i] = t + (2 * speed / (push * loss) if loss > 0 else 0.0)
-    return found
+            ends[i] = t + (2 * speed / (push * loss) if loss > 0 else 0.0)
+    return ends

@@ -18,12 +18,12 @@ class _Book:
     """The conditions of one call, in the order in which they were asked."""
 
     def __init__(self, sides: Sides | None):
-        self.sides, self.seen = sides, list[float]()
+        self.sides, self.differences = sides, list[float]()
 
     def answer(self, difference: float) -> bool:
         """Whether a difference counts as positive: as held, else as it is."""
-        k = len(self.seen)
-        self.seen.append(difference)
+        k = len(self.differences)
+        self.differences.append(difference)
         return self.sides[k] if self.sides is not None and k < len(self.sides) else difference > 0
 
 
@@ -100,7 +100,7 @@ class Watching:
         """The differences whose signs its conditions test."""
         book = _Book(sides)
         self._asked(book, t, vectors)
-        return book.seen
+        return book.differences
 
     def _asked(self, book: _Book, t: Any, vectors: Sequence[Sequence[float]]) -> list[float]:
         return [float(value) for value in self.function(t, *([_Number(value, book) for value in vector] for vector in vectors))]

@@ -17,13 +17,13 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
-from stickslip.solvers.plain.dense import Part, joined
+from stickslip.solvers.plain.dense import DensePart, joined
 from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
-from stickslip.solvers.stopped import place, remedy, sentence
+from stickslip.solvers.stopped import location, remedy, sentence
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
@@ -75,14 +75,14 @@ def marched(todo: Request, model: Any, case: int) -> Run:
 
 def _known(model: Any, end: float) -> list[tuple[float, Jumps, bool]]:
     """The instants that are known beforehand, with the jumps at each, and whether controllers take a sample there."""
-    found, between = _without_samples(model, end), machine_of(model).mechanics.controllers.sample
+    instants, between = _without_samples(model, end), machine_of(model).mechanics.controllers.sample
     if between is None:
-        return [(t, jumps, False) for t, jumps in found]
-    dt, still = float(between), (0.0,) * len(found[0][1])
-    told = [(t, jumps, abs(t / dt - round(t / dt)) <= _MET) for t, jumps in found]
-    times = np.array([t for t, _ in found])
+        return [(t, jumps, False) for t, jumps in instants]
+    dt, still = float(between), (0.0,) * len(instants[0][1])
+    marked = [(t, jumps, abs(t / dt - round(t / dt)) <= _MET) for t, jumps in instants]
+    times = np.array([t for t, _ in instants])
     more = [k * dt for k in range(math.ceil(end / dt * (1 - 1e-12))) if np.min(abs(times - k * dt)) > _MET * dt]
-    return sorted([*told, *((t, still, True) for t in more)], key=lambda known: known[0])
+    return sorted([*marked, *((t, still, True) for t in more)], key=lambda known: known[0])
 
 
 def _without_samples(model: Any, end: float) -> list[tuple[float, Jumps]]:
@@ -107,7 +107,7 @@ class Run:
     def __init__(self, todo: Request, equations: Equations, start: Any):
         self.todo, self.equations, self.t = todo, equations, 0.0
         self.y = np.array(start[: equations.size], float)
-        self.parts: list[Part] = []
+        self.parts: list[DensePart] = []
         self.hits: list[Hit] = []
         self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
         self.left, self.recent = max(_LEAST, _STEPS * todo.periods), deque[tuple[float, tuple[int, ...]]]()
@@ -170,7 +170,7 @@ class Run:
         """End a run before its time."""
         e, sides = self.equations, np.array([sides for _, sides in self.recent], int).reshape(len(self.recent), -1)
         u = e.state(self.y)[1]
-        where = place(e.mechanics, self.t, u, sides)
+        where = location(e.mechanics, self.t, u, sides)
         state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
         raise SolveError(sentence(status, where, state, remedy(status, self.todo.rtol, False)), status)
 
@@ -239,12 +239,12 @@ class Run:
 
     def _broken(self, limits: list[Guard]) -> dict[int, int]:
         """Rows that break away the way that their guard says: those that do so alone among the rows that rest with them."""
-        found: dict[int, int] = {}
+        broken: dict[int, int] = {}
         for group in self.equations.groups(self.mode.sides):
             own = [guard for guard in limits if guard.part in group.rows and guard.which]
             if len(own) == 1:
-                found |= group.broken(own[0].part, own[0].which)
-        return found
+                broken |= group.broken(own[0].part, own[0].which)
+        return broken
 
     def _choose(self, touched: list[int], forced: dict[int, int] | None = None) -> None:
         self.y, self.mode = chosen(self.equations, self.t, self.y, self.mode, touched, forced)

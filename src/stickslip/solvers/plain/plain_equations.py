@@ -21,7 +21,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.plain.deciding import ROUNDING, blocks
 from stickslip.solvers.plain.kinks import Sides, Watching
-from stickslip.solvers.plain.resting import Group, group_of
+from stickslip.solvers.plain.resting import RestingGroup, group_of
 
 SHORT = 1e-8  # of a period: rebounds that end within it are one event
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
@@ -32,7 +32,7 @@ Floats = list[float]
 
 
 @dataclass(frozen=True)
-class Mode:
+class ContactModes:
     """The values held constant while an integrator steps."""
 
     sides: tuple[int, ...]  # of each contact, then of each stop: 0 closed, 1 open
@@ -40,13 +40,13 @@ class Mode:
     kinks: tuple[Sides, Sides] = ((), ())  # of forces, of loads
     aloft: frozenset[int] = frozenset()  # contacts in flight; their sides are those of their slips
 
-    def moved(self, sides: dict[int, int]) -> Mode:
+    def moved(self, sides: dict[int, int]) -> ContactModes:
         """With other sides."""
         return replace(self, sides=tuple(sides.get(i, side) for i, side in enumerate(self.sides)))
 
 
 @dataclass
-class Motion:
+class Rates:
     """The effect of a mode on a state: rates of all states, and the forces of all rows."""
 
     u: Floats
@@ -152,8 +152,8 @@ class Equations:
         """The size of rounding errors in slips that are differences."""
         terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in self.rows]
         rest = [abs(value - _dot(row, u)) for value, row in zip(w, self.rows, strict=True)]
-        told = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
-        return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, told, strict=True)]
+        noise = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
+        return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, noise, strict=True)]
 
     def gaps(self, t: float, q: Sequence[float]) -> Floats:
         """The distances left until stops close [m]."""
@@ -165,7 +165,7 @@ class Equations:
         return ROUNDING * (max(map(abs, q)) + 0.01 * self.scale_of_velocity * self.scale_of_time) if self.stops else 0.0
 
     # ---- forces ----
-    def loads(self, t: float, y: Any, mode: Mode | None = None) -> Floats:
+    def loads(self, t: float, y: Any, mode: ContactModes | None = None) -> Floats:
         """Normal forces [N]."""
         return self.pressing(mode.kinks[1] if mode else (), self.time(t), self.state(y)[0])
 
@@ -174,7 +174,7 @@ class Equations:
         m = self.mechanics
         return [*m.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
 
-    def pressed(self, t: float, q: Floats, mode: Mode) -> Floats:
+    def pressed(self, t: float, q: Floats, mode: ContactModes) -> Floats:
         """Normal forces, positive also a moment after a contact is lost: a step looks beyond its end."""
         return self.kept_positive(self.pressing(mode.kinks[1], t, q))
 
@@ -191,15 +191,15 @@ class Equations:
         """Friction of a set-valued contact that slides, or is about to [N]; an open stop has none."""
         return 0.0 if i >= self.k else float(self.laws[i].sliding(held(w, side), load))
 
-    def motion(self, t: float, y: Any, mode: Mode) -> Motion:
+    def motion(self, t: float, y: Any, mode: ContactModes) -> Rates:
         """Rates and forces of a state."""
         t = self.time(t)
         q, u = self.state(y)
         u = self.settled(t, u, mode)
         w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, q, mode)
         R, inner = self._friction(t, q, u, y, w, loads, mode)
-        found = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
-        a, inner = found[: self.n], [*inner, *found[self.n :]]
+        rates_of_all = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
+        a, inner = rates_of_all[: self.n], [*inner, *rates_of_all[self.n :]]
         R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
         push = [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
         for group in self.groups(mode.sides):
@@ -211,9 +211,9 @@ class Equations:
             c = self.alone[i]
             if side == 0 and c is not None:
                 a[c] = (0.0 - rates[i]) / self.rows[i][c]
-        return Motion(u, a, inner, R, push)
+        return Rates(u, a, inner, R, push)
 
-    def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode) -> tuple[Floats, Floats]:
+    def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: ContactModes) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
         without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))[: self.n] if self.applied else []
@@ -235,16 +235,16 @@ class Equations:
                 R[i] = float(self.laws[i].response(held(w[i], mode.sides[i]), self.z(y, i), loads[i], mode.memory[i], left)[0])
         return R, inner
 
-    def _as_one(self, first: int, mode: Mode) -> set[int]:
+    def _as_one(self, first: int, mode: ContactModes) -> set[int]:
         """The coordinates that closed stops move with one."""
-        found = {first}
+        together = {first}
         closed = [row for row, side in zip(self.rows[self.k :], mode.sides[self.k :], strict=True) if side == 0]
         for row in [row for row in closed for _ in closed]:
             ends = {c for c, h in enumerate(row) if h}
-            found |= ends if found & ends else set()
-        return found
+            together |= ends if together & ends else set()
+        return together
 
-    def _flight(self, t: float, q: Floats, y: Any, mode: Mode, i: int) -> tuple[float, float]:
+    def _flight(self, t: float, q: Floats, y: Any, mode: ContactModes, i: int) -> tuple[float, float]:
         """Rates of a contact's gap and of that rate."""
         if i not in mode.aloft:
             return 0.0, 0.0
@@ -256,7 +256,7 @@ class Equations:
         rates = self.mechanics.offset_rates(t) if self.applied else ()
         return {i: self.effective[i] * (_dot(self.rows[i], without) + float(rates[i])) for i in self.applied}
 
-    def right(self, mode: Mode) -> Callable[[float, Any], Floats]:
+    def right(self, mode: ContactModes) -> Callable[[float, Any], Floats]:
         """The right side of y' in a mode."""
 
         def finite(t: float, y: Any) -> Floats:
@@ -268,19 +268,19 @@ class Equations:
 
         return finite
 
-    def slip_rates(self, t: float, y: Any, mode: Mode) -> Floats:
+    def slip_rates(self, t: float, y: Any, mode: ContactModes) -> Floats:
         """Rates of all slips in a mode [m/s^2]."""
         a, rates = self.motion(t, y, mode).accelerations, self.offset_rates(self.time(t))
         return [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
 
     # ---- rest ----
-    def _groups(self, sides: tuple[int, ...]) -> list[Group]:
+    def _groups(self, sides: tuple[int, ...]) -> list[RestingGroup]:
         """Resting rows that push one another."""
         resting = [i for i, side in enumerate(sides) if side == 0]
         G = [[self.G[i][j] for j in resting] for i in resting]
         return [group_of([resting[n] for n in block], self.G, self.effective) for block in blocks(G)]
 
-    def settled(self, t: float, u: Floats, mode: Mode) -> Floats:
+    def settled(self, t: float, u: Floats, mode: ContactModes) -> Floats:
         """Velocities with which resting rows do not slip at all."""
         if 0 not in mode.sides:
             return u
@@ -295,18 +295,18 @@ class Equations:
                     u = [value - weight * impulse for value, weight in zip(u, self.weights[i], strict=True)]
         return u
 
-    def at_rest(self, t: float, y: Any, mode: Mode) -> Any:
+    def at_rest(self, t: float, y: Any, mode: ContactModes) -> Any:
         """The state with resting rows settled."""
         y = np.array(y, float)
         y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
         return y
 
     # ---- memories and conditions ----
-    def switches(self, y: Any, i: int, mode: Mode, w: float, load: float) -> Switches:
+    def switches(self, y: Any, i: int, mode: ContactModes, w: float, load: float) -> Switches:
         """The switches of a law, at its slip and load: (guard, new memory, new inner states or None)."""
         return self.laws[i].switches(held(w, mode.sides[i]), self.z(y, i), load, mode.memory[i])
 
-    def passed_zero(self, t: float, y: Any, i: int, mode: Mode) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def passed_zero(self, t: float, y: Any, i: int, mode: ContactModes) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Inner states and memory after the switches that wait for the slip velocity to pass zero."""
         load = self.pressed(self.time(t), self.state(y)[0], mode)[i]
         return self.laws[i].passed_zero(self.z(y, i), load, mode.memory[i], mode.sides[i] or 1)
@@ -316,7 +316,7 @@ class Equations:
         t, (q, u) = self.time(t), self.state(y)
         return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
 
-    def output(self, t: float, y: Any, mode: Mode) -> Floats:
+    def output(self, t: float, y: Any, mode: ContactModes) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
         return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]

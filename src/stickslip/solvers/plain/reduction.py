@@ -24,7 +24,7 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     strobe = _strobe(run)
     period, limit = outcome_of(model, strobe, todo.method, todo.rtol)
     settle = todo.periods - period if todo.auto and period else todo.settle
-    found = strobes.over_window(strobe[:, 0], settle, period, limit)
+    results = strobes.over_window(strobe[:, 0], settle, period, limit)
     t = strobes.looks(pieces.t[-1], period or 1, T)
     index = run._index(t)
     x, v, z = run._states_at(t, index)
@@ -32,8 +32,8 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
     number, seg_time, seg_code = strobes.segments_of(np.full(len(t), (period or 1) * T / len(t)), codes)
     return {
-        **found, "periods_run": todo.periods, "status": 0,
-        "v_min": v.min(), "v_max": v.max(), **_wide(run, T * found["window"], v),
+        **results, "periods_run": todo.periods, "status": 0,
+        "v_min": v.min(), "v_max": v.max(), **_wide(run, T * results["window"], v),
         "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
     }  # fmt: skip
 

@@ -22,13 +22,13 @@ def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
     settle = todo.periods - period if todo.auto and period else todo.settle
     if run.model.period is None:
         x = run.at(run.pieces.t[[0, -1]])["x"]
-        found = {**strobes.NOTHING, "displacement": run.steadiness.mean_velocity * float(np.ptp(run.pieces.t[[0, -1]])), "window": 1.0}
+        results = {**strobes.NOTHING, "displacement": run.steadiness.mean_velocity * float(np.ptp(run.pieces.t[[0, -1]])), "window": 1.0}
     else:
         x = run.strobe_x
-        found = {**strobes.NOTHING, **strobes.over_window(way, settle, period, limit)}
+        results = {**strobes.NOTHING, **strobes.over_window(way, settle, period, limit)}
     count = window_count(len(x) - 1, settle, period)
     parts = _parts(todo, run, period or 1, x[-1] - x[-1 - count])
-    return {**found, "status": 0, "periods_run": todo.periods, "parts": parts}
+    return {**results, "status": 0, "periods_run": todo.periods, "parts": parts}
 
 
 def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
@@ -75,23 +75,23 @@ def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
     for event in run.events:
         if event.kind == "hit" and event.t > since and event.velocity is not None:
             speeds[event.part].append(-event.velocity)
-    found = {}
+    hits = {}
     for name, stop in mechanics.named_stops:
         if name in speeds:
             inverse = sum(h * h / float(m) for h, m in zip(stop.direction, mechanics.masses, strict=True))
-            found[name] = len(speeds[name]), (1 + float(stop.part.restitution)) * max(speeds[name], default=0.0) / inverse
-    return found
+            hits[name] = len(speeds[name]), (1 + float(stop.part.restitution)) * max(speeds[name], default=0.0) / inverse
+    return hits
 
 
 def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, float]]:
     """By name of an elastic stop how often it begins to be pressed, and the greatest force [N], at sampled instants."""
     mechanics: Any = machine_of(run.model).mechanics
-    found = {}
+    pressed = {}
     x, v = (tuple(np.asarray(at[name]).T) for name in ("x", "v"))
     for name, stop in mechanics.named_stops:
         if stop.part.restitution is None:
             distance, rate = mechanics.distance(stop.ends, x), mechanics.distance(stop.ends, v)
             touching = stop.part.gap_left(distance) < 0.0
             begun = int(np.sum(touching & ~np.roll(touching, 1)))
-            found[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
-    return found
+            pressed[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
+    return pressed

@@ -16,7 +16,7 @@ _SINGULAR = 1e12
 Bounds = list[tuple[float, float]]
 
 
-class Group(Protocol):
+class RestingGroup(Protocol):
     """Resting rows that push one another; their forces are known from beta, the rates that they would have without them."""
 
     rows: list[int]
@@ -34,16 +34,16 @@ class Group(Protocol):
 
     def margins(self, R: Sequence[float], limits: Bounds) -> list[tuple[int | None, int, float, float]]:
         """The margins: (row that breaks away, or None; side; margin; its rounding error)."""
-        found: list[tuple[int | None, int, float, float]] = []
+        margins: list[tuple[int | None, int, float, float]] = []
         for i, force in zip(self.rows, R, strict=True):
             low, high = limits[i]
             noise = max((abs(v) for v in (low, high, force) if math.isfinite(v)), default=0.0)
-            found += [(i, side, left, noise) for side, left in ((1, high - force), (-1, force - low)) if math.isfinite(left)]
-        return found
+            margins += [(i, side, left, noise) for side, left in ((1, high - force), (-1, force - low)) if math.isfinite(left)]
+        return margins
 
 
 @dataclass(frozen=True)
-class _Single(Group):
+class _Single(RestingGroup):
     rows: list[int]
     mass: float
 
@@ -52,7 +52,7 @@ class _Single(Group):
 
 
 @dataclass(frozen=True)
-class _Common(Group):
+class _Common(RestingGroup):
     """Rows on one coordinate: only the sum of their forces is known, which is shared by a convention."""
 
     rows: list[int]
@@ -80,7 +80,7 @@ class _Common(Group):
 
 
 @dataclass(frozen=True)
-class _Box(Group):
+class _Box(RestingGroup):
     rows: list[int]
     inverse: Any
 
@@ -96,11 +96,11 @@ class _Dependent(_Box):
 
     def margins(self, R: Sequence[float], limits: Bounds) -> list[tuple[int | None, int, float, float]]:
         low, high = (np.array([limits[i][n] for i in self.rows]) for n in (0, 1))
-        found, margin = most_slack(self.G, self.G @ np.asarray(R), low, high)
-        return [(None, 0, -1.0 if found is None else margin, 1.0)]
+        solution, margin = most_slack(self.G, self.G @ np.asarray(R), low, high)
+        return [(None, 0, -1.0 if solution is None else margin, 1.0)]
 
 
-def group_of(rows: list[int], G: Any, effective: list[float]) -> Group:
+def group_of(rows: list[int], G: Any, effective: list[float]) -> RestingGroup:
     """The group of rows that rest together, by the size and rank of their part of G."""
     part = np.array([[G[i][j] for j in rows] for i in rows])
     if len(rows) == 1:

@@ -13,9 +13,9 @@ from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped
 from stickslip.basics.status import Status
 from stickslip.solvers.plain.deciding import ROUNDING
-from stickslip.solvers.plain.dense import Part, part_of
+from stickslip.solvers.plain.dense import DensePart, part_of
 from stickslip.solvers.plain.guards import Guard, guards
-from stickslip.solvers.plain.plain_equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 from stickslip.solvers.request import Request
 
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
@@ -38,7 +38,7 @@ class Stretch:
 
     t: float
     y: Any
-    parts: list[Part]
+    parts: list[DensePart]
     fired: list[Guard] = field(default_factory=list)
     steps: int = 0
     evaluations: int = 0
@@ -47,13 +47,13 @@ class Stretch:
 class _Step:
     """One step of an integrator with its dense output, and the guards along it."""
 
-    def __init__(self, method: str, equations: Equations, solver: Any, before: Any, mode: Mode):
+    def __init__(self, method: str, equations: Equations, solver: Any, before: Any, mode: ContactModes):
         self.equations, self.mode = equations, mode
         self.start, self.end, self.dense = float(solver.t_old), float(solver.t), solver.dense_output()
         self.degree = _DEGREES[method](self.dense)
         self.before, self.after = before, solver.y.copy()
 
-    def part(self, end: float | None = None) -> Part:
+    def part(self, end: float | None = None) -> DensePart:
         """The step as dense output, or its beginning up to a time."""
         end, after = (self.end, self.after) if end is None else (end, self.dense(end))
         return part_of(self.equations, self.dense, self.degree, self.start, end, self.before, after, self.mode)
@@ -67,15 +67,15 @@ class _Step:
         times = self.start + looks * (self.end - self.start)
         first = [guard.value for guard in before]
         values = np.array([first if look == 0.0 else self.guards(float(t)) for look, t in zip(looks, times, strict=True)])
-        found: tuple[float, int] | None = None
+        first_zero: tuple[float, int] | None = None
         for k, guard in enumerate(before):
-            end = self.end if found is None else found[0]
-            if found is not None and self._holds_until(k, end, times, values[:, k]):
+            end = self.end if first_zero is None else first_zero[0]
+            if first_zero is not None and self._holds_until(k, end, times, values[:, k]):
                 t = self._dip(k, times, values[:, k], end, guard.noise)
             else:
                 t = self._root(k, times, values[:, k], k in fresh, guard.noise)
-            found = (t, k) if t is not None and (found is None or t < found[0]) else found
-        return found
+            first_zero = (t, k) if t is not None and (first_zero is None or t < first_zero[0]) else first_zero
+        return first_zero
 
     def _looks(self) -> int:
         e = self.equations
@@ -85,8 +85,8 @@ class _Step:
 
     def fired_with(self, t: float, k: int, now: list[Guard]) -> list[Guard]:
         """The guard that fired, and all others that come to zero at the same instant."""
-        beside = _BESIDE * (self.end - self.start)
-        early, late = self.guards(t - beside), self.guards(t + beside)
+        near = _BESIDE * (self.end - self.start)
+        early, late = self.guards(t - near), self.guards(t + near)
         size = [max(abs(a), abs(b)) / _BESIDE for a, b in zip(early, late, strict=True)]
         return [now[k]] + [
             guard for j, guard in enumerate(now)
@@ -135,7 +135,7 @@ class _Step:
         return None
 
 
-def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float, mode: Mode, most: int) -> Stretch:
+def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float, mode: ContactModes, most: int) -> Stretch:
     """Integrate up to the first event, or to `end`, in so many steps at most."""
     right = equations.right(mode)
     before = guards(equations, t, y, mode)
@@ -166,7 +166,7 @@ def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float,
     return done
 
 
-def _begin(equations: Equations, right: Any, t: float, y: Any, mode: Mode, before: list[Guard]) -> tuple[set[int], list[Guard]]:
+def _begin(equations: Equations, right: Any, t: float, y: Any, mode: ContactModes, before: list[Guard]) -> tuple[set[int], list[Guard]]:
     """Guards that begin at zero and rise, and those that begin at zero and fall: an event at once."""
     fresh = {k for k, guard in enumerate(before) if guard.value <= 0.0}
     rates = equations.slips(t, equations.state(y)[1])
@@ -197,7 +197,7 @@ def _solver(todo: Request, e: Equations, right: Any, t: float, y: Any, end: floa
     )
 
 
-def _advance(todo: Request, equations: Equations, solver: Any, end: float, mode: Mode) -> _Step | None:
+def _advance(todo: Request, equations: Equations, solver: Any, end: float, mode: ContactModes) -> _Step | None:
     """One step; None where a load is so small that no step is short enough, `SolveError` if it failed otherwise."""
     before = solver.y.copy()
     with np.errstate(all="ignore"):
