@@ -13,7 +13,7 @@ from stickslip.dynamics.atlas.borders_followed import Border
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, with_more
 from stickslip.dynamics.atlas.parameter_plane import plane_over
-from stickslip.dynamics.atlas.uncertain_places import Doubts
+from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces
 from stickslip.show.reports import atlas_page
 
 RIG = {"tilt_deg": 1.7, "law": "coulomb"}
@@ -285,7 +285,7 @@ def two_columns(first, second):
 
     def doubts(**lines):
         borders = [Border(k.replace("_", "-"), ((p, -0.1), (p, 1.1)), ((0.0, 0.0),) * 2, "", (), ()) for k, p in lines.items()]
-        return Doubts((Level(plane, points),), tuple(borders), ())
+        return UncertainPlaces((Level(plane, points),), tuple(borders), ())
 
     return doubts
 

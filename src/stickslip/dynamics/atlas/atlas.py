@@ -25,7 +25,7 @@ from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes,
 from stickslip.dynamics.atlas.levels import Level, points_within, shared_upwards
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
-from stickslip.dynamics.atlas.uncertain_places import Doubts, explained_by
+from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, explained_by
 from stickslip.dynamics.attractors.settled_motions import STRETCH, checked_limit
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
@@ -167,15 +167,15 @@ class _Making:
             self._look_closer(levels, outcomes, depth)
         self.ending = ending
         branches = tuple(outcome.branch for outcome in outcomes if outcome.branch)
-        doubts = self._doubts(levels, outcomes)
-        notes = self._notes(levels, left, len(outcomes), most, doubts)
-        return Atlas(self.plane, levels[0].points, doubts.borders, doubts.points, branches, notes, tuple(levels[1:]))
+        uncertain = self._uncertain(levels, outcomes)
+        notes = self._notes(levels, left, len(outcomes), most, uncertain)
+        return Atlas(self.plane, levels[0].points, uncertain.borders, uncertain.points, branches, notes, tuple(levels[1:]))
 
-    def _doubts(self, levels: list[Level], outcomes: list[Outcome]) -> Doubts:
+    def _uncertain(self, levels: list[Level], outcomes: list[Outcome]) -> UncertainPlaces:
         """Doubts besides the borders that were followed."""
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
-        return Doubts(tuple(levels), borders, without_twins(self.plane, points))
+        return UncertainPlaces(tuple(levels), borders, without_twins(self.plane, points))
 
     # ---- the grid ----
     def _filled(self, level: Level, depth: int, asked: list[Cell]) -> None:
@@ -198,7 +198,7 @@ class _Making:
         self.study.keep_grid(level.points, missed, depth, asked)
 
     def _looked_at(
-        self, plane: Plane, cells: list[Cell], more: dict[Cell, Array] | None, found: dict[Cell, PointOfGrid],
+        self, plane: Plane, cells: list[Cell], more: dict[Cell, Array] | None, results: dict[Cell, PointOfGrid],
         keep: Callable[[int, dict[Cell, PointOfGrid]], None] | None = None,
     ) -> dict[Cell, PointOfGrid]:  # fmt: skip
         """The motions at some points, in parts and threads."""
@@ -207,15 +207,15 @@ class _Making:
             return look_at(plane, cells[part], self.look, more)
 
         for _, points in shared(len(cells), work, self.workers, self.progress, _TILE):
-            found |= points
+            results |= points
             if keep:
                 keep(plane.number(min(points)), points)
-        return found
+        return results
 
     def _look_closer(self, levels: list[Level], outcomes: list[Outcome], depth: int) -> None:
         """Halve the cells in which places are in doubt, as often as is allowed."""
         for k in range(1, depth + 1):
-            doubtful = self._doubts(levels, outcomes).cells()
+            doubtful = self._uncertain(levels, outcomes).cells()
             finer = levels[-1].halved()
             asked = {point for cell in doubtful for point in points_within(cell)} - set(finer.points)
             if not asked:
@@ -264,27 +264,27 @@ class _Making:
         return False
 
     # ---- what was not reached ----
-    def _notes(self, levels: list[Level], left: list[Change], followed: int, most: int, doubts: Doubts) -> tuple[str, ...]:
-        told, grid, missed = [], levels[0].points, self.missed
-        unsure = sum(self.plane.point(cell) in doubts.of_points for cell in grid)
+    def _notes(self, levels: list[Level], left: list[Change], followed: int, most: int, uncertain: UncertainPlaces) -> tuple[str, ...]:
+        notes, grid, missed = [], levels[0].points, self.missed
+        unsure = sum(self.plane.point(cell) in uncertain.of_points for cell in grid)
         if self.ending.interrupted:
             there = f"{len(grid)} of {self.plane.cells} points of the grid are there; with a folder, resume=True continues"
-            told.append(self.ending.note(there))
+            notes.append(self.ending.note(there))
         if missed:
-            told.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
-        told += _of_grid(grid, self.look.limit)
+            notes.append(f"the starts had missed {missed} motions that were found from those of neighbours (their share is 0)")
+        notes += _of_grid(grid, self.look.limit)
         more = [len(level.points) - len(before.points) for before, level in pairwise(levels)]
-        told += [f"cells in doubt were halved: {n} more points at 1/{2**k} of a cell" for k, n in enumerate(more, 1)]
-        told += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
-        told += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
+        notes += [f"cells in doubt were halved: {n} more points at 1/{2**k} of a cell" for k, n in enumerate(more, 1)]
+        notes += [f"{unsure} of {self.plane.cells} points are in doubt; map.doubt gives the reason at each"] if unsure else []
+        notes += [f"{why} ({n} times)" if n > 1 else why for why, n in sorted(self.reasons.items())]
         if left and not followed:
             why = f"no motion was followed, so borders are known to within a grid cell only ({len(left)} pairs of neighbours differ)"
-            return (*told, *self.study.unchecked, why)
+            return (*notes, *self.study.unchecked, why)
         if followed == most:
-            told.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
+            notes.append(f"{most} motions were followed, the largest number allowed; increase branches= for more")
         places = Counter(change.words for change in left)
         return (
-            *told,
+            *notes,
             *self.study.unchecked,
             *(f"between {what} no border was located ({n} pair{'s' * (n != 1)} of neighbours)" for what, n in sorted(places.items())),
         )
@@ -304,8 +304,8 @@ def _of_grid(grid: dict[Cell, PointOfGrid], limit: int) -> list[str]:
     lost, none = sum(point.lost - point.unsettled for point in grid.values()), Counter(p.refused for p in grid.values() if p.refused)
     longer = f"type limit={10 * limit} to run them on for longer"
     why = f"at {moving} points some starts ({starts} in all) have not settled within {limit + STRETCH} drive periods; {longer}"
-    told = [why] * (moving > 0) + [f"{lost} starts led nowhere: they run away, or could not be solved"] * (lost > 0)
-    return told + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
+    notes = [why] * (moving > 0) + [f"{lost} starts led nowhere: they run away, or could not be solved"] * (lost > 0)
+    return notes + [f"at {n} points no machine can be made: {why}" for why, n in none.items()]
 
 
 def _next(left: list[Change]) -> Change:
@@ -389,21 +389,21 @@ def atlas_time(
     """
     plane, look = _planned("atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed)
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
-    found = look_at(plane, probed[:1], look)  # compiles
+    probes = look_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()
-    found |= look_at(plane, probed, look)
+    probes |= look_at(plane, probed, look)
     grid = (time.perf_counter() - began) / len(probed) * plane.cells / workers
-    return AtlasTime(grid, _time_of_a_branch(plane, found) if branches else 0.0, branches)
+    return AtlasTime(grid, _time_of_a_branch(plane, probes) if branches else 0.0, branches)
 
 
-def _time_of_a_branch(plane: Plane, found: dict[Cell, PointOfGrid]) -> float:
+def _time_of_a_branch(plane: Plane, probes: dict[Cell, PointOfGrid]) -> float:
     """Seconds that a branch across the plane takes: of the first that can be followed from near its middle."""
     middle = plane.cell(plane.cells // 2)
-    for cell in sorted(found, key=lambda cell: abs(cell[0] - middle[0]) + abs(cell[1] - middle[1])):
+    for cell in sorted(probes, key=lambda cell: abs(cell[0] - middle[0]) + abs(cell[1] - middle[1])):
         p, q = plane.point(cell)
         axis, name, other = plane.axes[0], *plane.names
         end = float(axis[-1] if axis[-1] - p > p - axis[0] else axis[0])
-        for motion in (m for m in found[cell].motions if m.period):
+        for motion in (m for m in probes[cell].motions if m.period):
             more = {"period": motion.period, "guess": np.array(motion.state), **plane.family.fixed, other: q}
             try:
                 continuation(plane.family.make, parameter=name, start=p, stop=p + 1e-3 * (end - p), points=3, **more)  # compiles

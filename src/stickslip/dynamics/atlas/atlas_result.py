@@ -16,7 +16,7 @@ from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Po
 from stickslip.dynamics.atlas.levels import Level
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.dynamics.atlas.uncertain_places import Doubts, unseen_share
+from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, unseen_share
 from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
@@ -95,8 +95,8 @@ class Atlas(Drawn):
 
         p, q = self.parameters
         axes = {n: (n, axis, self.plane.family.describe(n)) for n, axis in zip(self.parameters, self.plane.axes, strict=True)}
-        columns: dict[str, Any] = {name: ((p, q), table, told) for name, (table, told) in self._by_point().items()}
-        columns |= {name: ((p, q, "attractor"), table, told) for name, (table, told) in self._by_motion().items()}
+        columns: dict[str, Any] = {name: ((p, q), table, attributes) for name, (table, attributes) in self._by_point().items()}
+        columns |= {name: ((p, q, "attractor"), table, attributes) for name, (table, attributes) in self._by_motion().items()}
         most = max((len(point.motions) for point in self.points.values()), default=0)
         return xr.Dataset(columns, {**axes, "attractor": np.arange(most)}, {"starts": self.plane.count, "notes": list(self.notes)})
 
@@ -107,7 +107,7 @@ class Atlas(Drawn):
         for cell, point in self.points.items():
             count[cell], lost[cell], region[cell] = len(point.motions), point.lost - point.unsettled, point.label
             moving[cell] = point.unsettled
-            doubt[cell] = self._doubts.of_points.get(self.plane.point(cell), "")
+            doubt[cell] = self._uncertain.of_points.get(self.plane.point(cell), "")
             unseen[cell] = unseen_share(self.plane.count + point.more)
         return {
             "region": (region.astype(str), {"long_name": "motions that coexist"}),
@@ -133,7 +133,7 @@ class Atlas(Drawn):
         return {
             "motion": (motion.astype(str), {"long_name": "motion"}),
             "period": (period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
-            **{name: (numbers[..., i], told) for i, (name, told) in enumerate(columns.items())},
+            **{name: (numbers[..., i], attributes) for i, (name, attributes) in enumerate(columns.items())},
         }
 
     @cached_property
@@ -167,8 +167,8 @@ class Atlas(Drawn):
         InputError
             For a point outside the grid, or one where nothing was computed.
         """
-        here = self._place(values)
-        level, free = self._doubts.free(here)
+        here = self._parameter_point(values)
+        level, free = self._uncertain.free(here)
         return level.points[free[0]].words if free else self._farther(here).words
 
     def _farther(self, here: tuple[float, float]) -> PointOfGrid:
@@ -176,13 +176,13 @@ class Atlas(Drawn):
         known = [cell for cell, point in self.points.items() if point.motions]
         if not known:
             raise InputError("Atlas.at", ["nothing was computed; make the atlas again"])
-        near = sorted(known, key=lambda cell: self._doubts.distance(self.plane.point(cell), here))
-        free = (cell for cell in near[:_AROUND] if not self._doubts.separated(self.plane.point(cell), here))
+        near = sorted(known, key=lambda cell: self._uncertain.distance(self.plane.point(cell), here))
+        free = (cell for cell in near[:_AROUND] if not self._uncertain.separated(self.plane.point(cell), here))
         return self.points[next(free, near[0])]
 
     @cached_property
-    def _doubts(self) -> Doubts:
-        return Doubts((Level(self.plane, self.points), *self.closer), self.borders, self.found)
+    def _uncertain(self) -> UncertainPlaces:
+        return UncertainPlaces((Level(self.plane, self.points), *self.closer), self.borders, self.found)
 
     @explains_arguments
     def doubt(self, **values: float) -> str:
@@ -205,9 +205,9 @@ class Atlas(Drawn):
         InputError
             For a point outside the grid.
         """
-        return self._doubts.at(self._place(values))
+        return self._uncertain.at(self._parameter_point(values))
 
-    def _place(self, values: dict[str, float]) -> tuple[float, float]:
+    def _parameter_point(self, values: dict[str, float]) -> tuple[float, float]:
         if set(values) != set(self.parameters):
             typed = ", ".join(f"{name}={self.plane.axes[i][0]:g}" for i, name in enumerate(self.parameters))
             raise InputError("Atlas.at", [f"{', '.join(values) or 'nothing'} was given; allowed are both numbers; type {typed}"])
@@ -244,10 +244,10 @@ class Atlas(Drawn):
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{label} {100 * share:.0f} %" for label, share in list(self.regions.items())[:6])
-        told = "".join(f"\n  {note}" for note in self.notes)
+        notes = "".join(f"\n  {note}" for note in self.notes)
         return (
             f"<Atlas over {' and '.join(self.parameters)}, {self.plane.shape[0]} × {self.plane.shape[1]} points: {shares}; "
-            f"{len(self.borders)} borders, {len(self.found)} special points{told}>"
+            f"{len(self.borders)} borders, {len(self.found)} special points{notes}>"
         )
 
 

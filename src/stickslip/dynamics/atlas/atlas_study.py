@@ -56,8 +56,8 @@ class AtlasStudy:
             if theirs.get("stickslip_format") != _FORMAT:
                 why = "which did not record the models of each result"
                 raise InputError("atlas", [f"{str(folder)!r} was begun by an earlier stickslip, {why}; give another folder"])
-            if told := differences(mine, theirs.get("identity", {})):
-                raise InputError("atlas", [f"{str(folder)!r} is the folder of another atlas: {reason}" for reason in told])
+            if differing := differences(mine, theirs.get("identity", {})):
+                raise InputError("atlas", [f"{str(folder)!r} is the folder of another atlas: {reason}" for reason in differing])
             if not resume:
                 already = f"{str(folder)!r} holds results of this atlas already"
                 raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
@@ -157,8 +157,8 @@ def _identity(plan: Plan, models: ModelIdentities, plane: Plane, look: Look) -> 
     return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)]), "limit": f"{look.limit} drive periods for what has not settled"}
 
 
-def _level_of(found: dict[str, Any]) -> tuple[dict[Cell, PointOfGrid], int, list[Cell]]:
-    return _points_of(found["points"]), int(found["missed"]), [(int(i), int(j)) for i, j in found["asked"]]
+def _level_of(stored: dict[str, Any]) -> tuple[dict[Cell, PointOfGrid], int, list[Cell]]:
+    return _points_of(stored["points"]), int(stored["missed"]), [(int(i), int(j)) for i, j in stored["asked"]]
 
 
 def _rows_of(points: dict[Cell, PointOfGrid]) -> list[dict[str, Any]]:
@@ -174,10 +174,10 @@ def _point_of(row: dict[str, Any]) -> PointOfGrid:
     return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]), int(row["unsettled"]))
 
 
-def _outcome_of(found: dict[str, Any]) -> Outcome:
-    branch, points = found["branch"], tuple(PointOfBorder(**_frozen(row)) for row in found["points"])
-    borders = [_frozen(row) | {"special": tuple(PointOfBorder(**_frozen(each)) for each in row["special"])} for row in found["borders"]]
-    return Outcome(branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(found["refused"]))
+def _outcome_of(stored: dict[str, Any]) -> Outcome:
+    branch, points = stored["branch"], tuple(PointOfBorder(**_frozen(row)) for row in stored["points"])
+    borders = [_frozen(row) | {"special": tuple(PointOfBorder(**_frozen(each)) for each in row["special"])} for row in stored["borders"]]
+    return Outcome(branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(stored["refused"]))
 
 
 def _frozen(value: Any) -> Any:

@@ -163,12 +163,12 @@ def _kept(branch: Branch, other: float) -> FollowedBranch:
 
 
 def _point(seed: Seed, special: Special, other: float, branch: Branch) -> PointOfBorder:
-    beside = int(np.argmin(abs(branch.values - special.value)))
-    around = branch.orbits[max(beside - 1, 0) : beside + 2]
+    nearest = int(np.argmin(abs(branch.values - special.value)))
+    around = branch.orbits[max(nearest - 1, 0) : nearest + 2]
     stable = any(bool(orbit.stable) for orbit in around)
-    told = "; ".join(special.orbit.notes) or _TOLD.get(special.kind, "")
+    note = "; ".join(special.orbit.notes) or _TOLD.get(special.kind, "")
     values, unsure = (float(special.value), other), (float(special.accuracy), 0.0)
-    return PointOfBorder(special.kind, _in_order(seed.axis, values), _in_order(seed.axis, unsure), told, stable)
+    return PointOfBorder(special.kind, _in_order(seed.axis, values), _in_order(seed.axis, unsure), note, stable)
 
 
 def _in_order(axis: int, pair: tuple[float, float]) -> tuple[float, float]:
@@ -210,8 +210,8 @@ def _joined(seed: Seed, special: Special, point: PointOfBorder, ways: list[Curve
 
 def _reason(error: Exception) -> str:
     problems = getattr(error, "problems", None)
-    told = str(problems[0] if problems else error)
-    return told.rpartition("; type ss.continuation at each value")[0] or told
+    reason = str(problems[0] if problems else error)
+    return reason.rpartition("; type ss.continuation at each value")[0] or reason
 
 
 def same_place(plane: Plane, a: tuple[float, float], b: tuple[float, float]) -> bool:

@@ -59,7 +59,7 @@ class Seed(NamedTuple):
 
 def changes(grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
     """All neighbours on the grid whose motions differ, along the first axis and then along the second."""
-    found = []
+    differing = []
     for axis in (0, 1):
         for cell, here in sorted(grid.items()):
             change = Change(axis, cell, (), ())
@@ -68,21 +68,21 @@ def changes(grid: Mapping[Cell, PointOfGrid]) -> list[Change]:
                 continue
             before, after = unmatched(here, there), unmatched(there, here)
             if before or after:
-                found.append(Change(axis, cell, *(tuple(sorted(m.word for m in part)) for part in (before, after))))
-    return found
+                differing.append(Change(axis, cell, *(tuple(sorted(m.word for m in part)) for part in (before, after))))
+    return differing
 
 
 def seeds_of(plane: Plane, grid: Mapping[Cell, PointOfGrid], change: Change) -> list[Seed]:
     """The motions that may be followed across a change; those with the longer way to the end of the axis come first."""
     axis = plane.axes[change.axis]
     a, b = plane.point(change.near)[change.axis], plane.point(change.far)[change.axis]
-    found = []
+    seeds = []
     for cell, other, end, room in (
         (change.near, change.far, float(axis[-1]), axis[-1] - a),
         (change.far, change.near, float(axis[0]), b - axis[0]),
     ):
-        found += [(room, Seed(change.axis, cell, m, end)) for m in unmatched(grid[cell], grid[other]) if m.period]
-    return [seed for _, seed in sorted(found, key=lambda item: -item[0])]
+        seeds += [(room, Seed(change.axis, cell, m, end)) for m in unmatched(grid[cell], grid[other]) if m.period]
+    return [seed for _, seed in sorted(seeds, key=lambda item: -item[0])]
 
 
 def passed_by(plane: Plane, values: Array, todo: Iterable[Change]) -> set[Change]:

@@ -11,7 +11,7 @@ from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes
 from stickslip.dynamics.atlas.motions_on_the_grid import PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
-Place = tuple[float, float]
+ParameterPoint = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def points_within(cell: Cell) -> set[Cell]:
     return {(i, j), (i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)}
 
 
-def corners_around(levels: tuple[Level, ...], here: Place) -> tuple[Level, list[Cell]]:
+def corners_around(levels: tuple[Level, ...], here: ParameterPoint) -> tuple[Level, list[Cell]]:
     """The smallest cell around a place all of whose corners are known: its level and its corners; of the first level those that are."""
     for level in reversed(levels):
         corners = _around(level.plane, here)
@@ -72,7 +72,7 @@ def corners_around(levels: tuple[Level, ...], here: Place) -> tuple[Level, list[
     return first, [cell for cell in _around(first.plane, here) if cell in first.points]
 
 
-def _around(plane: Plane, here: Place) -> list[Cell]:
+def _around(plane: Plane, here: ParameterPoint) -> list[Cell]:
     first, second = (
         {max(int(np.searchsorted(axis, value)) - 1, 0), min(int(np.searchsorted(axis, value)), len(axis) - 1)}
         for axis, value in zip(plane.axes, here, strict=True)

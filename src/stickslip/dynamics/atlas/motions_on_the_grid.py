@@ -107,8 +107,8 @@ def rests_of(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dict[C
 
 
 def _at_rest(plane: Plane, cells: list[Cell]) -> Array:
-    found = at_rest(plane.family.robots(*np.array([plane.point(cell) for cell in cells]).T), plane.at)
-    return np.broadcast_to(found, (len(cells), found.shape[1]))
+    rest = at_rest(plane.family.robots(*np.array([plane.point(cell) for cell in cells]).T), plane.at)
+    return np.broadcast_to(rest, (len(cells), rest.shape[1]))
 
 
 def _one_by_one(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dict[Cell, PointOfGrid]]:
@@ -131,17 +131,17 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     settled = settled_motions(model, np.vstack(list(begun.values())), plane.at, look.settle, look.limit, look.rtol, groups=owner)
     motions = features_of(T, settled, plane.at)
     first: list[int] = []  # one run of each motion
-    found: list[list[tuple[int, int, float, int]]] = []
+    by_point: list[list[tuple[int, int, float, int]]] = []
     lost = np.bincount(owner, ~settled.attracted, len(begun)).astype(int).tolist()
     unsettled = np.bincount(owner, settled.kind == UNSETTLED, len(begun)).astype(int).tolist()
     for k in range(len(begun)):
         numbers = numbered(motions, settled.attracted & (owner == k))
         own = [np.flatnonzero(numbers == n) for n in range(numbers.max() + 1)]
         V = [float(motions.mean_velocity[m].mean()) for m in own]
-        found.append([(len(first) + i, int(settled.period[m[0]]), V[i], len(m)) for i, m in enumerate(own)])
+        by_point.append([(len(first) + i, int(settled.period[m[0]]), V[i], len(m)) for i, m in enumerate(own)])
         first += [int(m[0]) for m in own]
     states, kinds = settled.points[first, -1], settled.kind[first]
-    periods = [p for of in found for _, p, _, _ in of]
+    periods = [p for of in by_point for _, p, _, _ in of]
     words = _words(plane, values[first], states, periods, look) if first else []
     return {
         cell: PointOfGrid(
@@ -149,7 +149,7 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
             lost[k],
             unsettled=unsettled[k],
         )
-        for k, (cell, of) in enumerate(zip(begun, found, strict=True))
+        for k, (cell, of) in enumerate(zip(begun, by_point, strict=True))
     }
 
 
@@ -170,9 +170,9 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], look:
         return [_modes(flow, state, p) if p else "" for flow, state, p in zip(flows, states, periods, strict=True)]
     model = spread_over(plane.family.robots(*values.T), len(states))
     options = {"rtol": look.rtol} if machine_of(model).has_inner_states else {}
-    found = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
-    words = np.asarray(found.motion_type)
-    words = words if words.ndim == 1 else np.asarray(found.pattern)
+    summary = solve(model, periods=_LOOKED, settle="auto", start=plane.at.start(states), keep="summary", **options)
+    words = np.asarray(summary.motion_type)
+    words = words if words.ndim == 1 else np.asarray(summary.pattern)
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
 
 
@@ -259,5 +259,5 @@ def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, 
 def neighbours(plane: Plane, cell: Cell) -> list[Cell]:
     """The points beside a point of the grid."""
     i, j = cell
-    beside = ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
-    return [(a, b) for a, b in beside if 0 <= a < plane.shape[0] and 0 <= b < plane.shape[1]]
+    adjacent = ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))
+    return [(a, b) for a, b in adjacent if 0 <= a < plane.shape[0] and 0 <= b < plane.shape[1]]

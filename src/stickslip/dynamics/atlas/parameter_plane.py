@@ -123,9 +123,9 @@ class Plane:
 
         d = self.at.smooth
         spread = qmc.Halton(d, scramble=False).fast_forward(first).random(count)
-        found = np.tile(rest, (count, 1))
-        found[:, :d] += np.resize(_WIDTHS, count)[:, None] * (2 * spread - 1) * self.at.scales[:d]
-        return found
+        states = np.tile(rest, (count, 1))
+        states[:, :d] += np.resize(_WIDTHS, count)[:, None] * (2 * spread - 1) * self.at.scales[:d]
+        return states
 
     @cached_property
     def _start_axes(self) -> dict[str, Array]:

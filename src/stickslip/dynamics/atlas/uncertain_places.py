@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, crosses, passed_by
-from stickslip.dynamics.atlas.levels import Level, Place, corners_around, corners_of, open_changes
+from stickslip.dynamics.atlas.levels import Level, ParameterPoint, corners_around, corners_of, open_changes
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, unmatched
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
@@ -40,7 +40,7 @@ def _between(plane: Plane, change: Change, point: PointOfBorder) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Doubts:
+class UncertainPlaces:
     """Evidence against the motions of an atlas, at its grid points and between them.
 
     Parameters
@@ -57,38 +57,38 @@ class Doubts:
     points: tuple[PointOfBorder, ...]
 
     @cached_property
-    def of_points(self) -> dict[Place, str]:
+    def of_points(self) -> dict[ParameterPoint, str]:
         """The points at which motions may be missing or may be no motions of their own, with the reason."""
-        beside = self._beside_open_changes()
+        adjacent = self._next_to_open_changes()
         level = self.levels[-1]
         known = {level.plane.point(cell): _reasons(point) for cell, point in level.points.items() if point.motions}
-        told = {place: why + [_BESIDE] * (place in beside) for place, why in known.items()}
-        return {place: "; ".join(why) for place, why in told.items() if why}
+        reasons = {location: why + [_BESIDE] * (location in adjacent) for location, why in known.items()}
+        return {location: "; ".join(why) for location, why in reasons.items() if why}
 
-    def _beside_open_changes(self) -> set[Place]:
-        beside = set()
+    def _next_to_open_changes(self) -> set[ParameterPoint]:
+        adjacent = set()
         for level, left in open_changes(self.levels):
             unexplained = set(left) - explained_by(level.plane, self.borders, self.points, left)
-            beside |= {level.plane.point(cell) for change in unexplained for cell in (change.near, change.far)}
-        return beside
+            adjacent |= {level.plane.point(cell) for change in unexplained for cell in (change.near, change.far)}
+        return adjacent
 
-    def free(self, here: Place) -> tuple[Level, list[Cell]]:
+    def free(self, here: ParameterPoint) -> tuple[Level, list[Cell]]:
         """The corners of the smallest known cell around a place from which no border separates it, the nearest first."""
         level, corners = corners_around(self.levels, here)
         known = [cell for cell in corners if level.points[cell].motions]
         near = sorted(known, key=lambda cell: self.distance(level.plane.point(cell), here))
         return level, [cell for cell in near if not self.separated(level.plane.point(cell), here)]
 
-    def separated(self, a: Place, b: Place) -> bool:
+    def separated(self, a: ParameterPoint, b: ParameterPoint) -> bool:
         """Whether a border passes between two places."""
         return bool(self._between(a, b))
 
-    def distance(self, a: Place, b: Place) -> float:
+    def distance(self, a: ParameterPoint, b: ParameterPoint) -> float:
         """The distance of two places, each number counted in its span."""
         axes = self.levels[0].plane.axes
         return float(np.hypot(*((x - y) / np.ptp(axis) for x, y, axis in zip(a, b, axes, strict=True))))
 
-    def at(self, here: Place) -> str:
+    def at(self, here: ParameterPoint) -> str:
         """Why the motions at a place are not sure: it is judged by the corners of its cell.
 
         They must have the same motions, or the borders that were followed must explain each difference between two of them.
@@ -102,7 +102,7 @@ class Doubts:
             return "corners of its cell have different motions, and the borders between do not explain all that changes"
         return next(("; ".join(why) for cell in free if (why := _reasons(level.points[cell]))), "")
 
-    def _understood(self, here: Place) -> bool:
+    def _understood(self, here: ParameterPoint) -> bool:
         """Whether all corners of a cell have the same motions, or differ by what is between them, seen from a place in the cell too."""
         level, corners = corners_around(self.levels, here)
         if len(corners) == _CORNERS and len({level.points[cell].words for cell in corners}) == 1:
@@ -119,17 +119,17 @@ class Doubts:
             return False
         return all(_accounts(self.borders[k].kind, *change) for k in passed) if passed else not any(change)
 
-    def _between(self, a: Place, b: Place) -> set[int]:
+    def _between(self, a: ParameterPoint, b: ParameterPoint) -> set[int]:
         """The borders that pass between two places, by their numbers."""
         return {k for k, border in enumerate(self.borders) if _meets(border.line, a, b) and crosses(border.line, a, b)}
 
     def cells(self) -> list[Cell]:
         """The cells of the finest level in which some places are in doubt, each by its lowest corner."""
         level = self.levels[-1]
-        return [cell for cell in level.cells() if any(self.at(place) for place in _probes(level.plane, cell))]
+        return [cell for cell in level.cells() if any(self.at(location) for location in _probes(level.plane, cell))]
 
 
-def _probes(plane: Plane, cell: Cell) -> list[Place]:
+def _probes(plane: Plane, cell: Cell) -> list[ParameterPoint]:
     (p, q), (r, s) = (plane.point(corner) for corner in (corners_of(cell)[0], corners_of(cell)[-1]))
     return [(p + a * (r - p), q + b * (s - q)) for a in _PROBED for b in _PROBED]
 
@@ -144,7 +144,7 @@ def _accounts(kind: str, before: list[MotionThere], after: list[MotionThere]) ->
     return kind in _RENAMES and len(before) < _SEVERAL and [m.period for m in before] == [m.period for m in after]
 
 
-def _meets(line: Any, a: Place, b: Place) -> bool:
+def _meets(line: Any, a: ParameterPoint, b: ParameterPoint) -> bool:
     """Whether a line comes into the rectangle of two places, or jumps across it from one of its points to the next."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     step = np.abs(np.diff(line, axis=0)).max(axis=0, initial=0.0)
@@ -153,12 +153,12 @@ def _meets(line: Any, a: Place, b: Place) -> bool:
 
 def _reasons(point: PointOfGrid) -> list[str]:
     """Why the motions that were found at a point may not be all, or no motions of their own."""
-    told = {
+    conditions = {
         "some starts have not settled": point.unsettled > 0,
         "a motion came from a neighbour and from no start, so others may be missing": any(not motion.hits for motion in point.motions),
         "a start led nowhere": point.lost > point.unsettled,
     }
-    return [why for why, holds in told.items() if holds]
+    return [why for why, holds in conditions.items() if holds]
 
 
 def unseen_share(starts: int) -> float:

@@ -90,8 +90,8 @@ class Sensitivity(Drawn):
         return [[head, *((name, f"{p:.6g}", f"{slope:.7g}", f"{relative:.4g}") for name, p, slope, relative in rows)]]
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
-        return f"<Sensitivity of V = {self.velocity:.9g} m/s: dV/dp by {told}{''.join(f'; {note}' for note in self.notes)}>"
+        listed = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
+        return f"<Sensitivity of V = {self.velocity:.9g} m/s: dV/dp by {listed}{''.join(f'; {note}' for note in self.notes)}>"
 
 
 @explains_arguments
@@ -151,13 +151,13 @@ def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]
     if wrt is None:
         return {name: (name,) for name in known if not _breaks(model, (name,))}
     asked = [wrt] if isinstance(wrt, str) else list(wrt)
-    found = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
-    if found and all(found.values()) and not _any_breaks(model, list(found.values())):
-        return found
-    problems = [flaw for pattern, names in found.items() if (flaw := _flaw(model, pattern, names, known))]
+    directions = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
+    if directions and all(directions.values()) and not _any_breaks(model, list(directions.values())):
+        return directions
+    problems = [flaw for pattern, names in directions.items() if (flaw := _flaw(model, pattern, names, known))]
     if problems or not asked:
         raise InputError(what, problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
-    return found
+    return directions
 
 
 def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
@@ -210,7 +210,7 @@ def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
     return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
 
 
-def _told(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+def _values(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
     own = dict(leaves(model))
     sizes = [{float(own[name]) for name in names} for names in moved.values()]
     return np.array([next(iter(size)) if len(size) == 1 else np.nan for size in sizes])
@@ -225,7 +225,7 @@ def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     V, slopes, state, notes = along(orbit, seeds_of(moved), len(moved))
-    return Sensitivity(tuple(moved), _told(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
+    return Sensitivity(tuple(moved), _values(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
 
 
 def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
@@ -241,16 +241,16 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
     count : int
         How many directions there are.
     """
-    found = Closing(orbit.model, coordinates(orbit.model), directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
-    return float(found.mean_velocity[0]), found.slopes[0], found.changes[0], notes_of(found)
+    closed = Closing(orbit.model, coordinates(orbit.model), directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
+    return float(closed.mean_velocity[0]), closed.slopes[0], closed.changes[0], notes_of(closed)
 
 
-def notes_of(found: Closed) -> tuple[str, ...]:
+def notes_of(closed: Closed) -> tuple[str, ...]:
     """Notes on the derivatives of a motion."""
-    if not np.isfinite(found.monodromy).all():
+    if not np.isfinite(closed.monodromy).all():
         return ("a switch is touched without being crossed: there are no derivatives",)
     note = "the motion can be shifted freely (a multiplier is 1), and the smallest change of the state is given"
-    return (note,) if found.free[0] else ()
+    return (note,) if closed.free[0] else ()
 
 
 def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
@@ -275,4 +275,4 @@ def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     T = span or float(model.period) * (run.periods - settle)
     dT = _period_slopes(model, numbers, k) * (run.periods - settle)
     V = float(way[0]) / T
-    return Sensitivity(tuple(moved), _told(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d])
+    return Sensitivity(tuple(moved), _values(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d])

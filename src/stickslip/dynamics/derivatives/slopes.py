@@ -60,8 +60,8 @@ class Slopes:
         return self._each(self.functions.of(what, *args)[1])
 
     def _each(self, nodes: list[Sym]) -> list[Array]:
-        found = values_of(self.functions.graph, self.known, nodes)
-        return [np.broadcast_to(np.asarray(found[node.number], float), (self.cases,)) for node in nodes]
+        computed = values_of(self.functions.graph, self.known, nodes)
+        return [np.broadcast_to(np.asarray(computed[node.number], float), (self.cases,)) for node in nodes]
 
 
 def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
@@ -77,9 +77,9 @@ def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], ca
     owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
     q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(_start))]
     z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
-    on, told = slopes.of(_control_starts, start), _given(start.get("control"), m.controllers.names)
+    on, given = slopes.of(_control_starts, start), _given(start.get("control"), m.controllers.names)
     owners = [name for name, count in zip(m.controllers.names, m.controllers.counts, strict=True) for _ in range(count)]
-    z += [0.0 * d if name in told else d for name, d in zip(owners, on, strict=True)]
+    z += [0.0 * d if name in given else d for name, d in zip(owners, on, strict=True)]
     return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
 
 
@@ -104,7 +104,7 @@ def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
     """States of controllers that are switched on where a run begins."""
     m = machine.mechanics
     first = m._named(0.0, m.start, (0.0,) * m.coordinates)
-    x, v = ({**told, **_by_name(start.get(what), m.bodies)} for what, told in zip("xv", first, strict=True))
+    x, v = ({**by_name, **_by_name(start.get(what), m.bodies)} for what, by_name in zip("xv", first, strict=True))
     return list(m.controllers.start(0.0, x, v))
 
 

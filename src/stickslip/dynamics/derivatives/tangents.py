@@ -146,11 +146,13 @@ class Follower:
 
         Under dynamic laws the tolerance may be so many times as loose.
         """
-        start, found = self.lanes(states, starts, periods, which, loose)
-        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
-        known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)[:, None]
-        sums, d_sums = self.carried.integrals(found.end, self.integrals)
-        return Changes(state * known, change * known, way, way_change * known[:, 0], found.status, found.end[:, -1], sums, d_sums * known)
+        start, results = self.lanes(states, starts, periods, which, loose)
+        state, change, way, way_change = self.carried.ends(start, results.end, periods * self.period[0][which], which)
+        known = np.where(results.status <= Status.REPEATS, 1.0, np.nan)[:, None]
+        sums, d_sums = self.carried.integrals(results.end, self.integrals)
+        return Changes(
+            state * known, change * known, way, way_change * known[:, 0], results.status, results.end[:, -1], sums, d_sums * known
+        )
 
     def lanes(self, states: Array, starts: Array, periods: int, which: Any = slice(None), loose: float = 1.0) -> tuple[Array, Any]:
         """The start of the lanes, and what they found."""
@@ -183,9 +185,9 @@ class _Carried:
     def start(self, first: Array, changes: Array, which: Any) -> Array:
         """The start of the lanes, of changes beside states that have been placed."""
         q, u, z, _ = _parted(self.at, changes)
-        places = [place - q[0] for place in q[1:]] if self.table.cyclic else q
+        positions = [position - q[0] for position in q[1:]] if self.table.cyclic else q
         own = [v - offset for v, offset in zip(u, self.offsets[:, which], strict=True)]
-        return np.column_stack([first[:, : 1 + self.n], *own, *z, *places, np.zeros((len(first), self.more)), first[:, 1 + self.n :]])
+        return np.column_stack([first[:, : 1 + self.n], *own, *z, *positions, np.zeros((len(first), self.more)), first[:, 1 + self.n :]])
 
     def ends(self, start: Array, end: Array, time: Any, which: Any) -> tuple[Array, Array, Array, Array]:
         """State, change of it, way of the centre of mass, change of that."""
@@ -229,8 +231,8 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
     """The same for each case of a batch, or for several states of one: array (cases, states, states)."""
     cases, d = len(states), coordinates(model).smooth
     each = some_of(model, np.repeat(np.arange(cases), d))
-    found = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
-    return found.change.reshape(cases, d, d).transpose(0, 2, 1)
+    changes = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
+    return changes.change.reshape(cases, d, d).transpose(0, 2, 1)
 
 
 def means_named(model: Any, observe: Any = ()) -> tuple[str, ...]:

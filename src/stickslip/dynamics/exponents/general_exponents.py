@@ -101,8 +101,8 @@ class Lyapunov(Drawn):
         return [self.note] if self.note else []
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))
-        return f"<Lyapunov: {told} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
+        listed = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))
+        return f"<Lyapunov: {listed} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
 
 
 def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
@@ -209,8 +209,12 @@ def lyapunov_of_map(
 def _noted(logs: Array, done: int, every: float, unit: str, ending: Ending) -> Lyapunov:
     """The exponents of as many parts of a motion as were done, which a note says after an interruption."""
     ending.needs(done >= min(_LEAST, len(logs)))
-    found = gathered(logs[:done], every, unit)
-    return replace(found, note=ending.note(f"averages over {done} of {len(logs)} parts of the motion")) if ending.interrupted else found
+    exponents = gathered(logs[:done], every, unit)
+    return (
+        replace(exponents, note=ending.note(f"averages over {done} of {len(logs)} parts of the motion"))
+        if ending.interrupted
+        else exponents
+    )
 
 
 _MOST = 1e8  # parts of a run in which growth is measured
@@ -268,8 +272,8 @@ def lyapunov_of_flow(
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
         return gathered(logs, every, "unit of time")
     if not callable(f):
-        told = f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow"
-        raise InputError("lyapunov_of_flow", [told])
+        mistake = f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow"
+        raise InputError("lyapunov_of_flow", [mistake])
     n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
 
     def rates(t: float, y: Array) -> Array:
@@ -301,6 +305,6 @@ def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rto
         done = solve_ivp(looking(rates), (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
     end: Array = done.y[:, -1]
     if done.status != 0 or not np.isfinite(end).all():
-        told = f"the flow diverges at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
-        raise InputError("lyapunov_of_flow", [f"{told} Give a start on its attractor, or a shorter settle and duration"])
+        mistake = f"the flow diverges at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
+        raise InputError("lyapunov_of_flow", [f"{mistake} Give a start on its attractor, or a shorter settle and duration"])
     return end

@@ -103,16 +103,16 @@ def exponents_along(model: Any, periods: int, settle: int, start: Any, rtol: flo
             parts += count
             watch.finished(0, np.zeros(count, int))
     ending.needs(parts >= _LEAST)
-    found = _told(np.concatenate(logs))
-    notes = ending.note(f"averages over {parts} of {periods} drive periods"), found.note
-    return replace(found, note="; ".join(filter(None, notes))), ending.interrupted
+    exponents = _summary(np.concatenate(logs))
+    notes = ending.note(f"averages over {parts} of {periods} drive periods"), exponents.note
+    return replace(exponents, note="; ".join(filter(None, notes))), ending.interrupted
 
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
     state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = list(flow.fields)[round(float(state[-1]))]
-    return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
+    return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
 
 
 def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
@@ -141,14 +141,14 @@ _FORGOTTEN = (
 )
 
 
-def _told(logs: Array) -> Lyapunov:
+def _summary(logs: Array) -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
     with np.errstate(invalid="ignore"):
-        found = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
+        exponents = gathered(np.where(dead, -np.inf, logs), 1.0, "drive period")
     if not dead.any():
-        return found
-    return replace(found, errors=np.where(np.isneginf(found.spectrum), 0.0, found.errors), note=_FORGOTTEN)
+        return exponents
+    return replace(exponents, errors=np.where(np.isneginf(exponents.spectrum), 0.0, exponents.errors), note=_FORGOTTEN)
 
 
 def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
@@ -156,9 +156,9 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
 
     As many of the last directions as contacts rest at one instant end there. What is lost below rounding has what the volume leaves over.
     """
-    found, d = _periods_of(run), len(Q)
-    matrices = found.change.reshape(run.periods, d, d).transpose(0, 2, 1)
-    volumes, rests, logs = found.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
+    changes, d = _periods_of(run), len(Q)
+    matrices = changes.change.reshape(run.periods, d, d).transpose(0, 2, 1)
+    volumes, rests, logs = changes.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
     for k, M in enumerate(matrices):
         Q, own = grown(M, Q)
         logs[k] = _grown(own, volumes[k], rests[k])
@@ -170,8 +170,8 @@ def _periods_of(run: Any) -> Changes:
     at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
     scales = at.scales[: at.smooth]
     starts = np.tile(np.diag(scales), (run.periods, 1))
-    found = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=with_volume)
-    return replace(found, change=found.change / scales)
+    changes = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=with_volume)
+    return replace(changes, change=changes.change / scales)
 
 
 def _most_at_rest(run: Any) -> Array:
@@ -253,16 +253,16 @@ def largest_exponents(
     state = states_of(start, model)
     whole = np.full((2, len(state)), np.nan)
     with partial_result():
-        for part, found in _parts_apart(model, state, periods, settle, rtol, apart, workers, progress):
-            whole[:, part] = found
+        for part, values in _parts_apart(model, state, periods, settle, rtol, apart, workers, progress):
+            whole[:, part] = values
     return whole[0], whole[1]
 
 
 def exponents_from(model: Any, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
     """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
-    for part, found in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
-        whole[:, part] = found
+    for part, values in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
+        whole[:, part] = values
     return whole[0], whole[1]
 
 

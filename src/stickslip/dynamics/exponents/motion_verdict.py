@@ -117,10 +117,12 @@ def verdict(
         if orbit is not None and orbit.stable:
             why = f"the strobe point returns after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
             return Verdict("periodic", back.period, exponents, orbit, why)
-    told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
+    evidence = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
     if back.period is None and exponents.chaotic:
-        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {told}")
+        return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {evidence}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        rotation, seen = rotation_of_strobe(model, back.state, rtol)
-        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not return and {told}: zero; {seen}", rotation)
-    return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")
+        rotation, description = rotation_of_strobe(model, back.state, rtol)
+        return Verdict(
+            "quasi-periodic", None, exponents, None, f"the strobe point does not return and {evidence}: zero; {description}", rotation
+        )
+    return Verdict("undecided", back.period, exponents, None, f"{evidence}; {back.why}; try more periods and a longer settle")

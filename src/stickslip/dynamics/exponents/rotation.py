@@ -93,12 +93,12 @@ def rotation_number(points: Numbers) -> Rotation:
     x = _checked(points)
     if x.ndim == 1:
         return _mean_advance(np.diff(x), float(np.max(abs(x))))
-    found = rotation_on_curve(x)
-    if found is None:
+    rotation = rotation_on_curve(x)
+    if rotation is None:
         why = "the points are not on one closed curve around their centre"
         allowed = "allowed are points on a torus of two frequencies, seen in a plane where the curve is not folded"
         raise InputError("rotation_number", [f"{why}; {allowed}; type ss.verdict(model) to see what motion it is"])
-    return found
+    return rotation
 
 
 def rotation_on_curve(points: Array) -> Rotation | None:
@@ -123,10 +123,10 @@ def rotation_of_strobe(model: Any, state: Array, rtol: float) -> tuple[Rotation 
     at = coordinates(model)
     points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
     for i, j in combinations(range(min(at.smooth, _SEEN)), 2):
-        found = rotation_on_curve(points[:, [i, j]])
-        if found is not None:
-            told = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
-            return found, f"{told}, rotation number {found.rounded} turns per drive period, up to whole turns and its sense"
+        rotation = rotation_on_curve(points[:, [i, j]])
+        if rotation is not None:
+            sentence = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
+            return rotation, f"{sentence}, rotation number {rotation.rounded} turns per drive period, up to whole turns and its sense"
     return None, "no two numbers of its strobe state show one closed curve: it has more than two frequencies, or its curve is folded"
 
 
@@ -136,8 +136,8 @@ def _unwrapped(turns: Array) -> Array:
     gaps = np.diff(np.append(ordered, ordered[0] + 1.0))
     k = int(np.argmax(gaps))
     first = ordered[(k + 1) % len(ordered)]
-    found = first + (turns - first) % 1.0
-    return found - np.floor(np.mean(found))
+    unwrapped = first + (turns - first) % 1.0
+    return unwrapped - np.floor(np.mean(unwrapped))
 
 
 def _mean_advance(turns: Array, size: float = 1.0) -> Rotation:

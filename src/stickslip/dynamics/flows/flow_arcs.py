@@ -27,15 +27,15 @@ class Guard:
 
     def __call__(self, t: float, y: Array) -> float:
         """Its value; an error where it has none."""
-        found = value(self.g, t, y, self.name)
-        if np.isnan(found):
+        number = value(self.g, t, y, self.name)
+        if np.isnan(number):
             raise SolveError(f"{self.name} gave nan at t = {t:.9g}, y = {y.tolist()}; it must be defined wherever its mode goes")
-        return found
+        return number
 
     def slopes(self, t: float, y: Array) -> tuple[float, float, Array]:
         """Value, derivative by t, derivatives by y."""
-        found, by_t, by_y = derivative(self.g, t, y, self.name, 1)
-        return float(found[0]), float(by_t[0]), by_y[0]
+        values, by_t, by_y = derivative(self.g, t, y, self.name, 1)
+        return float(values[0]), float(by_t[0]), by_y[0]
 
     def level(self, t: float, y: Array) -> float:
         """The size of rounding errors in its value."""
@@ -49,8 +49,8 @@ class Guard:
     def speed(self, t: float, y: Array, rate: Array) -> float:
         """How fast it grows along the flow; 0 where that is rounding."""
         _, by_t, by_y = self.slopes(t, y)
-        found = by_t + float(by_y @ rate)
-        return found if abs(found) > _ROUNDING * (abs(by_t) + float(abs(by_y) @ abs(rate))) else 0.0
+        speed = by_t + float(by_y @ rate)
+        return speed if abs(speed) > _ROUNDING * (abs(by_t) + float(abs(by_y) @ abs(rate))) else 0.0
 
 
 @sealed
@@ -95,14 +95,14 @@ def arc(flow: Any, mode: Any, t: float, y: Array, end: float, rtol: float) -> Ar
             if solver.status == "failed" or not np.isfinite(solver.y[:n]).all():
                 why = message or "it is not finite"
                 raise SolveError(f"the flow could not be followed in mode {mode!r} beyond t = {solver.t:.9g}: {why}")
-            found = _first(watched, solver, n)
-            stop = solver.t if found is None else found[1]
+            crossing = _first(watched, solver, n)
+            stop = solver.t if crossing is None else crossing[1]
             low, high = extremes(solver.dense_output()(points(solver.t_old, stop))[:n], low, high)
-            if found is not None and stop - t <= _ROUNDING * (end - t):  # at once: where rounding puts it decides nothing
-                return Arc(t, y, M, found[0], y, y)
-            if found is not None:
-                at, u = _onto(watched[found[0]], rates, *_again(rates, solver.t_old, before, stop, rtol, scale), n)
-                return Arc(at, u[:n], u[n:].reshape(n, n), found[0], np.minimum(low, u[:n]), np.maximum(high, u[:n]))
+            if crossing is not None and stop - t <= _ROUNDING * (end - t):  # at once: where rounding puts it decides nothing
+                return Arc(t, y, M, crossing[0], y, y)
+            if crossing is not None:
+                at, u = _onto(watched[crossing[0]], rates, *_again(rates, solver.t_old, before, stop, rtol, scale), n)
+                return Arc(at, u[:n], u[n:].reshape(n, n), crossing[0], np.minimum(low, u[:n]), np.maximum(high, u[:n]))
             if solver.status == "finished":
                 return Arc(end, solver.y[:n], solver.y[n:].reshape(n, n), None, low, high)
     raise SolveError(f"{_STEPS} steps led in mode {mode!r} from t = {t:.9g} to {solver.t:.9g} only: its field is stiff there, or very fast")
@@ -112,8 +112,8 @@ def _rates(f: Callable[..., Any], name: str, n: int) -> Callable[[float, Array],
     """The flow and its variational equation."""
 
     def rates(s: float, u: Array) -> Array:
-        found, _, J = derivative(f, s, u[:n], name, n)
-        return np.concatenate([found, (J @ u[n:].reshape(n, n)).ravel()])
+        rate, _, J = derivative(f, s, u[:n], name, n)
+        return np.concatenate([rate, (J @ u[n:].reshape(n, n)).ravel()])
 
     return rates
 
@@ -123,16 +123,16 @@ def _first(watched: list[Guard], solver: Any, n: int) -> tuple[int, float] | Non
     if not watched:
         return None
     dense = solver.dense_output()
-    found: list[tuple[float, int]] = []
+    crossings: list[tuple[float, int]] = []
     for k, guard in enumerate(watched):
         level = guard.level(solver.t_old, dense(solver.t_old)[:n])
         at = first_fall(lambda s, g=guard: g(s, dense(s)[:n]), solver.t_old, solver.t, level)  # type: ignore[misc]
         if at is not None:
-            found.append((at, k))
-    if not found:
+            crossings.append((at, k))
+    if not crossings:
         return None
-    earliest = min(found)[0]
-    k = next(k for at, k in found if at - earliest <= 4 * np.spacing(abs(earliest)))
+    earliest = min(crossings)[0]
+    k = next(k for at, k in crossings if at - earliest <= 4 * np.spacing(abs(earliest)))
     return k, earliest
 
 

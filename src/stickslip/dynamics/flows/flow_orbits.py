@@ -235,10 +235,10 @@ def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, h
     size = abs(done.state - y).max()
     for part in _SHARES:
         ahead, then = y + part * step, T + part * longer
-        found = passage(flow, ahead, after, then, **how)
-        if abs(found.state - ahead).max() < size or part == _SHARES[-1]:
+        tried = passage(flow, ahead, after, then, **how)
+        if abs(tried.state - ahead).max() < size or part == _SHARES[-1]:
             break
-    return ahead, then, after, found
+    return ahead, then, after, tried
 
 
 def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
@@ -267,8 +267,8 @@ def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, how: d
         if part.mode != orbit.mode or abs(part.state - orbit.state).max() > max(_SAME * extent, 10 * orbit.residual):
             continue
         if flow.period is not None:
-            told = f"the motion found repeats after {periods // k} of {periods} periods"
-            raise SolveError(f"{told}; type periods={periods // k}, or give another guess")
+            mistake = f"the motion found repeats after {periods // k} of {periods} periods"
+            raise SolveError(f"{mistake}; type periods={periods // k}, or give another guess")
         return _once(flow, _closed(flow, orbit.state, orbit.mode, orbit.duration / k, most, how), periods, most, how)
     return orbit
 

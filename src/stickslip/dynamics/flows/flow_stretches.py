@@ -127,8 +127,8 @@ def started(
     """The state at the start; an error that says everything that is wrong with what was given."""
     problems = Problems(what)
     if not is_flow(flow):
-        told = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
-        raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
+        mistake = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
+        raise InputError(what, [f"{mistake}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
     y = np.atleast_1d(np.array(floats(state)))
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")

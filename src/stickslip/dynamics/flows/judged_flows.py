@@ -61,7 +61,7 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
     """State, mode and time at the end, the switches, the derivative of the end by the start, whether a direction was lost, and extremes."""
     t, end, M, rank_deficient = float(begin), float(begin) + float(duration), np.eye(len(y)), False
     events: list[tuple[float, Any, Any]] = []
-    low, high, crossing, seen = y.copy(), y.copy(), None, {(mode, y.tobytes())}
+    low, high, crossing, visited = y.copy(), y.copy(), None, {(mode, y.tobytes())}
     while switches is None or len(events) < switches:
         look()
         hit = next((k for k, guard in enumerate(guards_of(flow, mode)) if guard.beyond(t, y)), None)
@@ -71,7 +71,7 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
             there = arc(flow, mode, t, y, end, rtol)
             low, high = np.minimum(low, there.low), np.maximum(high, there.high)
             if there.t > t:
-                seen = set()
+                visited = set()
             t, y, M, hit = there.t, there.y, there.M @ M, there.hit
             if hit is None:
                 break
@@ -81,7 +81,7 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
         after, y, crossing, S = _switched(flow, mode, hit, t, y, crossing)
         events.append((t, mode, after))
         low, high, mode = np.minimum(low, y), np.maximum(high, y), after
-        _stop_accumulating(events, (mode, y.tobytes()), seen, float(duration), switches)
+        _stop_accumulating(events, (mode, y.tobytes()), visited, float(duration), switches)
         M, rank_deficient = S @ crossing.before, rank_deficient or not S.any(axis=1).all()
     return y, mode, t, events, M, rank_deficient, low, high
 
@@ -106,13 +106,13 @@ def _switched(flow: Any, mode: Any, hit: int, t: float, y: Array, crossing: _Cro
 
 
 def _stop_accumulating(
-    events: list[tuple[float, Any, Any]], here: tuple[Any, bytes], seen: set[Any], duration: float, most: int | None
+    events: list[tuple[float, Any, Any]], here: tuple[Any, bytes], visited: set[Any], duration: float, most: int | None
 ) -> None:
     """An error where the switches of a flow do not end."""
     t, last = events[-1][0], [repr(mode) for _, _, mode in events[-4:]]
     several = len(events) >= _MANY and t - events[-_MANY][0] <= _AT_ONCE * duration + 64 * np.spacing(abs(t))
-    if here in seen or several:
+    if here in visited or several:
         raise SolveError(accumulates(t, last, None))
-    seen.add(here)
+    visited.add(here)
     if most is None and len(events) >= MOST_SWITCHES:
         raise SolveError(accumulates(t, last, MOST_SWITCHES))

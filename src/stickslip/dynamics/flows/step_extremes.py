@@ -59,8 +59,8 @@ def _stationary(c: Array) -> Array:
     c = chebyshev.chebtrim(c, 1e-15 * abs(c).max())
     if len(c) < 3:
         return np.empty(0)
-    found = chebyshev.chebroots(chebyshev.chebder(c))
-    return np.sort(found[(abs(found.imag) < 1e-6) & (abs(found.real) < 1.0)].real)
+    roots = chebyshev.chebroots(chebyshev.chebder(c))
+    return np.sort(roots[(abs(roots.imag) < 1e-6) & (abs(roots.real) < 1.0)].real)
 
 
 def first_fall(g: Callable[[float], float], begin: float, end: float, level: float, halvings: int = _HALVINGS) -> float | None:

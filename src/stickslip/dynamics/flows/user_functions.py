@@ -47,8 +47,8 @@ def derivative(f: Callable[..., Any], t: float, y: Array, name: str = "f", count
 
 def of_state(f: Callable[..., Any], x: Array) -> tuple[Array, Array]:
     """Values of f(x), as many as there are coordinates, and their derivatives."""
-    found, _, by_x = derivative(lambda t, y: f(y), 0.0, x, "f", len(x))
-    return found, by_x
+    values, _, by_x = derivative(lambda t, y: f(y), 0.0, x, "f", len(x))
+    return values, by_x
 
 
 def numbers(f: Callable[..., Any], x: Array) -> Array:
@@ -79,26 +79,26 @@ def answer(f: Callable[..., Any], name: str, *given: Any) -> Any:
     except Exception as error:
         if isinstance(error, ValueError) and "domain error" in str(error):  # math.sqrt(-1.0)
             return _UNDEFINED
-        told = f"{name} raised {type(error).__name__}: {error}" + (f" (y has {len(given[-1])})" if isinstance(error, IndexError) else "")
-        why = f"{told}; {_PLAIN}" if isinstance(error, (TypeError, ValueError, AttributeError)) else told
+        mistake = f"{name} raised {type(error).__name__}: {error}" + (f" (y has {len(given[-1])})" if isinstance(error, IndexError) else "")
+        why = f"{mistake}; {_PLAIN}" if isinstance(error, (TypeError, ValueError, AttributeError)) else mistake
         raise InputError("SwitchingFlow" if "[" in name else name, [why]) from error
 
 
-def _rows(found: Any, name: str, count: int | None) -> list[Any] | None:
+def _rows(result: Any, name: str, count: int | None) -> list[Any] | None:
     """The numbers of an answer, one by one."""
-    if found is _UNDEFINED:
+    if result is _UNDEFINED:
         return None
-    rows = [_unwrapped(row) for row in (found if isinstance(found, (tuple, list, np.ndarray)) and np.ndim(found) else [found])]
+    rows = [_unwrapped(row) for row in (result if isinstance(result, (tuple, list, np.ndarray)) and np.ndim(result) else [result])]
     wrong = [row for row in rows if row is None or isinstance(row, _NO_NUMBERS)]
     if wrong or (count is not None and len(rows) != count):
         allowed = "one number" if count == 1 else "a tuple of numbers" if count is None else f"a tuple of {count} numbers"
-        what = f"{len(rows)} numbers" if not wrong else "a condition" if isinstance(wrong[0], (bool, np.bool_, Truth)) else f"{found!r}"
-        raise InputError("SwitchingFlow" if "[" in name else name, [f"{name} gave {what}; allowed is {allowed}{_hint(found, count)}"])
+        what = f"{len(rows)} numbers" if not wrong else "a condition" if isinstance(wrong[0], (bool, np.bool_, Truth)) else f"{result!r}"
+        raise InputError("SwitchingFlow" if "[" in name else name, [f"{name} gave {what}; allowed is {allowed}{_hint(result, count)}"])
     return rows
 
 
-def _hint(found: Any, count: int | None) -> str:
-    if found is None:
+def _hint(result: Any, count: int | None) -> str:
+    if result is None:
         return "; is its return missing?"
     return ", which falls through zero at the switch" if count == 1 else ", one for each coordinate"
 

@@ -123,14 +123,14 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
 def misses(model: Any, sequence: Sequence, times: Array) -> Array:
     """One equation for each switch: v = 0 where a slide ends, the net applied force at its limit where rest ends."""
     T, ends = float(model.period), sequence.ends(times)
-    found = np.empty(len(times))
+    residuals = np.empty(len(times))
     for i, mode in enumerate(sequence.modes if len(times) else ()):
         after = sequence.modes[(i + 1) % len(sequence.modes)]
         if mode == 0:
-            found[i] = float(gap(model, ends[i] * T, after))
+            residuals[i] = float(gap(model, ends[i] * T, after))
         else:
-            found[i] = float(_slide(model, mode, times[i] * T, np.array([ends[i] * T]))[0]) / _speed(model)
-    return found
+            residuals[i] = float(_slide(model, mode, times[i] * T, np.array([ends[i] * T]))[0]) / _speed(model)
+    return residuals
 
 
 def margins(model: Any, sequence: Sequence, times: Array) -> dict[Margin, float]:
@@ -143,21 +143,21 @@ def margins(model: Any, sequence: Sequence, times: Array) -> dict[Margin, float]
     >>> sorted({name for name, _, _ in margins(orbit.model, *sequence_of(orbit))})
     ['graze', 'hold', 'rest', 'reverse']
     """
-    T, ends, found = float(model.period), sequence.ends(times), {}
+    T, ends, kept = float(model.period), sequence.ends(times), {}
     starts = times if len(times) else np.zeros(1)
     for i, mode in enumerate(sequence.modes):
         after = sequence.modes[(i + 1) % len(sequence.modes)]
         if mode == 0:
             for side in (1, -1):
                 if side != after or not len(times):  # on the side where rest ends the force only meets its limit there
-                    found["rest", i, side] = dip(model, starts[i] * T, ends[i] * T, side)
+                    kept["rest", i, side] = dip(model, starts[i] * T, ends[i] * T, side)
             continue
-        found["graze", i, mode] = _lowest(model, mode, starts[i] * T, ends[i] * T)
+        kept["graze", i, mode] = _lowest(model, mode, starts[i] * T, ends[i] * T)
         if after == 0:
-            found["hold", i, 1], found["hold", i, -1] = (float(gap(model, ends[i] * T, side)) for side in (1, -1))
+            kept["hold", i, 1], kept["hold", i, -1] = (float(gap(model, ends[i] * T, side)) for side in (1, -1))
         else:
-            found["reverse", i, after] = -float(gap(model, ends[i] * T, after))
-    return found
+            kept["reverse", i, after] = -float(gap(model, ends[i] * T, after))
+    return kept
 
 
 def dip(model: Any, begin: float, end: float, side: int) -> float:

@@ -127,9 +127,9 @@ def krawczyk(
     box = [x + flint.arb(0, radius) for x in middle]
     one = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     off = flint.arb_mat(n, 1, [flint.arb(0, radius)] * n)
-    found = flint.arb_mat(n, 1, middle) - inverse * flint.arb_mat(n, 1, f(middle)) + (one - inverse * slope(box)) * off
-    inside = all(whole.contains_interior(part) for whole, part in zip(box, found.entries(), strict=True))
-    return list(found.entries()) if inside else None
+    enclosure = flint.arb_mat(n, 1, middle) - inverse * flint.arb_mat(n, 1, f(middle)) + (one - inverse * slope(box)) * off
+    inside = all(whole.contains_interior(part) for whole, part in zip(box, enclosure.entries(), strict=True))
+    return list(enclosure.entries()) if inside else None
 
 
 def above_zero(

@@ -131,8 +131,8 @@ def _check(orbit: Any, digits: Any) -> None:
     problems.whole("digits", digits, 1, example=20, most=10_000)
     problems.check()
     if not isinstance(orbit, PeriodicOrbit):
-        told = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
-        raise InputError("certify", [told])
+        mistake = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
+        raise InputError("certify", [mistake])
     if reason := handles(orbit.model):
         raise InputError("certify", [f"{reason}; a proof needs these formulas"])
 
@@ -158,44 +158,45 @@ class _Proof:
         closed = closed_of(model)
         known = {name: float(np.ravel(value)[0]) for name, value in numbers_by_name(model).items()}
         roots = [*closed.numbers.values(), *(s for pair in closed.sines for s in pair), *(c for _, c in closed.vanishing)]
-        found = balls_of(self.arb, known, roots)
+        balls = balls_of(self.arb, known, roots)
         for why, c in closed.vanishing:
-            if not found[c.number].contains(0):
+            if not balls[c.number].contains(0):
                 raise InputError("certify", [f"the acceleration depends on {why}, so that arcs are not closed formulas"])
-        numbers = {name: found[node.number] for name, node in closed.numbers.items()}
+        numbers = {name: balls[node.number] for name, node in closed.numbers.items()}
         numbers["omega"] = self.turn / numbers["period"]
-        fits = [abs(float(found[rate.number]) - float(numbers["omega"])) <= 1e-12 * float(numbers["omega"]) for rate, _ in closed.sines]
-        numbers["drive"] = sum((found[a.number] for (_, a), fit in zip(closed.sines, fits, strict=True) if fit), self.arb(0))
+        fits = [abs(float(balls[rate.number]) - float(numbers["omega"])) <= 1e-12 * float(numbers["omega"]) for rate, _ in closed.sines]
+        numbers["drive"] = sum((balls[a.number] for (_, a), fit in zip(closed.sines, fits, strict=True) if fit), self.arb(0))
         return numbers
 
     # the equations ------------------------------------------------------------------------------------------------
 
     def certificate(self, times: Any) -> Certificate:
         """The proof, or why there is none."""
-        told = self.sequence.pattern, self.sequence.period
+        motion = self.sequence.pattern, self.sequence.period
         try:
-            found = self._switches(times)
-            self._arcs(found)
+            switch_times = self._switches(times)
+            self._arcs(switch_times)
         except _Missing as missing:
-            return Certificate(False, str(missing), *told)
+            return Certificate(False, str(missing), *motion)
         whole = self.turn * self.sequence.period
-        velocity = self.speed * sum((self._way(i, found) for i, m in enumerate(self.sequence.modes) if m), self.arb(0)) / whole
+        velocity = self.speed * sum((self._way(i, switch_times) for i, m in enumerate(self.sequence.modes) if m), self.arb(0)) / whole
         return Certificate(
-            True, "", *told, tuple(self._told(t / self.turn) for t in found), self._told(velocity), self._told(self._multiplier(found)),
-            {sign: self._told(share / whole) for sign, share in self._shares(found).items()}, self.margins,
+            True, "", *motion, tuple(self._enclosure(t / self.turn) for t in switch_times),
+            self._enclosure(velocity), self._enclosure(self._multiplier(switch_times)),
+            {sign: self._enclosure(share / whole) for sign, share in self._shares(switch_times).items()}, self.margins,
         )  # fmt: skip
 
-    def _told(self, ball: Ball) -> Enclosure:
+    def _enclosure(self, ball: Ball) -> Enclosure:
         return Enclosure.of(ball, self.digits)
 
     def _switches(self, times: Any) -> list[Ball]:
         if not len(times):
             return []
         start = [self.arb(float(t)) * self.turn for t in times]
-        found = krawczyk(self.flint, self._misses, self._slopes, start, self.arb(10) ** -(self.digits + 8))
-        if found is None:
+        roots = krawczyk(self.flint, self._misses, self._slopes, start, self.arb(10) ** -(self.digits + 8))
+        if roots is None:
             raise _Missing("the equations of the switch times have no solution that is isolated near these")
-        return found
+        return roots
 
     def _ends(self, times: list[Ball]) -> list[Ball]:
         return [*times[1:], times[0] + self.turn * self.sequence.period] if times else [self.turn * self.sequence.period]
@@ -204,24 +205,24 @@ class _Proof:
         return self.sequence.modes[(i + 1) % len(self.sequence.modes)]
 
     def _misses(self, times: list[Ball]) -> list[Ball]:
-        found = []
+        residuals = []
         for i, (mode, begin, end) in enumerate(zip(self.sequence.modes, times, self._ends(times), strict=True)):
             if mode:
-                found.append(self._velocity(mode, begin)(end - begin))
+                residuals.append(self._velocity(mode, begin)(end - begin))
             else:
-                found.append(self._after(i) * end.sin() - self.hold[self._after(i)])
-        return found
+                residuals.append(self._after(i) * end.sin() - self.hold[self._after(i)])
+        return residuals
 
     def _slopes(self, times: list[Ball]) -> Any:
         n = len(times)
-        found = self.flint.arb_mat(n, n)
+        jacobian = self.flint.arb_mat(n, n)
         for i, (mode, begin, end) in enumerate(zip(self.sequence.modes, times, self._ends(times), strict=True)):
             if mode:
-                found[i, i] -= mode * begin.sin() - self.resist[mode]
-                found[i, (i + 1) % n] += mode * end.sin() - self.resist[mode]
+                jacobian[i, i] -= mode * begin.sin() - self.resist[mode]
+                jacobian[i, (i + 1) % n] += mode * end.sin() - self.resist[mode]
             else:
-                found[i, (i + 1) % n] += self._after(i) * end.cos()
-        return found
+                jacobian[i, (i + 1) % n] += self._after(i) * end.cos()
+        return jacobian
 
     def _velocity(self, mode: int, begin: Ball) -> Callable[[Ball], Ball]:
         S, C, r = mode * begin.sin(), mode * begin.cos(), self.resist[mode]
@@ -234,19 +235,19 @@ class _Proof:
         return mode * ((S - self.resist[mode]) * half - S * (half - 1 + d.cos()) + C * (d - d.sin()))
 
     def _shares(self, times: list[Ball]) -> dict[str, Ball]:
-        found: dict[str, Ball] = {}
+        shares: dict[str, Ball] = {}
         for sign, begin, end in zip(self.sequence.pattern, times or [self.arb(0)], self._ends(times), strict=True):
-            found[sign] = found.get(sign, self.arb(0)) + end - begin
-        return found
+            shares[sign] = shares.get(sign, self.arb(0)) + end - begin
+        return shares
 
     def _multiplier(self, times: list[Ball]) -> Ball:
         if 0 in self.sequence.modes:
             return self.arb(0)
-        found = self.arb(1)
+        multiplier = self.arb(1)
         for i, (mode, end) in enumerate(zip(self.sequence.modes, self._ends(times), strict=True)):
             after = self._after(i)
-            found *= (end.sin() - after * self.resist[after]) / (end.sin() - mode * self.resist[mode])
-        return found
+            multiplier *= (end.sin() - after * self.resist[after]) / (end.sin() - mode * self.resist[mode])
+        return multiplier
 
     # the conditions -----------------------------------------------------------------------------------------------
 

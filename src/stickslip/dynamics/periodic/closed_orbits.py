@@ -129,13 +129,13 @@ def multipliers_of(M: Array, rank_loss: int, autonomous: bool = False) -> Array:
     """
     if not np.isfinite(M).all():
         return np.full(len(M) - autonomous, np.nan)
-    found: Array = np.linalg.eigvals(M)
+    multipliers: Array = np.linalg.eigvals(M)
     if autonomous:
-        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
-    found = found[np.argsort(-abs(found), kind="stable")]
-    if rank_loss and len(found):
-        found[-int(rank_loss) :] = 0.0
-    return found.real if np.all(found.imag == 0) else found
+        multipliers = np.delete(multipliers, int(np.argmin(abs(multipliers - 1.0))))
+    multipliers = multipliers[np.argsort(-abs(multipliers), kind="stable")]
+    if rank_loss and len(multipliers):
+        multipliers[-int(rank_loss) :] = 0.0
+    return multipliers.real if np.all(multipliers.imag == 0) else multipliers
 
 
 def resting(run: Any) -> Array:

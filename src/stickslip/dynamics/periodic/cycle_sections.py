@@ -105,12 +105,12 @@ def returns(run: Any, column: str, value: float, direction: float) -> Array:
 
 def states_of_returns(run: Any, t: Array) -> Array:
     """The states at some instants of a run, with what laws remember; a spring is measured from its far end."""
-    found = []
+    states = []
     single = machine_of(run.model).is_single
     for instant in t:
         state = state_at(run, float(instant))
         if single:
             state = np.concatenate([[state[0] - far_end(run.model) * instant, far_end(run.model)], state[2:]])
         piece = min(int(np.searchsorted(run.pieces.t, instant, side="right")) - 1, len(run.pieces.mode) - 1)
-        found.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
-    return np.array(found)
+        states.append(np.concatenate([state, np.ravel(np.asarray(run.pieces.memory[piece], float))]))
+    return np.array(states)

@@ -17,10 +17,10 @@ _DRIFTS_AWAY = (
 _GROWS, _EVENLY = 1e-3, 1e-3  # of the scale in a period, and of that growth
 
 
-def drift(model: Any, place: Array, memory: Array) -> str:
+def drift(model: Any, state: Array, memory: Array) -> str:
     """In words, where velocities grow by the same amount in every drive period for ever: nothing then repeats."""
     at = coordinates(model)
-    end = strobe_map(model, np.append(place * at.scales[: at.smooth], memory)[None], _DRIFTS, 1e-7).state
+    end = strobe_map(model, np.append(state * at.scales[: at.smooth], memory)[None], _DRIFTS, 1e-7).state
     once = strobe_map(model, end, 1, 1e-7).state
     twice = strobe_map(model, once, 1, 1e-7).state
     speeds = at.order.velocities

@@ -69,8 +69,8 @@ def _shared(orbit: ClosedMotion, at: Coordinates, rest: Array) -> Array:
     """The state of an orbit; of an orbit under another law what it has of the state, and the rest as at rest."""
     known = dict(zip(orbit.names, orbit.state, strict=True))
     if not known.keys() & set(at.names):
-        told = f"the orbit's state is {', '.join(known)}; allowed is an orbit with {' or '.join(at.names)}"
-        raise InputError("start", [f"{told}; type guess=ss.solve(machine, periods=200)"])
+        mistake = f"the orbit's state is {', '.join(known)}; allowed is an orbit with {' or '.join(at.names)}"
+        raise InputError("start", [f"{mistake}; type guess=ss.solve(machine, periods=200)"])
     return np.array([known.get(name, still) for name, still in zip(at.names, rest, strict=True)])
 
 
@@ -80,8 +80,8 @@ def _end_of(run: Any, at: Coordinates) -> Array:
         return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
     given, wanted = (tuple(run.bodies), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
     if given != wanted:
-        told = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
-        raise InputError("start", [f"the run has {told[0]}; allowed is a run of {told[1]}; type guess=ss.solve(machine, periods=200)"])
+        parts = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
+        raise InputError("start", [f"the run has {parts[0]}; allowed is a run of {parts[1]}; type guess=ss.solve(machine, periods=200)"])
     return strobe_states(run)[-1]
 
 

@@ -171,14 +171,14 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
         return section.ends(model, at, u[None, :], memory, rtol, unit)[0, at.smooth :]
 
     begun = section.unknowns(at, state, duration, unit)
-    found = newton_within(problem, after, begun, state[at.smooth :], tolerance=tolerance, reach=0.5)
-    if not found.good:
+    root = newton_within(problem, after, begun, state[at.smooth :], tolerance=tolerance, reach=0.5)
+    if not root.good:
         raise SolveError(
-            f"Newton's method found no cycle of {period} turns: {found.why} (residual {found.residual:.1e} after {found.iterations} "
+            f"Newton's method found no cycle of {period} turns: {root.why} (residual {root.residual:.1e} after {root.iterations} "
             "iterations); give guess=ss.solve(mechanism, duration=...) of a run that has settled, or a cycle nearby"
         )
-    state = section.states(model, at, found.at[None, :], found.memory)[0]
-    cycle = LimitCycle(model, period, state, float(found.at[-1] * unit), found.residual, rtol, section=section)
+    state = section.states(model, at, root.at[None, :], root.memory)[0]
+    cycle = LimitCycle(model, period, state, float(root.at[-1] * unit), root.residual, rtol, section=section)
     if np.max(np.ptp(cycle.run.v, axis=0)) <= _STEADY * at.speed:
         raise SolveError(
             "Newton's method went to steady sliding, which repeats after any time; give a guess nearer to the cycle, such as a start "
@@ -215,8 +215,8 @@ def _guessed(model: Any, period: int, guess: Any) -> tuple[Array, float, Section
     if hasattr(guess, "pieces"):
         return _last_turn(guess, period)
     if guess is not None and not isinstance(guess, dict):
-        told = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
-        raise InputError("periodic_orbit", [told])
+        mistake = f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"
+        raise InputError("periodic_orbit", [mistake])
     return _last_turn(_settled(model, guess), period)
 
 

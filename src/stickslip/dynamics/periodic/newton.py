@@ -38,8 +38,8 @@ class Found:
 def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array, Array]:
     """The residuals and their Jacobian by central differences, in one batch; by one-sided ones where one side has no residuals."""
     n = len(u)
-    found = residuals(np.vstack([u, u + step * np.eye(n), u - step * np.eye(n)]))
-    here, ahead, behind = found[0], found[1 : n + 1], found[n + 1 :]
+    values = residuals(np.vstack([u, u + step * np.eye(n), u - step * np.eye(n)]))
+    here, ahead, behind = values[0], values[1 : n + 1], values[n + 1 :]
     with np.errstate(invalid="ignore"):
         slopes, forwards, backwards = (ahead - behind) / (2 * step), (ahead - here) / step, (here - behind) / step
     for one_sided in (forwards, backwards):  # beside the border of what the map takes
@@ -77,8 +77,8 @@ def newton(
     """
 
     def at(u: Array) -> tuple[Array, Array]:
-        found = None if slopes is None else slopes(u)
-        return slopes_at(residuals, u) if found is None or not np.isfinite(found[1]).all() else found
+        derivatives = None if slopes is None else slopes(u)
+        return slopes_at(residuals, u) if derivatives is None or not np.isfinite(derivatives[1]).all() else derivatives
 
     u = np.array(guess, float)
     F, J = at(u)
@@ -140,14 +140,14 @@ def newton_within(
     (2.0, [2.0])
     """
     for _ in range(_PATTERNS):
-        found = newton(problem(memory), guess, slopes=slopes and slopes(memory), **options)
-        if not len(memory) or not np.isfinite(found.at).all():
-            return replace(found, memory=memory)
-        now = after(found.at, memory)
+        root = newton(problem(memory), guess, slopes=slopes and slopes(memory), **options)
+        if not len(memory) or not np.isfinite(root.at).all():
+            return replace(root, memory=memory)
+        now = after(root.at, memory)
         if np.array_equal(now, memory):
-            return replace(found, memory=memory)
-        guess, memory = found.at if found.good else guess, now
-    return replace(found, memory=memory, good=False, why="the memory of the law at the strobe does not return")
+            return replace(root, memory=memory)
+        guess, memory = root.at if root.good else guess, now
+    return replace(root, memory=memory, good=False, why="the memory of the law at the strobe does not return")
 
 
 def root_between(ahead: Callable[[float], P | None], a: P, b: P, test: Callable[[P], float]) -> P:

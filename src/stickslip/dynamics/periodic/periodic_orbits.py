@@ -112,12 +112,12 @@ class PeriodicOrbit(ClosedMotion):
             return f"central differences of the strobe map, as {why}; with steps four times as long the matrix changes by {moved.max():.1e}"
         if not np.isfinite(self.monodromy).all():
             return "a switch is touched without being crossed: the map has no derivative there"
-        told = "tangent of the system along the orbit, through every switch"
+        source = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
-            told += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"
+            source += "; a contact that rests all the time may rest anywhere nearby, which adds a multiplier of 1"
         if orders_differ(self.model, self.state, self.period, self.rtol):
-            return f"{told}; one-sided: contacts switch at one instant, and their order under perturbations matters"
-        return told
+            return f"{source}; one-sided: contacts switch at one instant, and their order under perturbations matters"
+        return source
 
     @cached_property
     def differences(self) -> Array:
@@ -245,12 +245,12 @@ def periodic_orbit(
         return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
     at, tried = coordinates(model), []
     for state in _from_rest(model, int(period), at) if guess is None else [states_of(guess, model)[0]]:
-        found = _solve(model, int(period), state, rtol, tolerance)
-        tried.append(found)
-        state = np.append(found.at * at.scales[: at.smooth], found.memory)
-        if found.good and not _shorter(model, state, int(period), rtol):
+        root = _solve(model, int(period), state, rtol, tolerance)
+        tried.append(root)
+        state = np.append(root.at * at.scales[: at.smooth], root.memory)
+        if root.good and not _shorter(model, state, int(period), rtol):
             state = with_rests(model, state, int(period), rtol)
-            return PeriodicOrbit(model, int(period), state, found.residual, rtol)
+            return PeriodicOrbit(model, int(period), state, root.residual, rtol)
     raise SolveError(_failure(model, int(period), tried, guess))
 
 
@@ -270,8 +270,8 @@ def _failure(model: Any, period: int, tried: list[Found], guess: Any) -> str:
             f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
         )
     best = min(tried, key=lambda f: f.residual)
-    if np.isfinite(best.residual) and (told := drift(model, best.at, best.memory)):
-        return f"no motion of period {period} was found: {told}"
+    if np.isfinite(best.residual) and (reason := drift(model, best.at, best.memory)):
+        return f"no motion of period {period} was found: {reason}"
     hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
     if guess is None:
         hint += "; if the robot still settles, give guess=ss.solve(robot, periods=2000)"
@@ -295,8 +295,8 @@ def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float)
 
     def slopes(memory: Array) -> Any:
         def at_point(u: Array) -> tuple[Array, Array]:
-            found = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
-            return missed(found.state[0][:d], u), (found.change / scales).T - np.eye(d)
+            changes = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
+            return missed(changes.state[0][:d], u), (changes.change / scales).T - np.eye(d)
 
         return at_point
 

@@ -74,9 +74,9 @@ def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rto
         raw = solve_batch(model, periods, "auto")
         return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
     start = np.broadcast_to(at_rest(model, at), (cases, len(at.names)))
-    found, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
+    results, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Settled(end, found.period, found.displacement / (found.window * T) + table.carried, found.status)
+        return Settled(end, results.period, results.displacement / (results.window * T) + table.carried, results.status)
 
 
 @sealed
@@ -164,18 +164,18 @@ class Closing:
         """
         d, k, n = self.d, self.count if directions else 0, self.motions
         which = slice(None) if directions else (np.arange(n)[:, None] * (d + self.count) + np.arange(d)).ravel()
-        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts[which], period, which, loose)
-        change = (found.change / self.scales).reshape(n, d + k, d)
+        changes = self.follower.after(np.repeat(state, d + k, axis=0), self.starts[which], period, which, loose)
+        change = (changes.change / self.scales).reshape(n, d + k, d)
         M, forced = change[:, :d].transpose(0, 2, 1), change[:, d:].transpose(0, 2, 1)
-        end = found.state.reshape(n, d + k, d)[:, 0]
+        end = changes.state.reshape(n, d + k, d)[:, 0]
         missed = self.at.difference(end, state[:, :d]) / self.scales
         solved, free = _solved(np.eye(d) - M, np.concatenate([forced, missed[:, :, None]], axis=2))
         start, step = solved[:, :, :k], np.nan_to_num(solved[:, :, k])
-        way = found.way_change.reshape(n, d + k)
+        way = changes.way_change.reshape(n, d + k)
         T, dT = (each[which].reshape(n, d + k) * period for each in self.follower.period)
-        V = (found.way.reshape(n, d + k)[:, 0] + np.einsum("nd,nd->n", way[:, :d], step)) / T[:, 0]  # of the motion that is closed
-        sums = found.integrals.reshape(n, d + k, found.integrals.shape[1])[:, 0]
-        d_sums = found.integral_changes.reshape(n, d + k, sums.shape[1])
+        V = (changes.way.reshape(n, d + k)[:, 0] + np.einsum("nd,nd->n", way[:, :d], step)) / T[:, 0]  # of the motion that is closed
+        sums = changes.integrals.reshape(n, d + k, changes.integrals.shape[1])[:, 0]
+        d_sums = changes.integral_changes.reshape(n, d + k, sums.shape[1])
         means = (sums + np.einsum("ndm,nd->nm", d_sums[:, :d], step)) / T[:, :1]
         d_sums = np.einsum("ndm,ndk->nkm", d_sums[:, :d], start) + d_sums[:, d:]
         way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
@@ -195,11 +195,11 @@ class Closing:
         for _ in range(_MOST):
             if np.all((best.missed <= self.close) | ~np.isfinite(best.monodromy).all(axis=(1, 2))):
                 break
-            found = self.at_state(best.nearer, period)
-            better = found.missed < best.missed
+            again = self.at_state(best.nearer, period)
+            better = again.missed < best.missed
             if not better.any():
                 break
-            best = found if better.all() else _chosen(better, found, best)
+            best = again if better.all() else _chosen(better, again, best)
             if np.all(best.missed[better] <= _FLOOR):
                 break
         return best
@@ -209,9 +209,9 @@ class Closing:
         """How far from itself a motion may be, in the scales, that is to be closed: what is said of it is of second order in that."""
         return _CLOSED if self.follower.is_exact else _CLOSED_WITHIN_TOLERANCE
 
-    def is_good(self, found: Closed) -> Array:
+    def is_good(self, closed: Closed) -> Array:
         """Of which motions the derivatives are to be trusted."""
-        return found.missed <= max(self.close, _FLOOR)
+        return closed.missed <= max(self.close, _FLOOR)
 
 
 def _solved(A: Array, b: Array) -> tuple[Array, Array]:

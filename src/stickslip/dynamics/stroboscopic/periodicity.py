@@ -57,8 +57,8 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
         why = f"the last {points} strobe points repeat after {period} within {miss:.1e} of their scales"
         return Repetition(period, states[-1, 0], miss, why)
     p = approach(kept, last, last, LONGEST, at.scales)
-    if p and (told := _transient(kept, p, at.scales, tolerance)):
-        return Repetition(None, states[-1, 0], apart(kept, last, p, 1, at.scales), told)
+    if p and (reason := _transient(kept, p, at.scales, tolerance)):
+        return Repetition(None, states[-1, 0], apart(kept, last, p, 1, at.scales), reason)
     misses = [(apart(kept, last, p, 1, at.scales), p) for p in range(1, min(LONGEST, points // 3) + 1)]
     miss, p = min(misses)
     why = f"the last {points} strobe points do not repeat within {LONGEST} periods (nearest: {miss:.1e} after {p})"

@@ -56,19 +56,19 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
     track = machine_of(model).track
     if machine_of(model).drive is None:
         raise InputError(what, [f"phase is that of a drive, and {type(model).__name__} has none; leave phase out"])
-    found = model.replace(drive=begun_at(model.drive, phase, getattr(model, "cycles", None)))
-    found = found.replace(track=ShiftedTrack(track, phase)) if grip_of(track) is not None else found
-    if not _is_later(found, model, phase):
+    later = model.replace(drive=begun_at(model.drive, phase, getattr(model, "cycles", None)))
+    later = later.replace(track=ShiftedTrack(track, phase)) if grip_of(track) is not None else later
+    if not _is_later(later, model, phase):
         kind = type(model).__name__
         raise InputError(what, [f"phase is that of the drive, and {kind} keeps the time in its own equations as well; leave phase out"])
-    return found
+    return later
 
 
-def _is_later(found: Any, model: Any, phase: Any) -> bool:
+def _is_later(later: Any, model: Any, phase: Any) -> bool:
     """Whether the equations of a shifted model are those of the model at the later time, and not only its drive and its track."""
     T = model.period
     for f in (normal_load, lambda m, t, x: m.acceleration(t, x, 0.0, 0.0)):
-        pairs = [(np.asarray(f(found, s * T, 0.0)), np.asarray(f(model, (s + phase) * T, 0.0))) for s in (0.13, 0.57, 0.81)]
+        pairs = [(np.asarray(f(later, s * T, 0.0)), np.asarray(f(model, (s + phase) * T, 0.0))) for s in (0.13, 0.57, 0.81)]
         if np.any(np.max([abs(a - b) for a, b in pairs], axis=0) > _SAME * np.max([abs(a) + abs(b) for a, b in pairs], axis=0)):
             return False
     return True

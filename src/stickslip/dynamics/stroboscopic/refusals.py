@@ -31,8 +31,8 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False,
         )
     if not batch and any(np.ndim(value) for _, value in leaves(model)):
         kind = "flow" if flow else "robot"
-        told = f"the {kind} is a batch (some of its numbers are arrays); allowed is one {kind}; type each number as a single value"
-        raise InputError(what, [told])
+        mistake = f"the {kind} is a batch (some of its numbers are arrays); allowed is one {kind}; type each number as a single value"
+        raise InputError(what, [mistake])
     if flow:
         _needs_period(what, model)
         return
@@ -72,13 +72,13 @@ def _drifts(model: Any) -> bool:
     speed, rows = coordinates(one).speed, []
     for power in (0, 0, 1, 2, 3, 4):  # stops act far away
         y = list(random.uniform(-speed, speed, order.states))
-        places = variables(*(y[order.places]))
-        y[order.places] = [place * (10.0**power * largest(machine_of(one).time_scale)) for place in places]
+        positions = variables(*(y[order.places]))
+        y[order.places] = [position * (10.0**power * largest(machine_of(one).time_scale)) for position in positions]
         q, u, _ = order.parted(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
         free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
         forces = [*free, *mechanics.loads(t, q), *mechanics.control_answers(t, q, u)]
-        rows += [[float(slope) for slope in slopes_of(force, len(places))] for force in forces]
+        rows += [[float(slope) for slope in slopes_of(force, len(positions))] for force in forces]
     G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
     sizes = np.linalg.norm(G, axis=0)
     if not np.all(sizes > 0.0):

@@ -113,18 +113,18 @@ def _check_column(problems: Problems, run: Any, name: str, column: Any) -> None:
 def _check_settle(problems: Problems, run: Any, settle: Any) -> None:
     periods = len(run.strobe_times) - 1
     if settle is not None and (not is_whole(settle) or not 0 <= settle < max(periods, 1)):
-        told = f"a whole number from 0 below the {periods} drive periods of the run, or None"
-        problems.add(f"settle = {settle!r}; allowed is {told}; type for example settle={periods // 2}")
+        allowed = f"a whole number from 0 below the {periods} drive periods of the run, or None"
+        problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle={periods // 2}")
 
 
 def _columns(run: Any) -> list[str]:
     """Names of the columns with one number at each instant; of several bodies and contacts with theirs."""
-    found = {n: values for n, values in run.at(run.strobe_times[:1]).items() if n != "t" and values is not None}
-    flat = [n for n, values in found.items() if np.ndim(values) == 1] if run.pieces.layout.own else []
+    columns = {n: values for n, values in run.at(run.strobe_times[:1]).items() if n != "t" and values is not None}
+    flat = [n for n, values in columns.items() if np.ndim(values) == 1] if run.pieces.layout.own else []
     if run.pieces.layout.single:
         return flat
-    named = [*flat, *(f"{n}.{body}" for n in _OF_BODIES if n in found for body in run.bodies)]
-    named += [f"{n}.{contact}" for n in _OF_CONTACTS if n in found for contact in run.contacts]
+    named = [*flat, *(f"{n}.{body}" for n in _OF_BODIES if n in columns for body in run.bodies)]
+    named += [f"{n}.{contact}" for n in _OF_CONTACTS if n in columns for contact in run.contacts]
     return named + [f"z.{c.name}.{k}" for c in run.pieces.layout.contacts for k in range(len(c.inner))]
 
 
@@ -133,11 +133,11 @@ def read(run: Any, column: str, t: Array) -> Array:
     kind, _, part = column.partition(".")
     if not part:
         return run.at(t)[column]
-    found = run.parted.at(t)[kind]
+    values = run.parted.at(t)[kind]
     if kind == "z":
         part, _, state = part.rpartition(".")
-        found = found[..., int(state)]
-    return found[:, list(run.bodies if kind in _OF_BODIES else run.contacts).index(part)]
+        values = values[..., int(state)]
+    return values[:, list(run.bodies if kind in _OF_BODIES else run.contacts).index(part)]
 
 
 def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
@@ -158,8 +158,8 @@ def _dataset(run: Any, t: Array) -> Any:
         x, v, z = run._states_at(t, run._index(t))
         way, since = way_of_machine(run.model, x), _WAY
     else:
-        found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
-        way, v, z, since = found["x"], found["v"], found["z"], "displacement since the previous point"
+        columns_at = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
+        way, v, z, since = columns_at["x"], columns_at["v"], columns_at["z"], "displacement since the previous point"
     columns: dict[str, Any] = {
         "time": ("point", t, {"units": "s"}),
         "v": (("point", *list(parts)[:1]), v, {"units": "m/s", "long_name": "velocity"}),
@@ -219,13 +219,13 @@ def spectrum(
     if periods is not None and (not is_whole(periods) or not 1 <= periods <= most):
         problems.add(f"periods = {periods!r}; allowed is a whole number from 1 to the {most} drive periods of the run, or None")
     problems.check()
-    found = period_number(run)
-    count = periods or found or max(len(run.strobe_times) - 1 - run.settle, 1)
+    repeat = period_number(run)
+    count = periods or repeat or max(len(run.strobe_times) - 1 - run.settle, 1)
     per = max(64 * harmonics, 1024)
     end = float(run.strobe_times[-1])
     t = end - count * run.period_time + (np.arange(count * per) + 0.5) * (run.period_time / per)
     signal = np.array([read(run, each, np.clip(t, 0.0, end)) for each in asked], float)
-    taper = np.ones(len(t)) if found and count % found == 0 else np.hanning(len(t))
+    taper = np.ones(len(t)) if repeat and count % repeat == 0 else np.hanning(len(t))
     lines = np.fft.rfft(signal * taper)[..., : harmonics * count + 1] / taper.sum()
     order = np.arange(lines.shape[-1]) / count
     amplitude = np.where(order > 0, 2.0, 1.0) * abs(lines)
@@ -238,7 +238,7 @@ def spectrum(
         "frequency": ("order", order / run.period_time, {"units": "Hz"}),
         "harmonic": ("order", np.arange(len(order)) % count == 0),
     }
-    attrs = {"column": column, "period": found or 0, "window": "none" if taper[0] == 1 else "Hann", "periods": count}
+    attrs = {"column": column, "period": repeat or 0, "window": "none" if taper[0] == 1 else "Hann", "periods": count}
     axis = ("order", order, {"long_name": "frequency over the drive's", "units": "1"})
     return xr.Dataset(columns, {"order": axis, **({dim: names} if names else {})}, attrs)
 

@@ -69,17 +69,17 @@ class Coordinates:
         if self.mechanics is not None:
             return self._start_of_parts(state)
         order, memory = self.order, state[..., self.smooth :]
-        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[: order.inner.start])}
+        start: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[: order.inner.start])}
         for name, part in (("z", state[..., order.inner]), ("memory", memory)):
             if part.shape[-1]:
-                found[name] = part[..., 0] if part.shape[-1] == 1 else part
-        return {name: value[()] for name, value in found.items()}
+                start[name] = part[..., 0] if part.shape[-1] == 1 else part
+        return {name: value[()] for name, value in start.items()}
 
     def _start_of_parts(self, state: Array) -> dict[str, Any]:
         """Positions and velocities by body, inner states and memories by contact."""
         columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
         q, u, z = self.order.parted(columns, np.zeros_like(columns[0]))
-        found = {
+        start = {
             what: {name: np.asarray(value)[()] for name, value in zip(m.bodies, values, strict=True)}
             for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))
         }
@@ -92,15 +92,15 @@ class Coordinates:
         ):
             own = np.split(values, np.cumsum(counts)[:-1]) if sum(counts) else []
             named = {name: np.moveaxis(each, 0, -1) for name, each in zip(names, own, strict=False) if len(each)}
-            found |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
-        return found
+            start |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
+        return start
 
     def difference(self, a: Any, b: Any) -> Any:
         """One state less another; of positions on a track that repeats, modulo its wavelength."""
-        found = np.asarray(a, float) - np.asarray(b, float)
+        difference = np.asarray(a, float) - np.asarray(b, float)
         if self.wavelength is not None:
-            found[..., self.order.places] -= self.wavelength * np.round(found[..., self.order.places] / self.wavelength)
-        return found
+            difference[..., self.order.places] -= self.wavelength * np.round(difference[..., self.order.places] / self.wavelength)
+        return difference
 
     def distance(self, a: Any, b: Any) -> Any:
         """The largest difference of two states in their scales."""
@@ -189,9 +189,9 @@ def at_rest(model: Any, at: Coordinates | None = None) -> Array:
     if at.mechanics is not None:
         return states_of_parts("start", model, None, at)
     z = inner_start(model)
-    found = np.zeros((len(z), len(at.names)))
-    found[:, at.smooth - z.shape[1] : at.smooth] = z
-    return found
+    states = np.zeros((len(z), len(at.names)))
+    states[:, at.smooth - z.shape[1] : at.smooth] = z
+    return states
 
 
 def states_of_parts(what: str, model: Any, start: Any, at: Coordinates | None = None) -> Array:
@@ -209,8 +209,8 @@ def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
     """Names of what laws remember, by contact where there are several."""
     if machine.is_single:
         return numbered("memory", machine.laws[0].modes)
-    found = zip(machine.mechanics.contacts, machine.laws, strict=True)
-    return tuple(f"memory.{name}.{k}" for name, law in found for k in range(law.modes))
+    contacts = zip(machine.mechanics.contacts, machine.laws, strict=True)
+    return tuple(f"memory.{name}.{k}" for name, law in contacts for k in range(law.modes))
 
 
 def largest(value: Any) -> float:
@@ -278,8 +278,8 @@ def _map_by_lanes(model: Any, rtol: float, at: Coordinates) -> Callable[[Array, 
 
     def mapped(states: Array, periods: int) -> Ends:
         nonlocal table
-        found, table, end = run_lanes(model, states, periods, rtol, at=at, known=table is not None, table=table)
-        return _ended(model, found, table, end, periods)
+        results, table, end = run_lanes(model, states, periods, rtol, at=at, known=table is not None, table=table)
+        return _ended(model, results, table, end, periods)
 
     return mapped
 
@@ -311,15 +311,17 @@ def _steps(model: Any, rtol: float) -> tuple[Any, float]:
     return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
 
 
-def _ended(model: Any, found: Any, table: Any, end: Array, periods: int) -> Ends:
+def _ended(model: Any, results: Any, table: Any, end: Array, periods: int) -> Ends:
     """Results of lanes in the form of the strobe map."""
-    segments = _segments(found, len(machine_of(model).laws), table.span)
+    segments = _segments(results, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
         none = np.full(len(end), np.nan)
-        return Ends(end, found.displacement, found.status, none, none, segments)
+        return Ends(end, results.displacement, results.status, none, none, segments)
     offset = table.offsets[:, 0]
     carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
-    return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset, segments)
+    return Ends(
+        end, results.end[:, 0] - table.start[:, 0] + carried, results.status, results.v_max + offset, results.v_min + offset, segments
+    )
 
 
 def run_lanes(
@@ -347,18 +349,18 @@ def run_lanes(
     start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
     table = CaseTable(model, kernel, start, span) if table is None else table.restarted(start)
     job = lanes.Job(periods, periods // 2 if auto else 0, auto, tolerance, 0.75, budget_of(model, periods) if auto else BUDGET * periods)
-    found = lanes.run(kernel, table.rows, table.start, job)
-    places, v, inner = table.ends(found)
+    results = lanes.run(kernel, table.rows, table.start, job)
+    positions, v, inner = table.ends(results)
     zero = (np.zeros(cases),) if order.cyclic else ()
-    y = np.column_stack([*order.joined([*zero, *places.T], list(v.T), list(inner.T))])
-    return found, table, np.hstack([np.where(found.status[:, None] <= 1, y, np.nan), found.memory])
+    y = np.column_stack([*order.joined([*zero, *positions.T], list(v.T), list(inner.T))])
+    return results, table, np.hstack([np.where(results.status[:, None] <= 1, y, np.nan), results.memory])
 
 
-def _segments(found: Any, contacts: int, span: Array) -> tuple[tuple[Array, Array, Array], ...]:
+def _segments(results: Any, contacts: int, span: Array) -> tuple[tuple[Array, Array, Array], ...]:
     """Segments of each contact, in drive periods."""
-    counts, width = found.seg_count, found.seg_time.shape[1] // found.seg_count.shape[1]
+    counts, width = results.seg_count, results.seg_time.shape[1] // results.seg_count.shape[1]
     parts = [slice(i * width, (i + 1) * width) for i in range(min(contacts, counts.shape[1]))]
-    return tuple((counts[:, i], found.seg_time[:, part] / span[:, None], found.seg_code[:, part]) for i, part in enumerate(parts))
+    return tuple((counts[:, i], results.seg_time[:, part] / span[:, None], results.seg_code[:, part]) for i, part in enumerate(parts))
 
 
 def has_arcs(model: Any) -> bool:
@@ -452,8 +454,8 @@ def strobe_states(run: Any) -> Array:
 def state_at(run: Any, t: float) -> Array:
     """The state within a run at one time, in the order of `coordinates`, without what laws remember."""
     if is_flow(run.model):
-        found = run.at(t)
-        return np.array([found[name] for name in run.names])
+        states = run.at(t)
+        return np.array([states[name] for name in run.names])
     run, times = run.parted, np.array([t])
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
@@ -486,13 +488,13 @@ def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
 
 def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
     """A state in which what rests at the end of a run from nearby has the velocities that it has there."""
-    v, found = at.order.velocities, np.array(state)
+    v, settled = at.order.velocities, np.array(state)
     slips = at.mechanics.slips(0.0, tuple(end[v]))
     for row, slip in zip(at.mechanics.directions, slips, strict=True):
         if abs(float(slip)) <= _RESTS * at.speed:
             brakes = v.start + np.flatnonzero(row)
-            found[brakes] = end[brakes]
-    return found
+            settled[brakes] = end[brakes]
+    return settled
 
 
 def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:

@@ -50,16 +50,16 @@ class Order:
     def parted(self, y: Sequence[Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
         """Positions and velocities of the coordinates, and inner states; `zero` is a position that is not a state."""
         q = [zero] * (self.velocities.stop - self.velocities.start)
-        for j, place in zip(self.kept, y[self.places], strict=True):
-            q[j] = place
+        for j, position in zip(self.kept, y[self.places], strict=True):
+            q[j] = position
         return tuple(q), tuple(y[self.velocities]), tuple(y[self.inner])
 
     def joined(self, q: Sequence[Any], u: Sequence[Any], z: Sequence[Any]) -> list[Any]:
         """The numbers of a state from positions, velocities and inner states."""
-        found: list[Any] = [None] * self.states
-        found[self.places] = [q[j] - q[0] if self.cyclic else q[j] for j in self.kept]
-        found[self.velocities], found[self.inner] = list(u), list(z)
-        return found
+        numbers: list[Any] = [None] * self.states
+        numbers[self.places] = [q[j] - q[0] if self.cyclic else q[j] for j in self.kept]
+        numbers[self.velocities], numbers[self.inner] = list(u), list(z)
+        return numbers
 
 
 def order_of(model: Any, machine: MachineAdapter | None = None) -> Order:
@@ -121,7 +121,7 @@ def needs_one_body(what: str, model: Any, why: str, hint: str = _ANY) -> None:
     if machine.is_single:
         return
     bodies, contacts = machine.mechanics.bodies, machine.mechanics.contacts
-    told = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'} ({', '.join(bodies)}) and {len(contacts)} "
-    told += "contact" if len(contacts) == 1 else "contacts"
+    count = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'} ({', '.join(bodies)}) and {len(contacts)} "
+    count += "contact" if len(contacts) == 1 else "contacts"
     allowed = f"allowed is one body on one contact, such as a Robot, as {why}"
-    raise InputError(what, [f"the {type(model).__name__} has {told}; {allowed}; {hint}"])
+    raise InputError(what, [f"the {type(model).__name__} has {count}; {allowed}; {hint}"])
