@@ -24,7 +24,7 @@ def shared_at_rest(run: Any) -> str:
     machine = machine_of(run.model)
     if machine.is_single or not len(run.parted.pieces.mode):
         return ""
-    rests = (run.parted.pieces.mode == 0) & np.array([not law.dynamic for law in machine.laws])
+    rests = (run.parted.pieces.mode == 0) & np.array([not law.dynamic for law in machine.laws], bool)
     for pattern in np.unique(rests, axis=0):
         several = _undetermined(np.array(machine.mechanics.directions), np.flatnonzero(pattern))
         if several:

@@ -118,7 +118,9 @@ def _bracket(e: Experiment, reading: Reading, step: float) -> Bracket:
     coarse = np.arange(3e-4, 1.8e-3, 2e-5)
     rough = batch(reading.coulomb(e, amplitude=coarse), settle="auto").mean_velocity
     near = coarse[abs(rough - e.coulomb) < 0.25 * e.coulomb]
-    A = np.arange(round(near[0] / step), round(near[-1] / step) + 1) / round(1 / step)  # the decimal numbers themselves: 0.000559, not 0.0005589999…
+    A = np.arange(round(near[0] / step), round(near[-1] / step) + 1) / round(
+        1 / step
+    )  # the decimal numbers themselves: 0.000559, not 0.0005589999…
     exact = batch(reading.coulomb(e, amplitude=A), settle="auto")
     there = abs(exact.mean_velocity / e.coulomb - 1) < 0.12  # LuGre's velocities are sought where the exact ones are near the printed one
     lugre = np.full(len(A), np.nan)
