@@ -62,6 +62,16 @@ def pytest_xdist_auto_num_workers(config):
     return min(os.cpu_count() or 1, 8)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """A file stays with one worker: what its tests share, such as kernels, a server or a browser, is made once."""
+    if config.getoption("dist") == "load":  # what `-n` means; another way may be asked for with --dist
+        from xdist.scheduler import LoadFileScheduling
+
+        return LoadFileScheduling(config, log)
+    return None
+
+
 @pytest.fixture
 def every_report(monkeypatch):
     """Progress is reported however soon it comes after the last report: a test that says stop does not race a fast machine."""

@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from rows import each_row
 from stickslip.show.cli import COMMANDS
 from stickslip.show.cli.completion import SHELLS, script, vocabulary
 
@@ -40,7 +41,7 @@ TYPED = [
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
-@pytest.mark.parametrize(("typed", "found"), TYPED)
+@each_row(("typed", "found"), TYPED)
 def test_bash_completes(typed, found, tmp_path):
     (tmp_path / "script").write_text(script("bash"), encoding="utf-8")
     (tmp_path / "notes.toml").touch()

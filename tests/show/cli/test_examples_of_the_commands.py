@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from rows import each_row
 from stickslip.show.cli import COMMANDS, main
 from stickslip.show.cli.transcripts import FOLDER, commands_in, transcript
 
@@ -91,7 +92,7 @@ def test_the_example_that_serves_prints_its_address():
         process.communicate(timeout=30)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@each_row("command", COMMANDS)
 def test_help_shows_an_example_of_the_command(command, capsys):
     with pytest.raises(SystemExit):
         main([command, "--help"])

@@ -14,6 +14,7 @@ from stickslip.maths import tanh, where
 
 import stickslip as ss
 from compiled import CC, OCTAVE, compiled_laws, octave_steps
+from rows import each_row
 from stickslip.analysis.bench.contact import MovedContact, steady
 from stickslip.analysis.bench.probe import Probe
 from stickslip.engine.traced_law import TracedLaw
@@ -94,7 +95,7 @@ def _places(law: Any, count: int, seed: int) -> Any:
 
 
 @needs_cc
-@pytest.mark.parametrize("name", EVERY)
+@each_row("name", EVERY)
 def test_compiled_c_gives_the_forces_and_rates_of_python(name: str, compiled: Any) -> None:
     law, c = adapted(EVERY[name]), compiled[name]
     for v, z, mode, applied in _places(EVERY[name], 200, seed=5):
@@ -129,7 +130,7 @@ def _by_python(law: Any, velocities: list[float], dt: float) -> list[float]:
 
 
 @needs_cc
-@pytest.mark.parametrize("name", MOVED)
+@each_row("name", MOVED)
 def test_steps_of_c_follow_the_integrated_law(name: str, compiled: Any) -> None:
     law = EVERY[name]
     exact = TracedLaw(law).exact
@@ -192,7 +193,7 @@ def test_the_law_of_a_joint_goes_too() -> None:
     assert ss.export_law(joint, "mujoco", speeds=(0.01, 1.0)).numbers["frictionloss"] == pytest.approx(0.02)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@each_row("name", LAWS)
 def test_toml_reads_back_as_the_same_law(name: str) -> None:
     law = LAWS[name].example()
     table = tomllib.loads(ss.export_law(law, "toml").text)["robot"]["friction"]

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.inverse.optimisation.candidates import Candidates
 from stickslip.show.cli import main
 
@@ -98,7 +99,7 @@ def test_the_report_says_what_was_searched(capsys):
         assert told in page, told
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("words", "told"),
     [
         ([], "type for example --over drive.amplitude=2e-4..8e-4"),
@@ -115,7 +116,6 @@ def test_the_report_says_what_was_searched(capsys):
         ([*OVER, "--out", "best.json"], ".toml"),
         ([*OVER, "periods=3"], "'periods' is not known"),
     ],
-    ids=lambda each: each[:24] if isinstance(each, str) else "",
 )
 def test_bad_words_say_what_to_type(words, told, capsys):
     assert main(["optimise", *RIG, *words]) == 2

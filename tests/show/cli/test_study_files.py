@@ -6,6 +6,7 @@ import re
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.show.cli import main
 
 RIG = "[robot]\nbody_mass = 0.06\ninner_mass = 0.01\n[robot.drive]\nkind = 'harmonic'\namplitude = 5e-4\nfrequency = 33.0\n"
@@ -171,7 +172,7 @@ def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
     assert code == 1 and "TypeError" in err and "This is an error of stickslip itself" in err
 
 
-@pytest.mark.parametrize("kind", ss.LAWS)
+@each_row("kind", ss.LAWS)
 def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
     """Each suggestion is a number of an ordinary contact, and all of them together are a law."""
     text = f"{RIG}[robot.friction]\nkind = '{kind}'\n"

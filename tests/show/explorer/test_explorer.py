@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import stickslip as ss
 from explorers import PATIENCE, Explorer, answer, axis, curves, plane
 from pairs import each_once
+from rows import each_row
 from stickslip.show.explorer import kernels as kernels_module
 from stickslip.show.explorer.code import python
 from stickslip.show.explorer.dropped_records import drive_of, velocity_of
@@ -46,7 +47,7 @@ def explorer():
 # robots -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("drive", "law"), each_once(DRIVES, FRICTION))
+@each_row(("drive", "law"), each_once(DRIVES, FRICTION))
 def test_every_drive_goes_with_every_law_alone_and_as_a_map(drive, law):
     for track in TRACKS:
         for contact in CONTACTS:
@@ -99,12 +100,12 @@ def test_everything_wrong_with_a_state_is_said_at_once():
     assert "did you mean 'coulomb'" in " ".join(found) and "amplitude = 1e+12 mm; allowed is 0 mm to 1600 mm" in " ".join(found)
 
 
-@pytest.mark.parametrize(("name", "value"), each_once(PARAMETERS, [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400]))
+@each_row(("name", "value"), each_once(PARAMETERS, [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400]))
 def test_no_parameter_takes_what_is_no_number(name, value):
     assert len(problems_of(lambda: state({"values": {name: value}}))) == 1
 
 
-@pytest.mark.parametrize("name", PARAMETERS)
+@each_row("name", PARAMETERS)
 def test_no_parameter_goes_beyond_its_bounds(name):
     p = PARAMETERS[name]
     state({"values": {name: p.least}}), state({"values": {name: p.most}})
@@ -112,7 +113,7 @@ def test_no_parameter_goes_beyond_its_bounds(name):
         assert len(problems_of(lambda beyond=beyond: state({"values": {name: beyond}}))) == 1
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     ["", "[]", "{", "null", "1", '"x"', "[" * 5000, '{"channel": "files", "id": 1}', '{"channel": "curves"}',
      '{"channel": "curves", "id": 1e3}',
@@ -124,7 +125,7 @@ def test_a_message_that_makes_no_sense_is_refused_with_a_sentence(text):
     assert problems_of(lambda: message(text))
 
 
-@pytest.mark.parametrize(
+@each_row(
     "shape",
     [None, [], [[1.0]], [[1.0], []], [[], []], [[0.0] * 33, [1.0] * 33], [[1.0], [11.0]], [[1.0], ["1"]], [[1.0], [True]], "shape"],
 )
@@ -132,7 +133,7 @@ def test_a_shape_is_two_short_lists_of_small_numbers(shape):
     assert len(problems_of(lambda: state({"drive": "recorded", "shape": shape}))) == 1
 
 
-@pytest.mark.parametrize(
+@each_row(
     "axes",
     [[], [axis("amplitude", 0, 1e-3, 9)], [axis("amplitude", 0, 1e-3, 9)] * 2, [axis("amplitude", 1e-3, 0, 9), axis("mu0", 0.1, 0.2, 9)],
      [axis("amplitude", 0, 1e-3, 5000), axis("mu0", 0.1, 0.2, 9)], [axis("stroke", 1e-3, 1e-2, 9), axis("mu0", 0.1, 0.2, 9)],
@@ -317,7 +318,7 @@ def test_work_that_nobody_waits_for_stops():
 # what is taken home -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", FRICTION)
+@each_row("law", FRICTION)
 def test_the_python_gives_the_same_robot(law):
     for drive in DRIVES:
         for track in TRACKS:
@@ -335,7 +336,7 @@ def test_the_python_runs():
     assert ss.mean_velocity(names["run"]) == ss.mean_velocity(ss.solve(found.robot(), periods=200, rtol=1e-4))
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@each_row("drive", DRIVES)
 def test_the_study_file_gives_the_same_robot(drive):
     found = State(drive=drive, track="varying")
     text = export("study.toml", found).decode()
@@ -422,7 +423,7 @@ def test_the_drive_of_a_record_is_the_motion_that_was_measured(data, notes):
     assert len(header["notes"]) == notes + 1  # and how much the harmonics leave over
 
 
-@pytest.mark.parametrize(
+@each_row(
     "data",
     [b"no numbers\n", b"", b"t [s],F [N]\n0,1\n1,2\n2,3\n", rows("t [s],drive [m/s]", 0 * DRIVE), rows("t [s],drive [m/s]", 1e4 * DRIVE)],
 )
@@ -444,7 +445,7 @@ def test_a_recorded_shape_is_kept_by_the_python_the_study_file_and_the_kernels()
     assert state(json.loads(json.dumps(state_table(found, "coulomb")))).robot() == found.robot()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "data"),
     [("a.csv", b"no numbers\n"), ("a", b"1,2\n3,4\n"), ("../a.py/..", b""), ("a.mat", b"\x00" * 200), ("a.csv", b""),
      ("a.csv", b"t [s],F [N]\n0,1\n1,2\n2,3\n"), ("a.exe", b"MZ"), ("a.h5", b"\x89HDF")],
@@ -522,9 +523,7 @@ def test_only_files_of_the_page_are_served(explorer):
 # strangers --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "192.168.0.1", "localhost@evil.example", "[::2]"]
-)
+@each_row("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "192.168.0.1", "localhost@evil.example", "[::2]"])
 def test_another_host_is_refused(explorer, host):
     assert explorer.ask(Host=host)[0] == 403
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.show.explorer import faster
 from stickslip.show.explorer.faster import faster_of
 from stickslip.show.explorer.machines import Shown
@@ -85,7 +86,7 @@ def test_it_waits_for_a_kernel_and_stops_when_nobody_waits():
         faster_of(wish("amplitude"), Ready(), lambda: True)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("given", "told"),
     [
         ({"sliders": []}, "no slider may move"),

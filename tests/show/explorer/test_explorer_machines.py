@@ -13,6 +13,7 @@ import pytest
 import stickslip as ss
 from every import every_machine, with_bodies
 from explorers import PATIENCE, Explorer, answer, chromium
+from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
 from stickslip.models.naming import axis_of
@@ -51,7 +52,7 @@ def browser():
 
 
 # ---- what is shown ----
-@pytest.mark.parametrize("name", with_bodies)
+@each_row("name", with_bodies)
 def test_every_number_of_every_machine_has_a_slider_around_its_value(name):
     model = every_machine[name][0]
     found = {p.name: p for p in numbers_of(model)}

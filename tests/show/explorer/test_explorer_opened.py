@@ -10,6 +10,7 @@ from urllib.parse import parse_qs
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.show.cli.explore import _opened
 from stickslip.show.explorer.exports import export
@@ -35,7 +36,7 @@ def test_the_pages_folded_track_knows_its_tilt():
     assert robot("harmonic", "level", "isotropic", "lugre", values).track.folded == 0.0
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@each_row("drive", DRIVES)
 @pytest.mark.parametrize("track", TRACKS)
 def test_a_robot_of_the_page_comes_back(drive, track):
     for contact in CONTACTS:
@@ -44,7 +45,7 @@ def test_a_robot_of_the_page_comes_back(drive, track):
             assert numbers(state_of(made).robot()) == pytest.approx(numbers(made), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", [name for name in PRESETS if name.startswith("figure")])
+@each_row("name", [name for name in PRESETS if name.startswith("figure")])
 def test_the_robots_of_the_paper_keep_their_tilt(name):
     preset = PRESETS[name]["state"]
     asked = replace(DEFAULT, **{k: preset[k] for k in ("drive", "track", "law")}, also=(), values=DEFAULT.values | preset["values"])
@@ -67,7 +68,7 @@ def test_words_set_numbers():
     assert told["law"] == ["coulomb"] and float(told["amplitude"][0]) == 6e-4
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "said"),
     [
         ({"friction": ss.Bristle.example()}, "no control for the friction law Bristle; it has"),

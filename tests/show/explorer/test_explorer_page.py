@@ -218,7 +218,10 @@ def test_laws_are_compared(page):
     assert page.page.locator("[data-also=lugre]").is_hidden()
 
 
-@pytest.mark.parametrize("name", [name for name in PRESETS if name.startswith("figure")])
+FIGURES = [name for name in PRESETS if name.startswith("figure")]
+
+
+@pytest.mark.parametrize("name", [name if i % 6 == 0 else pytest.param(name, marks=pytest.mark.slow) for i, name in enumerate(FIGURES)])
 def test_every_preset_of_the_paper_shows_its_robot(page, name):
     page.open()
     with page.change():
