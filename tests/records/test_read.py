@@ -2,12 +2,14 @@
 
 import struct
 import sys
+from itertools import product
 
 import numpy as np
 import pytest
 
 import stickslip as ss
 from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, MODE, needs_data, path
+from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import heading, unit_of
 
@@ -30,8 +32,8 @@ def rows(separator=",", decimal=".", head="t [s]{}v [mm/s]", end="\n", t=T, v=V)
 # text -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("  ", "."), (" ", ",")])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"], ids=repr)
+@each_row(("separator", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("  ", "."), (" ", ",")])
 def test_separator_and_decimal_mark_are_found_out(tmp_path, separator, decimal, end):
     head = "t_[s]{}v_[mm/s]" if separator.strip() == "" and separator != "\t" else "t [s]{}v [mm/s]"
     rec = ss.read(write(tmp_path, rows(separator, decimal, head, end)))
@@ -109,7 +111,7 @@ def test_a_file_cut_short_is_told(tmp_path):
     assert any("left out" in n or "line break" in n for n in ss.read(write(tmp_path, text[: text.rindex(",")])).notes)
 
 
-@pytest.mark.parametrize("data", [b"", b"   \n", b"hello world, this is not a table\n" * 30, bytes(range(256)) * 40, b"\x00" * 5000])
+@each_row("data", [b"", b"   \n", b"hello world, this is not a table\n" * 30, bytes(range(256)) * 40, b"\x00" * 5000])
 def test_what_is_no_record_is_an_error_that_says_so(tmp_path, data):
     with pytest.raises(InputError):
         ss.read(write(tmp_path, data))
@@ -125,7 +127,7 @@ def test_options_are_checked_together(tmp_path):
         ss.read(tmp_path / "nowhere.csv")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "factor", "quantity"),
     [("mm/s", 1e-3, "velocity"), ("µm", 1e-6, "position"), ("m/s²", 1.0, "acceleration"), ("m/s^2", 1.0, "acceleration"),
      ("uN", 1e-6, "force"), ("kPa", 1e3, "pressure"), ("bar", 1e5, "pressure"), ("ms", 1e-3, "time"), ("m s^-1", 1.0, "velocity"),
@@ -143,7 +145,7 @@ def test_units_are_those_of_the_si(text, factor, quantity):
     assert found.factor == pytest.approx(factor, rel=1e-12) and found.quantity == quantity
 
 
-@pytest.mark.parametrize("text", ["", "volts per fortnight", "xy", "m/", "mmm", "s/q", "Nq", "gg", "m0", "kkip", "lbfin"])
+@each_row("text", ["", "volts per fortnight", "xy", "m/", "mmm", "s/q", "Nq", "gg", "m0", "kkip", "lbfin"])
 def test_what_is_no_unit_is_not_taken_for_one(text):
     assert unit_of(text) is None
 
@@ -227,8 +229,7 @@ def uff(values, kind=2, even=True, x=None, binary=None, unit="m/s", count=None):
     return ("    -1\n" + first + "\n" + "\n".join(head) + "\n").encode() + body + b"\n    -1\n"
 
 
-@pytest.mark.parametrize("binary", [None, "<", ">"])
-@pytest.mark.parametrize("even", [True, False])
+@each_row(("even", "binary"), product([True, False], [None, "<", ">"]))
 @pytest.mark.parametrize("kind", [2, 4, 5, 6])
 def test_every_kind_of_universal_function_is_read(tmp_path, kind, even, binary):
     values = V.astype(complex) * (1 + 0.5j) if kind > 4 else V

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.units import heading
 from stickslip.records.reading import read_bytes
 from stickslip.records.text import _Plain
@@ -37,7 +38,7 @@ HOSTILE = {
 }
 
 
-@pytest.mark.parametrize("name", HOSTILE)
+@each_row("name", HOSTILE)
 def test_a_text_made_to_take_long_is_read_or_refused_with_a_sentence(name, tmp_path):
     data, said = HOSTILE[name]
     (tmp_path / "x.txt").write_bytes(data)
@@ -48,7 +49,7 @@ def test_a_text_made_to_take_long_is_read_or_refused_with_a_sentence(name, tmp_p
         assert (said or "") in str(error) and len(str(error)) < 700
 
 
-@pytest.mark.parametrize("cell", ["OK", "0x0f", "2026-03-01", "a1", "12:34", "v1.2.3", "-.-", "#REF!"])
+@each_row("cell", ["OK", "0x0f", "2026-03-01", "a1", "12:34", "v1.2.3", "-.-", "#REF!"])
 @pytest.mark.parametrize(("mark", "point"), [(",", "."), (";", ","), ("\t", "."), (" ", ".")])
 def test_a_column_that_is_not_numbers_is_left_out_whatever_it_holds(cell, mark, point, tmp_path):
     rows = [[f"{i * 0.01:.2f}".replace(".", point), cell, f"{i % 7}{point}5"] for i in range(50)]
@@ -91,7 +92,7 @@ def test_lines_are_those_of_a_list(end):
     assert list(lines[1:3]) == ["", "1,2µ"] and lines[-1] == "3" and lines.from_line(2).data == "1,2µ\n3".encode()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "unit"),
     [("time_ms", "ms"), ("pos_deg", "deg"), ("vel_rpm", "rpm"), ("cur_mA", "mA"), ("F_N", "N"), ("v_mm_s", "mm/s"), ("acc_m_s2", "m/s2"),
      ("v_min", None), ("F_max", None), ("v_s", None), ("z_0", None), ("x_pm", None), ("state_N", None)],
@@ -125,7 +126,7 @@ ODD = ["", '""', "null", "-", "1,5",
        "1 000", "1_0", "-nan(ind)", "1e400", "9" * 1001]  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(60))
+@each_row("seed", range(60))
 def test_rows_that_are_read_at_once_are_those_that_are_read_cell_by_cell(seed):
     rng = random.Random(seed)
     mark, width, words, part = rng.choice(",;\t "), rng.randint(1, 4), rng.random() < 0.4, rng.choice([0.02, 0.06])

@@ -4,9 +4,9 @@ import json
 import struct
 
 import numpy as np
-import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.records.reading import read_bytes
 
 SIZE = 40_000
@@ -93,7 +93,7 @@ CORPUS = {
 }
 
 
-@pytest.mark.parametrize("name", CORPUS)
+@each_row("name", CORPUS)
 def test_a_strange_file_is_read_or_refused_with_one_sentence(name):
     try:
         record = read_bytes(CORPUS[name], "strange")

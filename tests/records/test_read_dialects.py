@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import InputError
 
 
@@ -20,7 +21,7 @@ def table(rec):
     return np.column_stack([*axis, *(c.values for c in rec.channels.values())]).tolist()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "rows", "names"),
     [
         ("t [ms],v [mm/s]\n1,2\n2,3\n3,5\n", [[1, 2], [2, 3], [3, 5]], ["v"]),  # two names: the commas part columns
@@ -52,7 +53,7 @@ def test_headings_and_marks_decide_how_numbers_are_read(tmp_path, text, rows, na
         assert table(rec) == rows
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "options"),
     [
         ("1,2\n2,3\n3,5\n", ['separator=","', 'decimal=","']),  # two whole numbers, or one with a decimal comma
@@ -74,7 +75,7 @@ def test_what_can_be_read_in_two_ways_is_an_error_that_says_what_to_type(tmp_pat
     assert all(word in str(error.value) for word in options), str(error.value)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "options", "rows"),
     [
         ("1,2\n2,3\n", {"separator": ","}, [[1, 2], [2, 3]]),

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics import hdf5
 from stickslip.results.dense_output import HarmonicArcs
 from stickslip.studies.seals import Damaged, read_sealed
@@ -67,7 +68,7 @@ ELSEWHERE = (external, virtual, virtual_within, linked, linked_group)
 
 
 @pytest.mark.parametrize("lay", ELSEWHERE)
-@pytest.mark.parametrize("group", ["", "deep/down/"])
+@each_row("group", ["", "deep/down/"])
 def test_numbers_that_lie_elsewhere_are_not_followed(tmp_path, lay, group):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["t"] = np.arange(len(SECRET)) * 1e-3
@@ -375,7 +376,7 @@ def test_chunks_are_unpacked_as_the_library_does():
         assert np.array_equal(hdf5.values(half), half[()])
 
 
-@pytest.mark.parametrize("chunk", [b"ab", b"abcd", b"x" * 803, zlib.compress(b"\0" * 792), zlib.compress(b"\0" * 900), b"\xff" * 200])
+@each_row("chunk", [b"ab", b"abcd", b"x" * 803, zlib.compress(b"\0" * 792), zlib.compress(b"\0" * 900), b"\xff" * 200])
 @pytest.mark.parametrize("packing", [{"fletcher32": True}, {"compression": "gzip"}, {"compression": "lzf"}, {"shuffle": True}])
 def test_a_chunk_that_is_not_what_it_declares_is_damage(tmp_path, packing, chunk):
     """A checksum over fewer than four bytes ended the process."""

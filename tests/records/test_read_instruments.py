@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.errors import InputError
 
 N = 60
@@ -32,7 +33,7 @@ def clock(i, start=0.0):
     return f"{int(seconds // 3600) % 24:02d}:{int(seconds // 60) % 60:02d}:{seconds % 60:06.3f}"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("form", "head", "mark", "decimal"),
     [
         ("2026-03-01T{}Z", "timestamp,v [mm/s]", ",", "."),
@@ -133,7 +134,7 @@ def test_columns_of_words_are_left_out_and_said(tmp_path, stamped):
 FRAME = pd.DataFrame({"t [s]": 0.25 * np.arange(N), "v [mm/s]": V})
 
 
-@pytest.mark.parametrize("orient", ["records", "columns", "split", "index", "values", "table", "list"])
+@each_row("orient", ["records", "columns", "split", "index", "values", "table", "list"])
 def test_json_tables_are_read_in_every_form(tmp_path, orient):
     path = tmp_path / "run.json"
     path.write_text(json.dumps(FRAME.to_dict("list")) if orient == "list" else FRAME.to_json(orient=orient, double_precision=15))
@@ -152,7 +153,7 @@ def test_json_lines_and_tables_within_objects_are_read(tmp_path):
     assert rec["v"].unit == "mm/s" and np.isnan(rec["v"].values[3]) and rec["v"].rate == pytest.approx(4.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "said"),
     [('{"a": [1, 2,', "cut short or damaged"), ("[" * 100_000, "nested too deeply"), ("{}", "0 tables"), ("[1, 2, 3]", "list of int"),
      ('{"a": {"t": [1, 2], "v": [1, 2]}, "b": {"t": [1], "v": [1]}}', "2 tables"), ("[[1, 2], [1]]", "2 values each"),
@@ -176,7 +177,7 @@ def test_data_frames_and_mappings_are_records():
         ss.read(pd.DataFrame())
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("scale", "unit", "si"),
     [("25 mm/s/V", "V", 0.025), ("25 mm/s/V", "mV", 25e-6), ("40 V/(m/s)", "V", 0.025), ("100 mV/g", "V", 98.0665), ("10 mV/N", "V", 100.0),
      ("0.5 mm/V", None, 5e-4), ("2 Nm/V", "V", 2.0), (3.0, "mm/s", 3e-3), ("-3", "mm/s", -3e-3)],
@@ -186,7 +187,7 @@ def test_volts_and_a_sensitivity_are_what_was_measured(scale, unit, si):
     assert rec["signal"].si == pytest.approx(np.array([1.0, 2.0, 4.0]) * si, rel=1e-12) and any("scaled by" in note for note in rec.notes)
 
 
-@pytest.mark.parametrize("scale", ["25 furlong/V", "V", 0.0, "0 mm/V", float("nan"), True, None, "1e999 mm/V", "5 V/V"])
+@each_row("scale", ["25 furlong/V", "V", 0.0, "0 mm/V", float("nan"), True, None, "1e999 mm/V", "5 V/V"])
 def test_a_sensitivity_that_is_none_is_an_error(scale):
     with pytest.raises(InputError, match="scale of 'signal'"):
         ss.read({"t [s]": [0.0, 1.0], "signal [V]": [1.0, 2.0]}, scale={"signal": scale})

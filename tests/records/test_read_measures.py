@@ -5,6 +5,7 @@ import pytest
 
 import stickslip as ss
 from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, needs_data, path
+from rows import each_row
 from stickslip.basics.errors import InputError
 from stickslip.records.measures import loop_friction, mean_velocity
 from stickslip.records.overview import clipped, noise
@@ -68,7 +69,7 @@ def test_the_motion_type_of_a_record_is_that_of_the_motion(amplitude, tilt_deg, 
     assert len(rec.stick_intervals()) == truth.pattern.count("0")
 
 
-@pytest.mark.parametrize("level", [1e-4, 1e-3, 3e-3])
+@each_row("level", [1e-4, 1e-3, 3e-3])
 @pytest.mark.parametrize(("amplitude", "tilt_deg", "type"), [*TYPES, (5e-4, 1.7, "I"), (6e-4, 1.7, "III")])
 def test_noise_leaves_the_motion_type_open_instead_of_making_it_wrong(amplitude, tilt_deg, type, level):
     """At 0.5 mm the shorter rest lasts 0.04 drive periods, at 0.6 mm the only one 0.022; the ranges are 1 to 40 mm/s.
