@@ -1,6 +1,7 @@
 """What every test and every doctest shares: one kernel cache for the run, no windows, no litter."""
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -40,8 +41,18 @@ def pytest_terminal_summary(terminalreporter, config):
     # A kernel's text is written just before it is compiled; its last function when that is done.
     spans = [(max(s.stat().st_mtime, began), written.get(s.stem, 0.0)) for s in folder.glob("*.py") if written.get(s.stem, 0.0) >= began]
     terminalreporter.write_line(f"kernels: {len(spans)} compiled in {sum(end - begin for begin, end in spans):.0f} s")
-    if any(isinstance(report, pytest.CollectReport) for report in terminalreporter.stats.get("error", ())):
+    errors = [str(report.longrepr) for report in terminalreporter.stats.get("error", ()) if isinstance(report, pytest.CollectReport)]
+    if files := sorted(set(filter(None, map(unreadable, errors)))):
+        terminalreporter.write_line("These files of ours keep test modules from being collected:\n" + "\n".join(files))
+    elif errors:
         tell_what_is_forgotten(terminalreporter)
+
+
+def unreadable(error):
+    """The file of ours, its line and why, where an error at collection is that Python cannot import it."""
+    places = re.findall(r"^(?:E +File \")?(?:\S*/)?(src/stickslip/\S+\.py)(?::|\", line )(\d+)", error, re.MULTILINE)
+    why = re.findall(r"^E +((?:\w*ImportError|ModuleNotFoundError|\w*SyntaxError|IndentationError|NameError): .*)$", error, re.MULTILINE)
+    return f"{places[-1][0]}, line {places[-1][1]}: {why[-1]}" if places and why else None
 
 
 def tell_what_is_forgotten(terminalreporter):

@@ -28,16 +28,16 @@ class Commands(SphinxDirective):
         """The sections."""
         from stickslip.show.cli import COMMANDS
         from stickslip.show.cli.arguments import parser
-        from stickslip.show.cli.transcripts import transcript
+        from stickslip.show.cli.declaring import declaration
 
-        return [section(name, about, parser(name), transcript(name)) for name, (_, about) in COMMANDS.items()]
+        return [section(name, parser(name), declaration(name).example) for name in COMMANDS]
 
 
-def section(name: str, about: str, parser, example: str) -> nodes.section:
+def section(name: str, parser, example: str) -> nodes.section:
     """One command."""
     found = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
     found += nodes.title("", "", nodes.literal("", f"stickslip {name}"))
-    found += nodes.paragraph("", parser.description or about)
+    found += nodes.paragraph("", parser.description)
     found += block(" ".join(parser.format_usage().removeprefix("usage: ").split()), "text")
     if rows := told(parser):
         found += table(rows)

@@ -140,13 +140,13 @@ def _picture(path):
 
 
 def _init(path):
-    from stickslip.show.cli.init import act
+    from stickslip.show.cli.commands.init import act
 
     act(Namespace(file=str(path), force=True, law=None, drive=None, preset="piezo_rig", set=["tilt_deg=1.7", "amplitude=5e-4"]))
 
 
 def _command(path):
-    from stickslip.show.cli.resuming import _write
+    from stickslip.show.cli.commands.resume import _write
 
     path.unlink()
     _write(path, "sweep", ["piezo_rig"] * 200)

@@ -45,6 +45,7 @@ from stickslip.records import formats
 from stickslip.records.raw import Column, Raw
 from stickslip.results.storage import from_text
 from stickslip.show.cli import COMMANDS
+from stickslip.show.cli.declaring import commands_in, declaration, summary
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.part_results import OF_SEVERAL
 from stickslip.studies import solving
@@ -181,10 +182,11 @@ def test_a_tableau_is_a_method(name):
 
 
 @each_row("name", COMMANDS)
-def test_a_command_has_its_example(name):
-    assert (ROOT / "src" / "stickslip" / "show" / "cli" / "examples" / f"{name}.txt").exists(), (
-        f"write src/stickslip/show/cli/examples/{name}.txt"
-    )
+def test_a_command_has_its_line_in_the_list_and_an_example(name):
+    file = f"src/stickslip/show/cli/commands/{name.replace('-', '_')}.py"
+    assert summary(name), f'begin {file} with a docstring: """``stickslip {name}``: what it does."""'
+    typed = [line.split()[:2] for line, _ in commands_in(declaration(name).example)]
+    assert ["stickslip", name] in typed, f"{file}: give the command example=, of which one line is $ stickslip {name} ..."
 
 
 @each_row("name", VARIABLES)

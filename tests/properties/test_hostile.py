@@ -12,8 +12,9 @@ import pytest
 import stickslip as ss
 from hostile import Outcome, damaged, limits, warm
 from stickslip.models.tables import PARTS
-from stickslip.show.cli import COMMANDS, identify, main, study_files
+from stickslip.show.cli import COMMANDS, main, study_files
 from stickslip.show.cli.arguments import parser
+from stickslip.show.cli.commands import identify
 
 #: A time limit may strike in a finalizer, which cannot pass it on.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")

@@ -613,7 +613,7 @@ def test_a_law_of_ones_own_is_told_how_commands_and_study_files_take_it(files, c
 def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
     from types import SimpleNamespace
 
-    from stickslip.show.cli.bifurcation import _left_out
+    from stickslip.show.cli.commands.bifurcation import _left_out
 
     def branch(period, *flips):
         return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", rounded=f"{value:g}") for value in flips])

@@ -10,7 +10,7 @@ import pytest
 
 from rows import each_row
 from stickslip.show.cli import COMMANDS
-from stickslip.show.cli.completion import SHELLS, script, vocabulary
+from stickslip.show.cli.commands.completion import SHELLS, script, vocabulary
 
 
 def test_every_command_has_its_own_options():

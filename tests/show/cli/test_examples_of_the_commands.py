@@ -11,13 +11,13 @@ import pytest
 
 from rows import each_row
 from stickslip.show.cli import COMMANDS, main
-from stickslip.show.cli.transcripts import FOLDER, commands_in, transcript
+from stickslip.show.cli.declaring import commands_in, declaration
 
 SLOW = ("paper", "warmup")  # they take a minute
 #: Seconds; other tests read their JSON.
 LONG = (*SLOW, "optimise", "atlas", "basins", "lyapunov", "compare", "identify", "map", "report", "check")
 ENDLESS = "explore"  # serves until it is told to stop
-SHOWN = sorted(path.stem for path in FOLDER.glob("*.txt"))
+EXAMPLES = [command for command in COMMANDS if command != ENDLESS]
 _NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
@@ -54,21 +54,21 @@ def test_the_comparison_sees_a_wrong_number_and_a_missing_line():
     assert not same(["residual 1e-9"], ["residual 1e-3"]) and same(["x …"], ["x 3 4"])
 
 
-@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in SLOW else c for c in SHOWN if c != ENDLESS])
+@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in SLOW else c for c in EXAMPLES])
 def test_the_example_of_a_command_prints_what_is_shown(command, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for typed, told in commands_in(transcript(command)):
+    for typed, told in commands_in(declaration(command).example):
         words = shlex.split(typed)
         assert words[0] == "stickslip" and main(words[1:]) == 0
         out = capsys.readouterr().out
         assert same(told.splitlines(), out.splitlines()), f"$ {typed}\n{out}"
 
 
-@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in LONG else c for c in SHOWN if c != ENDLESS])
+@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in LONG else c for c in EXAMPLES])
 def test_the_example_with_json_is_strict_json(command, capsys, tmp_path, monkeypatch):
     """Nothing but JSON on stdout, and no NaN in it."""
     monkeypatch.chdir(tmp_path)
-    for typed, _ in commands_in(transcript(command)):
+    for typed, _ in commands_in(declaration(command).example):
         words = shlex.split(typed)[1:]
         assert main([*words, *(["--json"] if words[0] == command else [])]) == 0
         out = capsys.readouterr().out
@@ -79,7 +79,7 @@ def test_the_example_with_json_is_strict_json(command, capsys, tmp_path, monkeyp
 
 def test_the_example_that_serves_prints_its_address():
     """As it is shown, but on a port that is free."""
-    ((typed, told),) = commands_in(transcript(ENDLESS))
+    ((typed, told),) = commands_in(declaration(ENDLESS).example)
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = str(free.getsockname()[1])
     words = shlex.split(typed.replace("8765", port))
@@ -98,7 +98,3 @@ def test_help_shows_an_example_of_the_command(command, capsys):
         main([command, "--help"])
     shown = capsys.readouterr().out
     assert f"stickslip {command}" in shown.partition("options:")[2]
-
-
-def test_every_command_has_an_example_and_none_is_left_of_one_that_is_gone():
-    assert set(SHOWN) == set(COMMANDS)

@@ -169,7 +169,7 @@ def test_code_that_is_no_function_or_makes_no_robot_says_so(call, tmp_path):
 def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
     monkeypatch.setattr("stickslip.analysis.checking.shape_of", int)  # a robot is not a number
     code, _, err = call("check", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4")
-    assert code == 1 and "TypeError" in err and "This is an error of stickslip itself" in err
+    assert code == 1 and "TypeError" in err and "This is an error of stickslip itself, in " in err and ".py, line " in err
 
 
 @each_row("kind", ss.LAWS)

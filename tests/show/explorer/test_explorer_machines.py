@@ -17,7 +17,7 @@ from rows import each_row
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
 from stickslip.models.naming import axis_of
-from stickslip.show.cli.explore import _opened
+from stickslip.show.cli.commands.explore import _opened
 from stickslip.show.explorer.effort import effort
 from stickslip.show.explorer.machines import Shown, numbers_of
 from stickslip.show.explorer.requests import message

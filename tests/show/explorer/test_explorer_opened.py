@@ -12,7 +12,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.fields import leaves
-from stickslip.show.cli.explore import _opened
+from stickslip.show.cli.commands.explore import _opened
 from stickslip.show.explorer.exports import export
 from stickslip.show.explorer.from_robot import hash_of, state_of
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, robot

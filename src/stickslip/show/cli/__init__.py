@@ -8,22 +8,20 @@ Colours and progress bars appear in a terminal only.
 from __future__ import annotations
 
 import contextvars
-import importlib
 import os
 import sys
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.interruption import ended_early
+from stickslip.show.cli.declaring import declaration, names, summary
 
 __all__ = ["COMMANDS", "done", "main"]
 
 INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
-_FOLDER = Path(__file__).parent / "commands"
-#: Command -> (module, description), from ``commands/_index.toml``.
-COMMANDS: dict[str, tuple[str, str]] = tomllib.loads((_FOLDER / "_index.toml").read_text(encoding="utf-8"))
+#: The names of all commands.
+COMMANDS = names()
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -62,11 +60,12 @@ def _done(words: list[str]) -> int:
     except Exception as error:
         if os.environ.get("STICKSLIP_TRACEBACK"):
             raise
-        from stickslip.show.cli.user_errors import in_your_code
+        from stickslip.show.cli.user_errors import in_our_code, in_your_code
 
         if yours := in_your_code(error):
             return _say(yours, 2)
-        return _say(f"{type(error).__name__}: {error}\nThis is an error of stickslip itself; set STICKSLIP_TRACEBACK=1 to see where", 1)
+        ours = f"This is an error of stickslip itself, in {in_our_code(error)}; set STICKSLIP_TRACEBACK=1 to see how it came there"
+        return _say(f"{type(error).__name__}: {error}\n{ours}", 1)
 
 
 def _with_its_place(error: InputError) -> str:
@@ -87,8 +86,8 @@ def _dispatch(words: list[str]) -> int:
         words = [words[1], "--help"]
     if not words or words[0] in ("-h", "--help", "help"):
         width = max(map(len, COMMANDS))
-        text = (_FOLDER / "help.txt").read_text(encoding="utf-8")
-        print(text.format(commands="\n".join(f"  {name:<{width}}  {about}" for name, (_, about) in COMMANDS.items())), end="")
+        text = Path(__file__).with_name("templates").joinpath("help.txt").read_text(encoding="utf-8")
+        print(text.format(commands="\n".join(f"  {name:<{width}}  {summary(name)}" for name in COMMANDS)), end="")
         return 0 if words else 2
     if words[0] in ("-V", "--version"):
         from stickslip import __version__
@@ -107,4 +106,4 @@ def done(name: str, words: list[str]) -> int:
     from stickslip.show.cli.outputs import finish
 
     found = asked(name, words)
-    return finish(found, importlib.import_module(f"stickslip.show.cli.{COMMANDS[name][0]}").act(found))
+    return finish(found, declaration(name).act(found))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from stickslip.models.machine_adapter import machine_of
 from stickslip.show.cli import show
 
 
@@ -15,6 +14,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     from stickslip.analysis.run_segments import shares
     from stickslip.analysis.steady import mean_velocity
     from stickslip.basics.fields import leaves
+    from stickslip.models.machine_adapter import machine_of
 
     balance = energy(run)
     return {

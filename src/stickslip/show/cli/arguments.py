@@ -5,19 +5,18 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, NoReturn
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.typed_numbers import in_unit
 from stickslip.models.naming import axis_of, example_for
+from stickslip.show.cli.declaring import commands_in, declaration
 from stickslip.show.cli.probing import probe, probe_axes
 from stickslip.show.cli.show import writable
 from stickslip.show.cli.study_files import ALLOW_CODE, SOLVER, found
-from stickslip.show.cli.transcripts import commands_in, transcript
 
 
 class _Allow(argparse.Action):
@@ -60,7 +59,7 @@ class Parser(argparse.ArgumentParser):
     def _example(self) -> str:
         """An example of this command's usage."""
         command = self.prog.removeprefix("stickslip ")
-        typed = [line for line, _ in commands_in(transcript(command)) if line.split()[1] == command]
+        typed = [line for line, _ in commands_in(declaration(command).example) if line.split()[1] == command]
         return typed[0] if typed else f"{self.prog} --help"
 
     def _metavar(self, option: str) -> str:
@@ -68,49 +67,31 @@ class Parser(argparse.ArgumentParser):
         return str(action.metavar or action.dest.upper())
 
 
-_FOLDER = Path(__file__).parent / "commands"
-_TYPES = {"int": int, "float": float}
-
-
 def parser(command: str) -> Parser:
-    """The parser of a command, from its file in ``cli/commands``.
+    """The parser of a command, from what its file in ``cli/commands`` declares.
 
     Examples
     --------
     >>> parser("run").prog
     'stickslip run'
     """
-    told, plain = _told(command), argparse.RawDescriptionHelpFormatter
-    end = "\n\n".join(part.rstrip("\n") for part in (told.get("more", ""), transcript(command)) if part)
-    made = Parser(prog=f"stickslip {command}", description=told["about"], epilog=end, allow_abbrev=False, formatter_class=plain)
+    declared, plain = declaration(command), argparse.RawDescriptionHelpFormatter
+    end = "\n\n".join(part.rstrip("\n") for part in (declared.more, declared.example) if part)
+    made = Parser(prog=f"stickslip {command}", description=declared.about, epilog=end, allow_abbrev=False, formatter_class=plain)
     made.register("action", "allow", _Allow)
-    for names, how in _arguments(told):
-        ends = how.pop("ends", ())
-        action = made.add_argument(*names.split(", "), **how | ({"type": _TYPES[how["type"]]} if "type" in how else {}))
-        made.files |= {action.dest: (names.partition(",")[0] if action.option_strings else action.metavar, ends)} if ends else {}
+    for each in declared.arguments:
+        action = made.add_argument(*each.names, **{name: copy(value) for name, value in each.how.items()})
+        made.files |= {action.dest: (each.names[0] if action.option_strings else action.metavar, each.ends)} if each.ends else {}
     return made
-
-
-def _told(command: str) -> dict[str, Any]:
-    return tomllib.loads((_FOLDER / f"{command}.toml").read_text(encoding="utf-8"))
-
-
-def _arguments(told: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Names and properties of each argument; a name such as ``_json`` stands for arguments that several commands share."""
-    for names, how in told["arguments"].items():
-        if names.startswith("_"):
-            yield from _arguments(_told(names))
-        else:
-            yield names, how
 
 
 def asked(command: str, words: list[str]) -> Any:
     """The parsed arguments of a command; output files are checked before the work."""
-    made, told = parser(command), _told(command)
+    made, declared = parser(command), declaration(command)
     mixed = any(action.nargs == "*" for action in made._actions)  # positional words of two kinds, with options between them
     read = made.parse_intermixed_args if mixed else made.parse_args
-    found: Any = made.parse_known_args(words)[0] if told.get("open") else read(words)
-    if told.get("driven"):
+    found: Any = made.parse_known_args(words)[0] if declared.open_ended else read(words)
+    if declared.driven:
         check_driven(command, found.robot)
     for name, (option, ends) in made.files.items():
         setattr(found, name, writable(option, getattr(found, name), ends))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.basics.variables import unit_of
-from stickslip.models.machine_adapter import machine_of
 from stickslip.show.cli import show
 
 
@@ -13,6 +12,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     """All results of the command, by name, in SI units."""
     from stickslip.analysis.steady import mean_velocity
     from stickslip.basics.fields import leaves
+    from stickslip.models.machine_adapter import machine_of
 
     driven = run.model.period is not None
     return {

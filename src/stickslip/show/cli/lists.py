@@ -1,4 +1,4 @@
-"""``stickslip presets``, ``laws``, ``drives`` and ``mechanisms``: what there is, and the arguments it takes."""
+"""What ``stickslip presets``, ``laws``, ``drives`` and ``mechanisms`` share: what there is, and the arguments it takes."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mec
 _FEW = 4  # lists of at most this many entries show every argument
 
 
-def act(asked: Any) -> Outcome:
-    """Do the command."""
+def listed(asked: Any) -> Outcome:
+    """What there is, or those that are named."""
     command, known = asked.command, things(asked.command)
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
     if unknown:

@@ -76,3 +76,11 @@ def is_run(path: Path, command: str) -> bool:
             return "mean_velocity" not in file
     except OSError as error:
         raise InputError(command, [f"{str(path)!r} cannot be read: {error}; give a .nc file of ours or a study folder"]) from None
+
+
+def study_written(grid: Any, written: str) -> Outcome:
+    """What was written: the study, its sizes and the place."""
+    sizes = {str(d): int(grid.sizes[d]) for d in grid["mean_velocity"].dims}
+    shape = " x ".join(f"{name} {n}" for name, n in sizes.items()) or "one case"
+    record = {"written": written, "sizes": sizes, "attributes": dict(grid.attrs)}
+    return Outcome(record, f"{grid.attrs['maker']}: {shape}; written to {written}")

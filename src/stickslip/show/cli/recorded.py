@@ -11,7 +11,7 @@ from typing import Any
 
 from stickslip.basics.errors import InputError
 
-_TYPED = Path(__file__).parent / "commands" / "_typed.toml"
+_TYPED = Path(__file__).parent / "templates" / "typed_in_python.toml"
 
 
 def typed(text: str, of: str = "records") -> str:

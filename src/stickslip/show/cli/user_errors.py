@@ -33,6 +33,14 @@ def in_your_code(error: BaseException) -> str | None:
     return None
 
 
+def in_our_code(error: BaseException) -> str:
+    """File and line of an error in this package: of the innermost frame there, or of what Python cannot read."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}, line {error.lineno}"
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if _within(frame.filename, _OURS)]
+    return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else "this package"
+
+
 def _sentence(file: str, line: int | None, what: str) -> str:
     return f"your code: {file}, line {line}{what}; correct it there, or set STICKSLIP_TRACEBACK=1 to see how it was called"
 

@@ -1,0 +1,27 @@
+"""``stickslip laws``: friction laws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.show.cli.declaring import argument, command
+from stickslip.show.cli.lists import listed
+from stickslip.show.cli.outputs import Outcome
+
+
+@command(
+    about="List the laws, and the arguments of those that are named.",
+    arguments=(argument("names", metavar="NAME", nargs="*", help="laws to explain (default: a line on each)"),),
+    example="""\
+$ stickslip laws coulomb
+coulomb: Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
+  name      symbol  unit  default   meaning
+  mu_plus   μ₊      -     needed    kinetic friction coefficient forwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards.
+  mu_minus  μ₋      -     needed    kinetic friction coefficient backwards. Kinetic friction coefficient forwards (v > 0, downhill) and backwards.
+  f_plus    f₊      -     optional  static friction coefficient forwards. Static (break-away) coefficients; None means the kinetic ones, which is Eq. 2.4 to the letter.
+  f_minus   f₋      -     optional  static friction coefficient backwards. Static (break-away) coefficients; None means the kinetic ones, which is Eq. 2.4 to the letter.
+""",
+)
+def act(asked: Any) -> Outcome:
+    """Do the command."""
+    return listed(asked)

@@ -1,0 +1,136 @@
+"""``stickslip lyapunov``: Lyapunov exponents: periodic, quasi-periodic or chaotic?"""  # noqa: D400
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.show.cli import show
+from stickslip.show.cli.arguments import subject, value
+from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
+from stickslip.show.cli.outputs import Outcome
+from stickslip.show.cli.study_files import found as in_file
+
+
+@command(
+    about="Lyapunov exponents per drive period, and the kind of motion: periodic, quasi-periodic or chaotic. Over one or two ranges: a map.",
+    more="""\
+values
+  mu0=0.04                one motion: all exponents, and the kind of motion
+  mu0=0.03..0.06:100      several: period number and largest exponent for each
+  mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map""",
+    driven=True,
+    arguments=(
+        *ROBOT,
+        argument("--figure", metavar="FILE", ends=FIGURES, help="draw their convergence, or the map (.png, .svg or .pdf)"),
+        argument("--out", metavar="FILE", ends=TABLES, help="write their convergence, or the map (.nc, .mat, .csv, .xlsx or .parquet)"),
+    ),
+    example="""\
+$ stickslip lyapunov piezo_rig tilt_deg=1.7 amplitude=6e-4 mu0=0.04 periods=100
+piezo_rig tilt_deg=1.7 amplitude=0.0006 mu0=0.04
+  motion       periodic, period 2
+  exponent 1   -0.466447 ± 4e-12 per drive period
+  exponent 2   -19949.2 ± 2e-09 per drive period
+  multipliers  -0.393413, 0
+  evidence     the strobe point returns after 2 and the largest multiplier is 0.3934; the last 96 strobe points repeat after 2 within 1.6e-12 of their scales
+""",
+)
+def act(asked: Any) -> Outcome:
+    """Do the command."""
+    return (_map if _several(asked) else _one)(asked)
+
+
+def _several(asked: Any) -> bool:
+    """Whether a number of the robot has several values, on the command line or in its study file."""
+    filed = in_file(asked.robot).arguments.values()
+    texts = [word.partition("=")[2] for word in asked.settings] + [v for v in filed if isinstance(v, str)]
+    return any(".." in text or "," in text for text in texts) or any(isinstance(v, list) for v in filed)
+
+
+# ---- one motion ----
+def _one(asked: Any) -> Outcome:
+    from stickslip.dynamics.exponents.motion_verdict import verdict
+    from stickslip.show.figures import convergence
+
+    settle, rest = _settle(asked.settings)
+    study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
+    found = verdict(study.robot(), progress=True, **settle, **study.options)
+    l = found.exponents  # noqa: E741
+    record = {
+        "robot": study.title(), "kind": found.kind, "period": found.period, "why": found.why, "spectrum": l.spectrum, "errors": l.errors,
+        "largest": l.largest, "error": l.error, "unit": l.unit, "periods": l.steps, "note": l.note,
+        "multipliers": None if found.orbit is None else [[m.real, m.imag] for m in map(complex, found.orbit.multipliers)],
+    }  # fmt: skip
+    text = f"{study.title()}\n{show.facts(_rows(found))}"
+    return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(found, study.title()))
+
+
+def _settle(words: list[str], limit: bool = False) -> tuple[dict[str, Any], list[str]]:
+    """Separate ``settle=`` from the other words, as these periods precede those of ``periods=``, and of a map ``limit=``."""
+    names = ("settle", "limit") if limit else ("settle",)
+    mine = [word for word in words if word.partition("=")[0] in names]
+    pairs = [(name, value(text)) for name, _, text in (word.partition("=") for word in mine)]
+    return dict(pairs), [word for word in words if word not in mine]
+
+
+def _rows(found: Any) -> list[tuple[str, str]]:
+    l = found.exponents  # noqa: E741
+    rows = [("motion", found.kind + (f", period {found.period}" if found.period else ""))]
+    rows += [
+        (f"exponent {i + 1}", f"{mean:.6g} ± {error:.1g} per {l.unit}")
+        for i, (mean, error) in enumerate(zip(l.spectrum, l.errors, strict=True))
+    ]
+    if found.orbit is not None:
+        rows.append(("multipliers", ", ".join(f"{m:.6g}" for m in found.orbit.multipliers)))
+    return [*rows, ("evidence", found.why), *([("note", l.note)] if l.note else [])]
+
+
+def _convergence(found: Any, title: str) -> Any:
+    """The convergence of the exponents as a dataset."""
+    import xarray as xr
+
+    l = found.exponents  # noqa: E741
+    columns = {
+        "exponents": (("periods", "exponent"), l.record[:, 1:], {"long_name": f"exponents per {l.unit} until then", "units": "1"}),
+        "error": ("exponent", l.errors, {"long_name": "standard error at the end", "units": "1"}),
+    }
+    coords = {"periods": ("periods", l.record[:, 0], {"units": "1"}), "exponent": range(1, len(l.spectrum) + 1)}
+    attrs = {"robot": title, "kind": found.kind, "period": found.period or 0, "why": found.why, "note": l.note}
+    return xr.Dataset(columns, coords, attrs)
+
+
+# ---- a map ----
+def _map(asked: Any) -> Outcome:
+    from stickslip.dynamics.attractors.period_maps import chaos_map
+    from stickslip.show.figures import chaos_map as draw
+
+    settle, rest = _settle(asked.settings, limit=True)
+    study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
+    found = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
+    axes = [str(d) for d in found.period.dims]
+    record = {
+        "robot": study.name, "axes": {name: found[name].values for name in axes},
+        "columns": {str(name): found[name].values for name in found.data_vars},
+    }  # fmt: skip
+    return Outcome(record, _text(study.name, axes, found), ((asked.figure, lambda: draw(found)),), asked.out, found)
+
+
+def _text(name: str, axes: list[str], found: Any) -> str:
+    """The share of each kind of motion in the map."""
+    import numpy as np
+
+    from stickslip.dynamics.attractors.settled_motions import KINDS
+
+    period, motion = found.period.values, found.motion.values
+    chaotic = motion == "chaotic"
+    shares = [(f"period {p}", np.mean(period == p)) for p in np.unique(period[period > 0])]
+    shares += [(kind, np.mean(motion == kind)) for kind in KINDS[1:]]
+    sizes = " x ".join(f"{axis} {found.sizes[axis]}" for axis in axes)
+    rows = show.facts((text, f"{100 * share:.1f} %") for text, share in shares if share > 0)
+    lines = [f"{name}: {sizes}", rows]
+    if chaotic.any():
+        top = int(np.argmax(np.where(chaotic, found.exponent.values, -np.inf)))
+        place = np.unravel_index(top, period.shape)
+        where = ", ".join(f"{axis} = {float(found[axis][i]):.6g}" for axis, i in zip(axes, place, strict=True))
+        largest, error = (float(found[n].values[place]) for n in ("exponent", "error"))
+        lines.append(f"largest exponent {largest:.4g} ± {error:.1g} per drive period at {where}")
+    return "\n".join(lines)
