@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import stickslip as ss
+from stickslip.dynamics.periodic.limit_cycles import limit_cycle
 
 RIG = ss.presets.piezo_rig
 COULOMB = {"tilt_deg": 1.7, "law": "coulomb"}
@@ -202,9 +203,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
         "periodic_orbit": lambda: Call(
             lambda: [ss.periodic_orbit(RIG(tilt_deg=1.7, amplitude=5e-4), 1) for _ in range(30)][-1], None, lambda o: o.strobe_state
         ),
-        "limit_cycle": lambda: Call(
-            lambda: [ss.limit_cycle(ss.BlockOnBelt.example()) for _ in range(12)][-1], None, lambda c: [c.duration]
-        ),
+        "limit_cycle": lambda: Call(lambda: [limit_cycle(ss.BlockOnBelt.example()) for _ in range(12)][-1], None, lambda c: [c.duration]),
         "certify": lambda: Call(
             lambda: [ss.certify(ss.periodic_orbit(RIG(amplitude=6e-4, **COULOMB), 1), digits=400) for _ in range(4)][-1],
             None,

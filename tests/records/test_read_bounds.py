@@ -1,5 +1,6 @@
 """Texts that were made to take long, and columns that are not numbers: each is read in one pass, or refused with a sentence."""
 
+import json
 import random
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.units import heading
+from stickslip.records import stamped_lines, tables_of_values
 from stickslip.records.reading import read_bytes
 from stickslip.records.text import _Plain
 from stickslip.records.text_lines import MOST_COLUMNS, Lines
@@ -140,6 +142,66 @@ def test_rows_that_are_read_at_once_are_those_that_are_read_cell_by_cell(seed):
         lines.append(mark.join(row))
     data = "\n".join(lines).encode(rng.choice(["utf-8", "latin-1"]))
     assert repr(read_of(data)) == repr(read_of(data, by_hand=True))
+
+
+FORMS = [
+    "{Y}-{m:02d}-{d:02d}T{H:02d}:{M:02d}:{S:02d}.{f:03d}{zone}", "{d}.{m}.{Y} {H}:{M:02d}:{S:02d},{f:03d}",
+    "{m:02d}/{d:02d}/{Y} {h}:{M:02d}:{S:02d} {half}", "{Y}/{m}/{d}{mark}{H:02d}:{M:02d}:{S:02d}", "{H}:{M:02d}:{S:02d}.{f}",
+    '"{H:02d}:{M:02d}:{S:02d}"',
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_timestamps_that_are_read_at_once_are_those_that_are_read_line_by_line(seed, monkeypatch):
+    rng = random.Random(seed)
+    mark, form, index, words = rng.choice(",;\t "), rng.choice(FORMS), rng.random() < 0.4, rng.random() < 0.3
+    lines, H = ["n" * index + mark * index + mark.join(["when", "v_mm_s", *["state"] * words])], rng.randrange(24)
+    for i in range(120):
+        H = (H + rng.randrange(5)) % (25 if rng.random() < 0.05 else 24)
+        stamp = form.format(
+            Y=rng.choice([2026, 2026, 1, 9999]) if rng.random() < 0.02 else 2026, m=rng.randint(1, 12), d=rng.randint(13, 31), H=H,
+            h=rng.randint(1, 12), M=rng.randrange(60), S=rng.randrange(62), f=rng.randrange(1000), mark=mark,
+            half=rng.choice(["AM", "pm"]), zone=rng.choice(["", "Z", "+01:00", "-0230"]),
+        )  # fmt: skip
+        odd = rng.choice(["", "oops", "12:3", stamp + "9", f"{stamp} 7", f"x{stamp}", f"{stamp}µ", f"{stamp}\tPM", f"{stamp} +0100"])
+        stamp = odd if rng.random() < 0.04 else stamp
+        cells = [*[str(i)] * index, stamp, f"{rng.uniform(-9, 9):.3f}", *["run"] * words]
+        lines.append(mark.join(cells))
+    data = "\n".join(lines).encode()
+    monkeypatch.setattr(stamped_lines, "_TOGETHER", 32)
+    at_once = read_of(data)
+    monkeypatch.setattr(stamped_lines, "_FORMS", 0)
+    assert repr(at_once) == repr(read_of(data))
+
+
+def test_times_of_day_go_on_over_many_midnights(monkeypatch):
+    monkeypatch.setattr(stamped_lines, "_TOGETHER", 7)
+    lines = ["time;v [m/s]", *(f"{7 * i % 24:02d}:00:00;{i % 5},5" for i in range(50))]
+    np.testing.assert_allclose(read_bytes("\n".join(lines).encode(), "log.csv")["v"].time, [7 * 3600.0 * i for i in range(50)], rtol=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_json_that_is_read_in_pieces_is_that_which_is_read_as_a_whole(seed, monkeypatch):
+    rng = random.Random(seed)
+    odd = ["2.5", "},{", "a],[b", True, [1], [[1], [2]], {"a": {"b": 1}}, 10**400] * (rng.random() < 0.4)
+
+    def cell():
+        return rng.choice(odd) if odd and rng.random() < 0.03 else rng.choice([rng.random(), rng.randrange(9), None])
+
+    if rng.random() < 0.5:
+        rows = [{"t [s]": i, "v": cell()} | ({"w": cell()} if rng.random() < 0.2 else {}) for i in range(80)]
+    else:
+        rows = [["t [s]", "v"]] * (rng.random() < 0.5) + [[i, cell()] + [7] * (rng.random() < 0.002) for i in range(80)]
+    data = json.dumps(rows, indent=rng.choice([None, None, 1])).encode()
+    data = data[: rng.choice([len(data)] * 5 + [len(data) // 2, len(data) - 1])] + rng.choice([b"", b"\n", b"\n", b"]"])
+    whole = read_of(data)
+    monkeypatch.setattr(tables_of_values, "_PIECE", 60)
+    assert repr(read_of(data)) == repr(whole)
+
+
+def test_rows_of_json_lines_keep_the_heading_of_their_first():
+    lines = ['["t [s]", "v"]', *(f"[{i}, {i % 7}.5]" for i in range(9000))]
+    assert read_bytes("\n".join(lines).encode(), "log.jsonl")["v"].values.tolist() == [i % 7 + 0.5 for i in range(9000)]
 
 
 def test_a_row_without_separators_is_no_row_of_a_table_with_words():

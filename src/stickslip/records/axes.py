@@ -39,7 +39,10 @@ def counted(c: Column, rate: float | None, notes: list[str]) -> Column:
     """An axis for a channel that has none: times from the given rate, or sample numbers."""
     count = np.arange(len(c.values), dtype=float)
     if rate is not None:
-        return Column("time", "s", count / rate)
+        count /= rate
+    count.setflags(write=False)  # nobody else has it: the channel takes it as it is
+    if rate is not None:
+        return Column("time", "s", count)
     notes.append(f"{c.name} has no time axis: its samples are counted; type rate=... [Hz] for times")
     return Column("sample", None, count)
 

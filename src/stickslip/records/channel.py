@@ -92,11 +92,12 @@ class Channel:
     def interval(self) -> float:
         """The usual interval between samples, in the unit of the axis; NaN if there is none."""
         steps = np.diff(self.t)
-        steps = steps[np.isfinite(steps) & (steps > 0)]
+        if not (good := np.isfinite(steps) & (steps > 0)).all():
+            steps = steps[good]
         if len(steps) == 0:
             return float("nan")
-        usual = float(np.median(steps))
-        if len(steps) == len(self.t) - 1 and abs(steps - usual).max() < 0.01 * usual:
+        usual = float(np.median(steps, overwrite_input=True))
+        if len(steps) == len(self.t) - 1 and max(steps.max() - usual, usual - steps.min()) < 0.01 * usual:
             return float((self.t[-1] - self.t[0]) / (len(self.t) - 1))
         return usual
 

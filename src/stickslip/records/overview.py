@@ -121,7 +121,8 @@ def noise(y: Any) -> float:
 
 def runs_of(which: Any) -> Any:
     """Where runs of samples begin and end: array (runs, 2)."""
-    return np.flatnonzero(np.diff(np.concatenate([[False], which, [False]]).astype(int))).reshape(-1, 2)
+    which = np.concatenate([[False], which, [False]])
+    return np.flatnonzero(which[1:] != which[:-1]).reshape(-1, 2)
 
 
 def clipped(y: Any, least: int = 3) -> int:
@@ -137,12 +138,24 @@ def clipped(y: Any, least: int = 3) -> int:
         return 0
     count = 0
     for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
-        bends = abs(np.diff(y, 2))
-        usual = np.median(bends[np.isfinite(bends)]) if np.isfinite(bends).any() else 0.0
-        runs = [(a, b) for a, b in runs_of(y == value) if b - a >= least and _jump(y, a, b) > 2 * usual]
+        runs = runs_of(y == value)
+        runs = runs[runs[:, 1] - runs[:, 0] >= least]
+        if len(runs) < 2:
+            continue
+        usual = _usual_bend(y)
+        runs = runs[_jumps(y, runs) > 2 * usual]
         if len(runs) > 1:
-            count += sum(int(b - a) for a, b in runs)
+            count += int((runs[:, 1] - runs[:, 0]).sum())
     return count
+
+
+def _usual_bend(y: Any) -> float:
+    """The median size of second differences; 0 where none is finite."""
+    bends = np.diff(y, 2)
+    np.abs(bends, out=bends)
+    if not (good := np.isfinite(bends)).all():
+        bends = bends[good]
+    return float(np.median(bends, overwrite_input=True)) if len(bends) else 0.0
 
 
 def dead_zone(y: Any, least: int = 3) -> float:
@@ -155,19 +168,21 @@ def dead_zone(y: Any, least: int = 3) -> float:
     (0.2, 0.0, 0.0)
     """
     y = np.asarray(y, float)
-    y = y[np.isfinite(y)]
+    if not (good := np.isfinite(y)).all():
+        y = y[good]
     still = y == 0.0
-    runs = int(np.sum(np.diff(runs_of(still)) >= least))
+    if int(np.sum(np.diff(runs_of(still)) >= least)) < 4 or not ((y > 0).any() and (y < 0).any()):
+        return 0.0
     moving = abs(np.diff(y))[~(still[1:] | still[:-1])]
     moving = moving[moving > 0]
-    if runs < 4 or len(moving) < 8 or not ((y > 0).any() and (y < 0).any()):
+    if len(moving) < 8:
         return 0.0
     width = min(float(y[y > 0].min()), float(-y[y < 0].max()))
     return width if width > 2.5 * float(np.median(moving)) else 0.0
 
 
-def _jump(y: Any, a: int, b: int) -> float:
-    """The larger of the steps by which a run is entered and left."""
-    into = abs(y[a] - y[a - 1]) if a > 0 else 0.0
-    out = abs(y[b] - y[b - 1]) if b < len(y) else 0.0
-    return float(max(into, out))
+def _jumps(y: Any, runs: Any) -> Any:
+    """The larger of the steps by which each run is entered and left."""
+    first, last = runs[:, 0], runs[:, 1] - 1
+    into, out = abs(y[first] - y[np.maximum(first - 1, 0)]), abs(y[np.minimum(last + 1, len(y) - 1)] - y[last])
+    return np.maximum(into, out)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import Column
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
+_TOGETHER = 1 << 16  # values that are judged at once, which takes little memory
 _ROLE_WORDS = (
     (r"absolute.*", "absolute velocity"),
     (r"convected.*|body velocity", "velocity"),
@@ -73,7 +75,8 @@ def remarks(channels: list[Channel]) -> list[str]:
     for c in axes.values():
         if c.over_time and c.axis_unit is None and c.axis_name != "sample":
             notes.append(f'no unit in the file for the time axis {c.axis_name!r}; type units={{"{c.axis_name}": "s"}} with the right one')
-        _remark_axis(c, notes)
+        if c.axis_name != "sample":  # a count has no gaps
+            _remark_axis(c, notes)
     for c in channels:
         _remark_values(c, notes)
     return notes
@@ -110,7 +113,12 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
         notes.append(f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {longest}")
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
-    size = abs(c.values[~missing & ~infinite])
-    strange = int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))
+    strange = sum(_senseless(c.values[begin : begin + _TOGETHER]) for begin in range(0, len(c.values), _TOGETHER))
     if strange:
         notes.append(f"{c.name}: {strange} values have sizes that no sensor gives: the file may be damaged, or its byte order wrong")
+
+
+def _senseless(values: Any) -> int:
+    """How many values are finite, and too large or too small for a measurement."""
+    size = abs(values[np.isfinite(values)])
+    return int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))

@@ -83,7 +83,7 @@ def _check_nesting(text: str) -> None:
 def _loaded(text: str) -> Any:
     """The contents of the text: one value, or one on each line."""
     try:
-        return json.loads(text)
+        return _in_pieces(text) or json.loads(text)
     except RecursionError:
         raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
     except ValueError as error:
@@ -93,34 +93,95 @@ def _loaded(text: str) -> Any:
             return _broken(error)
 
 
-class _ByName(dict[str, list[Any]]):
-    """Lists by name that were rows, whatever they hold."""
+class _ByName(dict[str, Any]):
+    """Columns by name that were rows: arrays of numbers, or lists of whatever they hold."""
 
 
-_TOGETHER = 4096  # lines of JSON that are objects at once
+_TOGETHER, _PIECE = 4096, 1 << 17  # lines of JSON, and characters of a list of rows, that are objects at once
+_OPENING = re.compile(r"[ \t\r\n]*\[[ \t\r\n]*(?=[\[{])")
+_SEAMS = {"{": re.compile(r"\}[ \t\r\n]*,[ \t\r\n]*(?=\{)"), "[": re.compile(r"\][ \t\r\n]*,[ \t\r\n]*(?=\[)")}
+
+
+def _in_pieces(text: str) -> _ByName | None:
+    """The columns of a long list of rows, of which only some are objects at once; None for another text.
+
+    A place between two rows is one where the rows before it are JSON.
+    """
+    opening = _OPENING.match(text)
+    if opening is None or len(text) < 2 * _PIECE:
+        return None
+    rows, place = _Rows(), opening.end()
+    seam = _SEAMS[text[place]]
+    try:
+        while (between := seam.search(text, place + _PIECE)) is not None:
+            rows.add(json.loads(f"[{text[place : between.start() + 1]}]"))
+            place = between.end()
+        rows.add(json.loads(f"[{text[place:]}"))
+    except ValueError:  # a seam within a row or a text, or damage, of which the whole says more
+        return None
+    return rows.columns()
 
 
 def _of_lines(lines: Lines) -> _ByName | None:
     """The columns of a text with an object on each line; what a row does not have is missing. None for a text of one line."""
-    columns, count, given = _ByName(), 0, 0
+    rows = _Rows()
     for begin in range(0, len(lines), _TOGETHER):
         some = [part for line in lines.part(begin, begin + _TOGETHER) if (part := line.strip())]
         together = all(line[0] == "{" and line[-1] == "}" for line in some)  # many times faster than one by one
-        rows = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
-        if len(rows) != len(some):
+        found = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
+        if len(found) != len(some):
             raise ValueError
-        names, found = _rows(rows) if rows else ([], [])
-        given += sum(map(len, rows))
-        check_columns(len({*columns, *names}), "the JSON")
-        _check_filled(given, len({*columns, *names}), max(count + len(found), 1))
-        for name in names:
-            columns.setdefault(name, [None] * count)
-        for name, values in (_by_column(names, found) if rows else {}).items():
-            columns[name] += values
-        count += len(found)
-        for values in columns.values():
-            values += [None] * (count - len(values))
-    return columns if count > 1 else None
+        rows.add(found)
+    return rows.columns()
+
+
+class _Rows:
+    """Rows, which come some at a time, as columns."""
+
+    def __init__(self) -> None:
+        self._parts: dict[str, list[Any]] = {}
+        self._sizes: dict[str, int] = {}
+        self._count = self._given = 0
+
+    def add(self, rows: list[Any]) -> None:
+        """Rows that follow: objects, or lists that are as long as those before; `ValueError` where these are not."""
+        if not rows:
+            return
+        if self._parts and isinstance(rows[0], list):
+            names, found = list(self._parts), rows
+            if not all(isinstance(row, list) and len(row) == len(names) for row in rows):
+                raise ValueError("rows of different lengths")
+        else:
+            names, found = _rows(rows)
+        self._given += sum(map(len, rows))
+        width = len({*self._parts, *names})
+        check_columns(width, "the JSON")
+        _check_filled(self._given, width, max(self._count + len(found), 1))
+        for name, values in _by_column(names, found).items():
+            self._fill(name)
+            numbers = _array(values)
+            self._parts[name].append(values if numbers is None else numbers)
+            self._sizes[name] += len(values)
+        self._count += len(found)
+
+    def _fill(self, name: str) -> None:
+        """What the rows so far do not have in a column is missing."""
+        parts, size = self._parts.setdefault(name, []), self._sizes.get(name, 0)
+        if size < self._count:
+            parts.append(np.full(self._count - size, np.nan))
+        self._sizes[name] = self._count
+
+    def columns(self) -> _ByName | None:
+        """The columns, if there is more than one row."""
+        found = _ByName()
+        for name in self._parts:
+            self._fill(name)
+            parts, self._parts[name] = self._parts[name], []
+            numbers = all(isinstance(part, np.ndarray) for part in parts)
+            found[name] = (
+                np.concatenate(parts) if numbers else [x for part in parts for x in (part if type(part) is list else part.tolist())]
+            )
+        return found if self._count > 1 else None
 
 
 def _broken(error: Exception) -> Any:
@@ -135,12 +196,15 @@ def _is_split(found: dict[str, Any]) -> bool:
     return isinstance(found.get("columns"), list) and isinstance(found.get("data"), list)
 
 
+_SINGLE = {int, float, bool, str, type(None)}  # what JSON has beside lists and objects
+
+
 def _columnar(value: Any) -> bool:
     """Whether a value is a list of numbers, or an object of them by row, as pandas writes columns."""
     if isinstance(value, dict) and not all(map(_labels_a_row, value)):
         return False
     items = list(value.values()) if isinstance(value, dict) else value
-    return isinstance(items, list) and len(items) > 0 and all(isinstance(x, (int, float, str, type(None))) for x in items)
+    return isinstance(items, np.ndarray) or (isinstance(items, list) and len(items) > 0 and _SINGLE.issuperset(map(type, items)))
 
 
 def _labels_a_row(name: str) -> bool:
@@ -203,9 +267,8 @@ def _by_column(names: list[str], rows: list[Any]) -> dict[str, Any]:
 
 def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> Column:
     """Numbers, or timestamps as seconds since the first; what is neither is NaN, and said."""
-    if set(map(type, values)) <= {int, float}:
-        with contextlib.suppress(OverflowError):
-            return Column(name, unit, np.array(values, float))
+    if (numbers := _array(values)) is not None:
+        return Column(name, unit, numbers)
     texts = {x for x in values if isinstance(x, str)}
     known = {x: nanoseconds(x) for x in texts if ":" in x}
     stamps = [known.get(x) if isinstance(x, str) else None for x in values] if known else [None] * len(values)
@@ -213,12 +276,25 @@ def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) ->
         first = next(s for s in stamps if s is not None)
         notes.append(f"times are counted from the first timestamp, {next(x for x, s in zip(values, stamps, strict=True) if s is not None)}")
         return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
-    numbers = {x: number_in(x) for x in texts}
-    read = [numbers[x] if isinstance(x, str) else number_in(x) for x in values]
+    known_numbers = {x: number_in(x) for x in texts}
+    read = [known_numbers[x] if isinstance(x, str) else number_in(x) for x in values]
     strange = sum(x is None and value is not None for x, value in zip(read, values, strict=True))
     if strange:
         notes.append(f"{name}: {strange} values are not numbers and became NaN")
     return Column(name, unit, np.array([np.nan if x is None else x for x in read], float))
+
+
+def _array(values: Any) -> Any:
+    """Values as an array where all are numbers of JSON, or are missing; else None."""
+    if isinstance(values, np.ndarray):
+        return values
+    if _NUMBERS.issuperset(map(type, values)):
+        with contextlib.suppress(OverflowError):  # of hundreds of digits
+            return np.array(values, float)
+    return None
+
+
+_NUMBERS = {int, float, type(None)}
 
 
 def number_in(value: Any) -> float | None:

@@ -18,7 +18,8 @@ from stickslip.records.dialects import MISSING, MOST_BAD, Dialect, heading_cells
 from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw, unmarked
-from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
+from stickslip.records.stamped_lines import Stamped, stamped
+from stickslip.records.stamps import STAMP_UNIT
 from stickslip.records.tables_of_values import parse_json
 from stickslip.records.text_lines import MOST_NUMBER, Lines
 
@@ -167,7 +168,8 @@ _TOGETHER = 16384  # lines that are read at once
 
 def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any:
     """All rows: short and long ones are left out, cells that are not numbers become NaN, and both are noted."""
-    parts: list[Any] = [np.empty((0, dialect.width))]
+    most = min(len(lines), lines.size // max(dialect.width - 1, 1) + 1)  # rows: each has a separator between two cells
+    values, filled = np.empty((most, dialect.width)), 0
     wrong: list[tuple[int, str]] = []
     strange: list[tuple[int, str]] = []
     damaged, counted, number_of, plain = 0, 0, _Numbers(dialect), _Plain(dialect)
@@ -179,7 +181,8 @@ def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any
         read = plain.all_rows(data)
         if read is not None:
             counted += len(read)
-            parts.append(read)
+            values[filled : filled + len(read)] = read
+            filled += len(read)
             continue
         which, read = plain.rows(data)
         simple = dialect.decimal == "." and not dialect.grouped and data.isascii() and b"_" not in data
@@ -202,14 +205,15 @@ def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any
                     raise ValueError
                 rows.append([*map(float, cells)])  # of a plain text it takes what a dialect takes, and faster
             except ValueError:
-                values = [number_of[cell] for cell in cells]
-                if None in values:
+                numbers = [number_of[cell] for cell in cells]
+                if None in numbers:
                     damaged += 1
-                    strange += [(number, cell[:41]) for cell, x in zip(cells, values, strict=True) if x is None]
-                rows.append([np.nan if x is None else x for x in values])
+                    strange += [(number, cell[:41]) for cell, x in zip(cells, numbers, strict=True) if x is None]
+                rows.append([np.nan if x is None else x for x in numbers])
         counted += len(which) + len(rows)
         order = np.argsort(np.concatenate([which, np.array(places, int)]), kind="stable")
-        parts.append(np.concatenate([read, np.array(rows, float).reshape(-1, dialect.width)])[order])
+        values[filled : filled + len(order)] = np.concatenate([read, np.array(rows, float).reshape(-1, dialect.width)])[order]
+        filled += len(order)
     bad = len(wrong) + damaged
     if bad > MOST_BAD * (counted + len(wrong)) and bad > 1:
         raise InputError("read", [f"{bad} of {counted + len(wrong)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
@@ -217,7 +221,7 @@ def _values(lines: Lines, first: int, dialect: Dialect, notes: list[str]) -> Any
         notes.append(f"{len(wrong)} lines are left out, {_shown(wrong)}")
     if strange:
         notes.append(f"{len(strange)} cells are not numbers and became NaN, {_shown(strange)}; {_MIXED}")
-    return np.concatenate(parts)
+    return values[:filled]
 
 
 class _Plain:

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 #: Bounds of a table in text, far beyond those of any instrument: characters of a line and of a number, columns, and characters in which
 #: its dialect is looked for, and its first row.
 MOST_LINE, MOST_NUMBER, MOST_COLUMNS, SNIFFED, MOST_PREAMBLE = 200_000, 1000, 4096, 1 << 16, 1 << 20
-_PIECE = 1 << 20  # characters in which line ends are looked for at once
+_PIECE = 1 << 20  # characters in which line ends are looked for at once, and lines that are measured at once
 _TOGETHER = 4096  # lines that are decoded at once
 
 
@@ -57,6 +57,16 @@ class Lines(Sequence[str]):
         """The bytes of these lines."""
         return self._data[self._starts[0] : self._starts[-1] - 1]
 
+    @property
+    def starts(self) -> Array:
+        """Where each line begins in `data`, and where one after the last would: array (lines + 1,)."""
+        return self._starts - self._starts[0]
+
+    @property
+    def size(self) -> int:
+        """Bytes of these lines."""
+        return int(self._starts[-1]) - 1 - int(self._starts[0])
+
     def __len__(self) -> int:
         return len(self._starts) - 1
 
@@ -90,11 +100,14 @@ class Lines(Sequence[str]):
 
     def check(self) -> None:
         """Raise an `InputError` for a line that no table has."""
-        sizes = np.diff(self._starts) - 1
-        if len(sizes) and sizes.max() > MOST_LINE:
-            number = int(sizes.argmax())
-            why = f"line {number + 1} of the text has {int(sizes[number])} characters; allowed are {MOST_LINE}"
-            raise InputError("read", [f"{why}; write a table with a line for each instant, or a binary format such as .mat, .tdms or .h5"])
+        for first in range(0, len(self), _PIECE):
+            sizes = np.diff(self._starts[first : first + _PIECE + 1]) - 1
+            if sizes.max() > MOST_LINE:
+                number = int(sizes.argmax())
+                why = f"line {first + number + 1} of the text has {int(sizes[number])} characters; allowed are {MOST_LINE}"
+                raise InputError(
+                    "read", [f"{why}; write a table with a line for each instant, or a binary format such as .mat, .tdms or .h5"]
+                )
 
     def beginning(self, most: int, characters: int = SNIFFED) -> int:
         """How many of the first `most` lines lie within the first characters; one at least."""

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.errors import InputError
+from stickslip.basics.interruption import looking
 from stickslip.basics.notebook_display import rounded, sure
+from stickslip.basics.one_thread import in_one_thread
 from stickslip.records.given import given_frequency
 
 _MOST = 40_000  # samples that a refinement looks at
@@ -98,6 +100,7 @@ def harmonics(t: Any, y: Any, frequency: float, count: int = _HARMONICS) -> tupl
     return found, y - found @ matrix
 
 
+@in_one_thread
 def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     """Frequency of the drive: the strongest line of the spectrum (or the one near `about`), refined by least squares over its harmonics.
 
@@ -165,6 +168,7 @@ def _refined(t: Any, y: Any, start: float) -> tuple[float, float, float]:
     count = int(np.clip(0.45 / (usual * start), 1, _HARMONICS))
     line = 1 / np.ptp(t)
 
+    @looking
     def left(f: float) -> float:
         rest = harmonics(t, y, f, count)[1]
         return float(rest @ rest)

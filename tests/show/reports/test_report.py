@@ -18,6 +18,7 @@ from stickslip.show.cli import main
 from stickslip.show.reports import run_page, study_page, write
 from stickslip.show.reports.fastest import run_again
 from stickslip.show.reports.html import image, outside_addresses
+from stickslip.show.reports.mathml import mathml
 from stickslip.show.reports.moving import moments
 from stickslip.show.reports.run_charts import forces, velocity
 from stickslip.show.reports.study_charts import along, cuts
@@ -374,3 +375,10 @@ def test_a_study_of_chains_has_a_report(tmp_path):
     assert [one.caption for one in figures(frequencies)] == ["Mean velocity."]
     turning = ss.sweep(ss.presets.servo, kp=[0.5, 1.0], duration=2.0)
     assert turning.mean_velocity.units == "rad/s" and "mean velocity [rad/s]" in study_page(turning, "A servo")
+
+
+@pytest.mark.parametrize("tex", [r"\href{a}{b}", "\\", r"\frac{1}", "x_", "&", r"\end{cases}", r"\left x", r"\text{"])
+def test_a_formula_that_no_page_can_show_is_refused_with_a_sentence(tex):
+    with pytest.raises(ss.InputError, match="is no formula that a page can show") as refused:
+        mathml(tex)
+    assert len(str(refused.value).splitlines()) == 1

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from stickslip.basics.errors import InputError
+
 _OPERATOR = r"\\(?:arcsin|arctan|sinh|cosh|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
 #: An index below a letter with dots, which TeX places beside it.
 _DOTTED = re.compile(r"<munderover>\s*(<mi>[^<]*</mi>)\s*((?:(?!munderover).)*?)\s*(<mo[^>]*>[¨˙]</mo>)\s*</munderover>", re.S)
@@ -25,6 +27,11 @@ def mathml(tex: str, as_block: bool = False) -> str:
     as_block : bool
         Whether it is a displayed formula.
 
+    Raises
+    ------
+    InputError
+        It is not LaTeX, or uses commands that docutils does not know.
+
     Examples
     --------
     >>> "<msub>" in mathml(r"\mu_{+}"), "://" in mathml("x")
@@ -32,7 +39,14 @@ def mathml(tex: str, as_block: bool = False) -> str:
     """
     from docutils.utils.math.latex2mathml import tex2mathml
 
-    markup = tex2mathml(_spaced(tex).replace(r"\dots", r"\ldots"), as_block=as_block)
+    try:
+        markup = tex2mathml(_spaced(tex).replace(r"\dots", r"\ldots"), as_block=as_block)
+    except (ValueError, LookupError, AttributeError) as error:  # its MathError, and what it meets in LaTeX that ends too early
+        why = f" ({error})" if isinstance(error, ValueError) else ""
+        raise InputError("formula", [
+            f"{tex.strip()[:200]!r} is no formula that a page can show{why}; allowed are letters, indices and the usual commands "
+            r"of LaTeX for mathematics; write for example quantity('stiffness', 'N/m', r'\sigma_{0}')"
+        ]) from None  # fmt: skip
     markup = markup.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
     markup = _DOTTED.sub(r"<msub><mover>\1\3</mover>\2</msub>", markup)
     return markup.replace('<mo class="mathopen">|', '<mo form="prefix">|').replace("<mo>|", '<mo form="postfix">|')
