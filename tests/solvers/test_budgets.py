@@ -190,3 +190,17 @@ def test_the_contact_that_switches_most_is_named():
     mechanics = machine_of(ServoJoint(ss.Coulomb(0.1, 0.1), ss.Coulomb(0.1, 0.1))).mechanics
     told = location(mechanics, 0.5, [0.1, 0.2], np.array([[1, 0], [1, -1], [1, 0], [0, -1]]))
     assert told == "at t = 0.5 s, where contact 'load' has changed its mode 3 times in 4 steps and its slip velocity is 0.2 m/s"
+
+
+@pytest.mark.parametrize("quadratic", [0.0, 2.0])
+def test_what_only_oil_brakes_decays_as_the_closed_form_says_where_the_drive_is_off(quadratic):
+    # m v' = -c v - d v^2 from v0: v = r v0 / (r + d v0 (1 - r)/c), with r = exp(-c t/m); the position is the logarithm of the same
+    c, m, v0 = 1.5, 1.1, 2.0
+    oil = ss.Viscous(c, c, quadratic, quadratic)
+    robot = ss.Robot(body_mass=1.0, inner_mass=0.1, drive=ss.Harmonic(0.0, 2 * np.pi), friction=oil)
+    run, ratio = ss.solve(robot, periods=2, start={"v": v0}), quadratic * v0 / c
+    r = np.exp(-c * run.t[-1] / m)
+    x = m / quadratic * np.log1p(ratio * (1 - r)) if quadratic else m * v0 / c * (1 - r)
+    # a step leaves out terms of 1e-16 of 1 pm/s and rounds some 17 terms of its polynomial: 1e-14 over the few dozen steps
+    np.testing.assert_allclose([run.v[-1], run.x[-1]], [r * v0 / (1 + ratio * (1 - r)), x], rtol=1e-14)
+    assert run.counts["steps"] < 200

@@ -26,6 +26,12 @@ from stickslip.basics.errors import StickslipError
 P = ParamSpec("P")
 T = TypeVar("T")
 
+try:  # what `signal` wraps: the wrappers look each handler up in an enumeration, which took a tenth of a short solve
+    import _signal as _interpreter
+except ImportError:  # another Python than CPython
+    _interpreter = signal
+_SIGINT = int(signal.SIGINT)
+
 CTRL_C, PROGRESS, FAILED = "Ctrl-C", "progress", "an error"  # what ends work early
 _AT_ONCE = 0.5  # three of Ctrl-C within this time raise KeyboardInterrupt [s]
 
@@ -135,19 +141,22 @@ def interruptible(function: Callable[P, T]) -> Callable[P, T]:
     def run(*args: P.args, **kwargs: P.kwargs) -> T:
         outer = _call.get()
         call = _Call(function.__name__, Stop(), 1, False, []) if outer is None else outer._replace(depth=outer.depth + 1)
-        token = _call.set(call)
+        token, listens = _call.set(call), False
         try:
             if outer is not None:
                 return function(*args, **kwargs)
-            with _signals(call.stop):
-                result = function(*args, **kwargs)
+            listens = _begin_listening(call.stop)
+            result = function(*args, **kwargs)
         except Interrupted:
             if outer is not None:
                 raise
             raise _without_result(call) from None
         finally:
+            if listens:
+                _end_listening()
             _call.reset(token)
-        _say(call)
+        if call.stop.why or call.ended:
+            _say(call)
         return result
 
     return run
@@ -340,23 +349,24 @@ def _pressed(number: int, frame: Any) -> None:
 
 def _takes_signals() -> bool:
     """Whether Ctrl-C would raise KeyboardInterrupt here: in the main thread, and where nobody has a handler of their own."""
-    return threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    return threading.current_thread() is threading.main_thread() and _interpreter.getsignal(_SIGINT) is signal.default_int_handler
 
 
-@contextlib.contextmanager
-def _signals(stop: Stop) -> Iterator[None]:
-    """Ctrl-C sets a `Stop`, where it would have raised KeyboardInterrupt."""
+def _begin_listening(stop: Stop) -> bool:
+    """Let Ctrl-C set a `Stop`, where it would have raised KeyboardInterrupt; whether it would."""
     global _listening
     if not _takes_signals():
-        yield
-        return
+        return False
     _listening = stop
-    signal.signal(signal.SIGINT, _pressed)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        _listening = None
+    _interpreter.signal(_SIGINT, _pressed)
+    return True
+
+
+def _end_listening() -> None:
+    """Let Ctrl-C raise KeyboardInterrupt again."""
+    global _listening
+    _interpreter.signal(_SIGINT, signal.default_int_handler)
+    _listening = None
 
 
 @contextlib.contextmanager
@@ -368,14 +378,14 @@ def held_together() -> Iterator[None]:
         return
     mine = _listening is None and _takes_signals()  # a long call takes them already
     if mine:
-        signal.signal(signal.SIGINT, _pressed)
+        _interpreter.signal(_SIGINT, _pressed)
     _held += 1
     try:
         yield
     finally:
         _held -= 1
         if mine:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            _interpreter.signal(_SIGINT, signal.default_int_handler)
         if _due and not _held:
             _due = False
             raise _AtOnce

@@ -48,6 +48,7 @@ SHARED = {
     "STORE": "f2",  # of a pool: what its lanes hold from step to step
     "POOL": "i2",
 }
+_NO_LENGTHS = (0, 0, 0)
 _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
@@ -129,11 +130,12 @@ def where_they_are(arrays: dict[str, Any]) -> Any:
     """The address and the shape of each shared array, four numbers for each; one that is not given has no elements."""
     import numpy as np
 
-    numbers = np.zeros((len(SHARED), 4), dtype=np.int64)
-    for row, name in zip(numbers, SHARED, strict=True):
-        if name in arrays:
-            row[0], row[1 : 1 + arrays[name].ndim] = arrays[name].ctypes.data, arrays[name].shape
-    return numbers
+    numbers: list[int] = []
+    for name in SHARED:
+        array = arrays.get(name)
+        shape = () if array is None else array.shape
+        numbers += (0 if array is None else array.__array_interface__["data"][0], *shape, *_NO_LENGTHS[len(shape) :])
+    return np.array(numbers, dtype=np.int64)
 
 
 def gauss(count: int) -> tuple[list[float], list[float]]:

@@ -117,6 +117,14 @@ def _with_edition(parts: tuple[Any, ...]) -> tuple[Any, ...]:
         return parts
 
 
+def edition_of(model: Any) -> int | None:
+    """How often functions of a model's kind have changed; None where nothing is cached about it."""
+    try:
+        return _editions.of(_known_parts(model))
+    except TypeError:
+        return None
+
+
 def check_functions(model: Any) -> None:
     """Notice functions that have changed since the kind was met; `InputError` for functions that give another value each time.
 

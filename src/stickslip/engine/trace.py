@@ -25,6 +25,8 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import lists_parts
 from stickslip.models.position_dependence import knows_position
 
+_NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the law has no velocity of its own
+
 
 def label(model: Any) -> str:
     """The name of a model's kind: ``LuGre × Harmonic``."""
@@ -204,6 +206,6 @@ def _at_zero(graph: Graph, node: Sym, t: Sym) -> list[Sym]:
 
 
 def _velocity_scale(m: Symbolic, driven: Any, speed: Any) -> Sym:
-    """A velocity of the drive, and something positive where the drive is off."""
-    driven = m.lift(driven)
-    return driven if speed is None else maximum(driven, 1e-9 * m.lift(speed))
+    """A velocity of the drive, and something positive where the drive is off: steps are as exact as this, so they need some length."""
+    least = m.graph.constant(_NO_DRIVE) if speed is None else 1e-9 * m.lift(speed)
+    return maximum(m.lift(driven), least)

@@ -236,7 +236,7 @@ class HarmonicArcs(Pieces):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mode", _columns(self.mode))
-        flaws = self.layout.flaws(states=1, ways=1, memories=0, contacts=self.mode.shape[1])
+        flaws = _flaws(self.layout, 1, 1, 0, self.mode.shape[1])
         if flaws or not self.layout.is_one:
             raise InputError("HarmonicArcs", flaws or [f"a layout of {self.layout.description}; allowed is one body on one contact"])
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import labels_of, numbers_by_name
+from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.fields import is_array
 from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
 from stickslip.engine.kinds import known_kind
@@ -66,13 +66,13 @@ def reduced(model: Any) -> Arcs:
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.477433
     """
-    count = labels_of(model).cases
-    return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
-
-
-def _rows(model: Any) -> ArcNumbers:
-    """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
     numbers = numbers_by_name(model)
+    count = next((len(value) for value in numbers.values() if is_array(value)), 1)
+    return Arcs(**{name: value + np.zeros(count) for name, value in _rows(model, numbers).numbers.items()})
+
+
+def _rows(model: Any, numbers: dict[str, Any]) -> ArcNumbers:
+    """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
 
     def evaluated() -> ArcNumbers:
         return closed_of(model).rows_with(numbers)
@@ -105,7 +105,7 @@ def handles(model: Any) -> str | None:
     if _places(known_kind(model), lambda: knows_position(model)):
         return f"position appears in the equations of {kind}; exact arcs have no place for it"
     try:
-        rows = _rows(model)
+        rows = _rows(model, numbers_by_name(model))
     except Exception as error:  # equations that the engine cannot trace, which it says itself where it must
         return f"the equations of {kind} cannot be looked through: {error}"
     return _unfit(rows, law, kind)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 from typing import Any
 
 import numpy as np
@@ -39,10 +39,10 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     """Solve as asked, by Rosenbrock steps, Taylor series of laws with an inner state, or (no tableau) Taylor steps."""
     check_period(todo.model, todo.machine)
     kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
-    method, job = _method(tableau), _job(todo, rtol)
+    method = _method(tableau)
     if todo.keep == "summary":
-        return gather(todo, method, _parts(todo, kernel, job))
-    job = replace(job, budget=min(job.budget, KEPT // lanes.bytes_of_piece(kernel)))
+        return gather(todo, method, _parts(todo, kernel, _job(todo, rtol)))
+    job = _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel))
     table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
     results = lanes.run(
         kernel, table.rows, table.start, job, lambda done: todo.progress(done, todo.periods), keep_pieces=True, partial=todo.partial
@@ -96,9 +96,9 @@ def _method(tableau: Tableau | Series | None) -> str:
     return "exact" if tableau is None else tableau.name
 
 
-def _job(todo: Request, rtol: float) -> lanes.Job:
-    """The task for every case."""
-    budget = budget_of(todo.model, todo.periods, todo.machine)
+def _job(todo: Request, rtol: float, most: float = math.inf) -> lanes.Job:
+    """The task for every case, which may take so many steps at most."""
+    budget = min(most, budget_of(todo.model, todo.periods, todo.machine))
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 

@@ -9,12 +9,17 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.errors import InputError
+from stickslip.engine.kinds import edition_of
+from stickslip.engine.remembered import OfFrozen
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.mechanics import Mechanics
 
 _INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
 _SAME = 1e-9  # of the largest value
 _WHOLE = 1e-9  # of a number of samples
+
+#: Of frozen models the editions of their functions with which they come back; an empty set for another model each time.
+_recurring: OfFrozen[set[int | None]] = OfFrozen(lambda model: set())
 
 
 def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
@@ -27,6 +32,13 @@ def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
     """
     if model.period is None:
         return
+    edition, known = edition_of(model), _recurring(model)
+    if edition is None or edition not in known:
+        _check(model, machine)
+        known.add(edition)
+
+
+def _check(model: Any, machine: MachineAdapter | None) -> None:
     mechanics = (machine or machine_of(model)).mechanics
     _check_samples(model, mechanics)
     try:
