@@ -99,7 +99,7 @@ def test_the_energy_of_every_preset_is_balanced_to_rounding_with_a_loss_for_each
     model, length, links = MACHINES[name]
     run = ss.solve(model, **length)
     balance = ss.energy(run)
-    assert run.method == "exact" and balance.worst < 1e-11
+    assert run.method == "exact" and balance.worst < 1e-11 and abs(balance.residual).max() < 1e-6
     assert set(balance.friction_of) == set(run.contacts) and set(balance.damping_of) == links
     assert sum(balance.friction_of.values()) == pytest.approx(balance.friction, rel=1e-14) and (balance.friction > 0).any()
     assert sum(balance.damping_of.values(), 0.0 * balance.damping) == pytest.approx(balance.damping, rel=1e-14)
@@ -151,7 +151,6 @@ RIGHT = {
         f"{law} at {amplitude} m on {tilt} degrees": (ss.presets.piezo_rig(tilt_deg=tilt, amplitude=amplitude, law=law), {"periods": 30})
         for law in ("lugre", "coulomb-static") for amplitude in (1e-6, 2e-5, 6e-4) for tilt in (0.0, 1.7)
     },
-    **{name: (model, length) for name, (model, length, _) in MACHINES.items()},
     "no friction": (ss.Robot(1.0, 0.5, _DRIVEN, ss.Coulomb(0.0, 0.0)), {"periods": 60}),
     "nearly no friction": (ss.Robot(1.0, 0.5, _DRIVEN, ss.Coulomb(1e-9, 2e-9)), {"periods": 60}),
     "coasting without friction": (ss.Robot(1.0, 0.5, _UNDRIVEN, ss.Coulomb(0.0, 0.0)), {"periods": 60, "start": {"v": 1.0}}),

@@ -15,6 +15,7 @@ import pytest
 from tests import interrupted_calls
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics import interruption
 from stickslip.basics.interruption import PROGRESS, held_together, interruptible, look, partial_result, stop_call
 
@@ -193,7 +194,7 @@ def test_an_interrupted_run_says_when_and_is_the_beginning_of_the_whole_run(law)
     assert np.array_equal(part.strobe_v[:60], whole.strobe_v[:60])
 
 
-@pytest.mark.parametrize("analysis", [ss.mean_velocity, ss.motion, ss.energy, ss.strobe, ss.step_per_cycle])
+@each_row("analysis", [ss.mean_velocity, ss.motion, ss.energy, ss.strobe, ss.step_per_cycle])
 def test_an_analysis_refuses_a_run_that_was_interrupted_and_takes_it_shortened(analysis):
     part = part_of_a_run(law="coulomb")
     with pytest.raises(ss.InputError, match=r"the run was interrupted at t = .* type run\.shortened\(\)"):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis import closed_form
 from stickslip.analysis.coulomb_borders import border_functions
 from stickslip.solvers import set_valued as exact
@@ -172,7 +173,7 @@ def test_refining_says_what_it_cannot_do(tmp_path):
     assert (marked.status.values[1] == 5).any()
 
 
-@pytest.mark.parametrize("more", [{"mu0": [0.18, 0.2]}, {"law": ["coulomb", "lugre"]}, {"continue_along": "amplitude"}])
+@each_row("more", [{"mu0": [0.18, 0.2]}, {"law": ["coulomb", "lugre"]}, {"continue_along": "amplitude"}])
 def test_a_map_that_is_no_plane_is_refused_before_the_work(tmp_path, more):
     axes = dict(amplitude=[1e-4, 2e-4], omega=[100.0, 200.0], tilt_deg=1.7, **more)
     with pytest.raises(ss.InputError, match="exactly two, of numbers"):

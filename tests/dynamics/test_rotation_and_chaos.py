@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 
 
 def iterates(f, x, count, skip=500):
@@ -27,7 +28,7 @@ def henon(a):
     return iterates(lambda p: (1 - a * p[0] ** 2 + p[1], 0.3 * p[0]), (0.1, 0.1), 1000)[:, 0]
 
 
-@pytest.mark.parametrize("r", [2.8, 3.2, 3.5, 3.55, 3.83])
+@each_row("r", [2.8, 3.2, 3.5, 3.55, 3.83])
 def test_periods_of_the_logistic_map_are_regular(r):
     """Rest, periods 2, 4 and 8, and the window of period 3."""
     assert ss.zero_one_test(logistic(r)).kind == "regular"

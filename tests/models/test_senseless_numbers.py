@@ -53,14 +53,14 @@ def test_a_gravity_beyond_sense_is_refused(made, gravity):
         made(gravity)
 
 
-@pytest.mark.parametrize("gravity", [-9.81, 1e-12, 1e7, 1e300])
+@each_row("gravity", [-9.81, 1e-12, 1e7, 1e300])
 def test_a_gravity_of_a_machine_of_ones_own_is_refused_where_loads_follow_from_it(gravity):
     with pytest.raises(ss.InputError, match=r"gravity = .*; allowed is zero, or an acceleration from 1e-6 to 1e6 m/s\^2.*gravity=9\.81"):
         Sledge(gravity).mechanics  # noqa: B018
     assert Sledge(gravity, load=3.0).mechanics.coordinates == 1
 
 
-@pytest.mark.parametrize(("gravity", "times"), [(9810.0, "1e+03"), (981.0, "1e+02"), (1e-5, "1e-06")])
+@each_row(("gravity", "times"), [(9810.0, "1e+03"), (981.0, "1e+02"), (1e-5, "1e-06")])
 def test_a_rare_gravity_is_remarked_on(gravity, times):
     (note,) = [note for note in RIG.replace(gravity=gravity).notes if "gravity" in note]
     assert note == f"gravity = {gravity:g} m/s^2 is {times} times that of the Earth; if that is not meant, type gravity=9.81"

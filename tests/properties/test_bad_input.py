@@ -80,12 +80,12 @@ def test_what_is_a_number_stays_one():
     assert number([1, 2.5]).tolist() == [1.0, 2.5] and number(range(3)).tolist() == [0.0, 1.0, 2.0]
 
 
-@pytest.mark.parametrize("make", [lambda x: ss.Harmonic(x, 200.0), lambda x: ss.Harmonic(1e-3, frequency=x), lambda x: rig(amplitude=[x])])
+@each_row("make", [lambda x: ss.Harmonic(x, 200.0), lambda x: ss.Harmonic(1e-3, frequency=x), lambda x: rig(amplitude=[x])])
 def test_an_integer_beyond_all_numbers_is_told_as_such(make):
     says(lambda: make(10**400), "an integer is too large for a number", "allowed is", "type ")
 
 
-@pytest.mark.parametrize("law", ["lugre", "coulomb", "coulomb-static"])
+@each_row("law", ["lugre", "coulomb", "coulomb-static"])
 def test_arrays_of_a_rig_that_do_not_fit_together_are_told_by_name(law):
     says(lambda: rig(tilt_deg=[1.0, 1.7], mu0=[0.1, 0.2, 0.3], law=law), "piezo_rig: ", "tilt_deg has shape (2,)", "mu0 has shape (3,)")
     assert rig(mu0=[0.1, 0.2, 0.3], f0=[0.3, 0.4], law="coulomb").shape == (3,)  # which has no use for f0

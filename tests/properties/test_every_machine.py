@@ -78,7 +78,7 @@ def test_a_list_where_parts_are_meant_says_to_write_a_tuple():
         ss.Chain(pair.modules, [pair.link])
 
 
-@pytest.mark.parametrize(
+@each_row(
     "chain",
     [
         ss.Chain.example(),
@@ -92,7 +92,7 @@ def test_chains_come_back_from_their_files(chain):
     assert chain.to_toml().startswith('[mechanism]\nkind = "chain"')
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("old", "new", "said"),
     [
         ('kind = "spring"', 'kind = "springy"', "mechanism.link.kind = 'springy'; did you mean 'spring'"),

@@ -11,6 +11,7 @@ import pytest
 
 import kinds
 import stickslip as ss
+from rows import each_row
 from stickslip.solvers import METHODS, solve
 
 P1 = {"tilt_deg": 1.7, "amplitude": 5.525e-4}
@@ -244,7 +245,7 @@ def test_judges_start_where_they_are_told():
         assert run.strobe_x[-1] - 0.1 == pytest.approx(exact.strobe_x[-1] - 0.1, rel=tolerance)
 
 
-@pytest.mark.parametrize(("steps", "shown"), [(0, "0"), (2.5, "2.5"), ("many", "'many'")])
+@each_row(("steps", "shown"), [(0, "0"), (2.5, "2.5"), ("many", "'many'")])
 def test_steps_must_be_a_whole_number(steps, shown):
     with pytest.raises(ss.InputError, match=rf"steps = {shown}; allowed is a whole number"):
         solve(ss.presets.piezo_rig(**P1), method="rk4", steps=steps)

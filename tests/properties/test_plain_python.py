@@ -339,7 +339,7 @@ def test_functions_of_a_flow_that_are_no_functions_are_refused(name):
         ss.solve(FLOWS[name], duration=1.0, start=[1.0, 0.0])
 
 
-@pytest.mark.parametrize("name", list(FLOWS)[:4])
+@each_row("name", list(FLOWS)[:4])
 def test_the_judge_of_flows_refuses_noise_too(name):
     with pytest.raises(ss.InputError, match="for the same arguments later"):
         ss.passage(FLOWS[name], [1.0, 0.0], 0, 1.0, method="dop853")

@@ -317,7 +317,7 @@ def test_the_cylinder_files_have_no_headings(which):
 
 
 @needs_data
-@pytest.mark.parametrize(
+@each_row(
     ("name", "channel", "unit", "count", "rate"),
     [("pyuff_Sample_UFF58b_bin.uff", "Mic 01", "Pa", 79292, 65536), ("pyuff_binary8byte.uff", "sine 5 Hz", "g", 250, 100),
      ("pyuff_hbm_time-history-not-all-columns-filled.uff", "1x", "m/s²", 13, 20000)],

@@ -86,7 +86,7 @@ def test_all_cells_of_quoted_tables_are_read_as_those_of_bare_ones(tmp_path):
         assert ss.read(tmp_path / name)["v"].values.tolist() == [i % 7 + 0.25 for i in range(300)]
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@each_row("end", ["\n", "\r\n", "\r"])
 def test_lines_are_those_of_a_list(end):
     text = end.join(["t,v", "", "1,2µ", "3"])
     lines = Lines.of_text(text)

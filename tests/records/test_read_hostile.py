@@ -77,7 +77,7 @@ def test_numbers_that_lie_elsewhere_are_not_followed(tmp_path, lay, group):
     assert "not followed" in said and "export the record" in said
 
 
-@pytest.mark.parametrize("lay", ELSEWHERE)
+@each_row("lay", ELSEWHERE)
 def test_a_run_whose_numbers_lie_elsewhere_is_not_loaded(tmp_path, lay):
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
     arcs = HarmonicArcs(
@@ -90,7 +90,7 @@ def test_a_run_whose_numbers_lie_elsewhere_is_not_loaded(tmp_path, lay):
     assert "not followed" in refused(path, ss.load)
 
 
-@pytest.mark.parametrize("lay", ELSEWHERE)
+@each_row("lay", ELSEWHERE)
 def test_a_grid_and_a_tile_whose_numbers_lie_elsewhere_are_not_opened(tmp_path, lay):
     path = tmp_path / "grid.nc"
     with h5py.File(path, "w") as file:
@@ -386,7 +386,7 @@ def test_a_chunk_that_is_not_what_it_declares_is_damage(tmp_path, packing, chunk
     assert "damaged" in refused(tmp_path / "a.h5")
 
 
-@pytest.mark.parametrize("size", [0, 8, 2**63])
+@each_row("size", [0, 8, 2**63])
 def test_texts_in_a_heap_without_end_are_damage(tmp_path, size):
     """The library goes round in it for ever; a process of its own would not come back."""
     with h5py.File(tmp_path / "a.h5", "w") as file:

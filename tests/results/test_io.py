@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from runs import coulomb_run, unit_robot
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.trajectory import Trajectory
@@ -85,7 +86,7 @@ def test_a_drive_of_ones_own_cannot_be_kept(run, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("attribute", "value", "message"),
     [
         ("stickslip_format", 99, "format 99, this stickslip reads up to 2"),

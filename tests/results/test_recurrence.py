@@ -85,7 +85,7 @@ def test_rotations_and_chaos_do_not_repeat():
         assert period == 0 and np.isnan(approached)
 
 
-@pytest.mark.parametrize("ratio", [0.99, 0.97, 0.9, -0.98, -0.9])
+@each_row("ratio", [0.99, 0.97, 0.9, -0.98, -0.9])
 def test_what_a_motion_approaches_is_extrapolated(ratio):
     """x grows by 1 + c in a period, c falling by a ratio: it approaches 1, known from points at which c is still up to 0.1."""
     points = points_of(lambda x: ratio * x, 0.1, 60)
@@ -141,7 +141,7 @@ def test_period_one_beside_its_flip_along_the_friction():
     assert repetition(robot, state).period in (None, 1)
 
 
-@pytest.mark.parametrize("count", [20, 40, 47, 100])
+@each_row("count", [20, 40, 47, 100])
 def test_chaos_approaches_nothing(count):
     """Of the logistic map and of random numbers: of the largest of p distances 24 % fell or grew by chance five times in a row."""
     rng, found = np.random.default_rng(3), []

@@ -9,6 +9,7 @@ import pytest
 
 import kinds
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis import checking
 from stickslip.analysis.checking import check
 
@@ -152,9 +153,7 @@ def test_what_has_no_period_is_judged_over_a_duration():
     assert "hold for a run of this length only" in told.verdict and "largest energy exchanged in the run" in str(told)
 
 
-@pytest.mark.parametrize(
-    ("steps", "typed"), [(2000, "(2000,)"), (None, "(2000, 10000)"), ((2000, 2.5), "(2000, 10000)"), ("many", "(2000, 10000)")]
-)
+@each_row(("steps", "typed"), [(2000, "(2000,)"), (None, "(2000, 10000)"), ((2000, 2.5), "(2000, 10000)"), ("many", "(2000, 10000)")])
 def test_steps_that_are_none_are_told_at_the_door_with_the_rest(steps, typed):
     with pytest.raises(ss.InputError) as told:
         check(3, rk4_steps=steps)

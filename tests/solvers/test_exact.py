@@ -9,6 +9,7 @@ from hypothesis import given, settings, strategies as st
 from stickslip.maths import where
 
 import stickslip as ss
+from rows import each_row
 from stickslip.results.segments import type_of
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import handles, reduced
@@ -331,7 +332,7 @@ def test_a_users_own_law_is_asked_and_not_assumed():
     assert handles(with_law(Rubber(grip=0.15))) is None
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("robot", "said"),
     [
         (with_law(Rubber(grip=0.15, slope=0.01)), "depends on the speed"),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import Motion
@@ -33,7 +34,7 @@ def sines(law, noise=0.02):
     return ss.Record.of(t, {"x [m]": x, "F [N]": F})
 
 
-@pytest.mark.parametrize("kind", LIMITED)
+@each_row("kind", LIMITED)
 def test_every_place_of_a_multistart_is_possible_and_has_its_coordinates_back(kind):
     make, free, known, count = LIMITED[kind]
     of = parameters(make, free, None, known, count)
@@ -46,7 +47,7 @@ def test_every_place_of_a_multistart_is_possible_and_has_its_coordinates_back(ki
     assert all(held.models(place) is not None for place in starting_places(held, 8, 0))
 
 
-@pytest.mark.parametrize("kind", LIMITED)
+@each_row("kind", LIMITED)
 def test_derivatives_of_the_place_by_the_coordinates_are_those_of_differences(kind):
     make, free, known, count = LIMITED[kind]
     limits, h = parameters(make, free, None, known, count).limits, 1e-6

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 from stickslip.basics.information import Information
 from stickslip.inverse.identification.bootstrapping import bootstrap
 from stickslip.records.channel import Channel
@@ -35,7 +36,7 @@ def fit(rig, record):
 # the information --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(10))
+@each_row("seed", range(10))
 def test_a_singular_direction_has_infinite_variance_and_the_others_their_own(seed):
     """Columns 0, 1 and 2 move along two combinations only, column 3 is nothing; column 4 is as if the three were two."""
     rng = np.random.default_rng(seed)

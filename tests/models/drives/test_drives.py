@@ -180,7 +180,7 @@ def test_time_within_a_period_is_the_symbol_itself_and_a_whole_period_is_its_sta
 # several of them --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     "make",
     [
         lambda x: ss.TwoPhase(stroke=0.01 * x, u1=0.1, u2=0.3),
@@ -546,7 +546,7 @@ WAYS = [  # a drive as a file may give it, and the same in Python
 ]
 
 
-@pytest.mark.parametrize(("text", "drive"), WAYS)
+@each_row(("text", "drive"), WAYS)
 def test_a_file_takes_what_the_constructor_takes(text, drive):
     assert ss.Robot.from_toml(f"{BODY}[robot.drive]\n{text}\n").drive == drive
     around = f"{BODY}[robot.drive]\nkind = 'reversed'\n[robot.drive.drive]\n{text}\n"

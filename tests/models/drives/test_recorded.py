@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rows import each_row
 
 PERIOD = 0.02
 OMEGA = 2 * np.pi / PERIOD
@@ -51,7 +52,7 @@ def test_the_way_back_is_that_to_the_first_sample():
         taken(even(100, 100), ramp(3.5))
 
 
-@pytest.mark.parametrize(("more", "compared"), [(2, False), (3, True), (5, True)])
+@each_row(("more", "compared"), [(2, False), (3, True), (5, True)])
 def test_three_samples_of_a_second_period_are_compared_with_the_first(more, compared):
     """They are 0.3 off, 0.42 of the r.m.s. of a cosine; two are not enough to say so."""
     t = even(100 + more)
@@ -63,7 +64,7 @@ def test_three_samples_of_a_second_period_are_compared_with_the_first(more, comp
         assert taken(t, velocity).order >= 1
 
 
-@pytest.mark.parametrize("count", [200, 201, 202])
+@each_row("count", [200, 201, 202])
 def test_a_second_period_that_is_higher_is_seen_with_and_without_its_end(count):
     """With the sample at its end it is that one alone that lies two periods after the first."""
     t = even(count)
@@ -95,7 +96,7 @@ def test_a_period_may_be_half_a_step_longer_than_the_record(part, good):
             taken(t, np.cos(OMEGA * t))
 
 
-@pytest.mark.parametrize(("per_period", "most"), [(3, 1), (5, 2), (9, 4), (10, 4), (11, 5)])
+@each_row(("per_period", "most"), [(3, 1), (5, 2), (9, 4), (10, 4), (11, 5)])
 def test_samples_in_a_period_bear_half_as_many_harmonics(per_period, most):
     t = even(6 * per_period, per_period)
     assert taken(t, np.cos(OMEGA * t)).order == 1

@@ -345,7 +345,7 @@ def test_numbers_of_a_bristle_are_drawn_by_the_published_generator():
     assert _draw(0, first, first) == (first >> 11) * 2.0**-53
 
 
-@pytest.mark.parametrize("missing", ["w1", "w2", "w3"])
+@each_row("missing", ["w1", "w2", "w3"])
 def test_the_acceleration_that_is_missing_is_named(missing):
     given = {name: 10.0 for name in ("w1", "w2", "w3") if name != missing}
     with pytest.raises(ss.InputError) as caught:
@@ -359,7 +359,7 @@ def test_ten_thousand_modes_are_as_many_as_are_asked_for():
         cantilever_eigenvalues(1.0, 10_001)
 
 
-@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+@each_row("size", [1e-4, 1.0, 1e4])
 def test_numbers_given_for_one_thing_agree_to_nine_digits_of_any_size(size):
     assert agree(size, size * (1 + 5e-10)) and not agree(size, size * (1 + 2e-9))
 

@@ -252,9 +252,7 @@ def test_a_sum_says_of_inner_states_what_the_law_alone_says(law):
     assert driven_force(BENT_LAW, at_rest_all_the_time).ravel().tolist() == pytest.approx([held, held], rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("begun", "told"), [(math.nan, "finite numbers"), ((0.0, 1.0), "start gives 2 values"), ("bent", "cannot be computed")]
-)
+@each_row(("begun", "told"), [(math.nan, "finite numbers"), ((0.0, 1.0), "start gives 2 values"), ("bent", "cannot be computed")])
 def test_a_start_that_is_none_is_told(begun, told):
     class Wrong(ss.LuGre):
         def start(self, load):
@@ -785,7 +783,7 @@ def test_bad_input_is_told_what_to_type(make, said):
     assert raised.value.problems == (said,)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("limits", "said"),
     [
         (lambda load: 0.3 * load, "gives 0.3; allowed are two forces"),

@@ -62,7 +62,7 @@ def test_lanes_under_a_law_with_inner_states_go_as_single_runs_do():
     assert ss.mean_velocity(many)[1] == pytest.approx(ss.mean_velocity(one), rel=1e-5)
 
 
-@every_track
+@each_row("track", TRACKS.values(), ids=TRACKS)
 def test_the_mirror_image_of_a_track_is_that_of_its_friction(track):
     turned = track.mirrored()
     assert turned.mirrored() == track

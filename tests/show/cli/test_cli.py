@@ -207,7 +207,7 @@ def test_sweep_says_which_cases_found_no_period(capsys):
     assert call(capsys, "sweep", *ROBOT)[1].splitlines()[-1] == "piezo_rig: 1 case: 1 settled"
 
 
-@pytest.mark.parametrize(("command", "word"), [("presets", "piezo_rig"), ("laws", "lugre"), ("drives", "harmonic")])
+@each_row(("command", "word"), [("presets", "piezo_rig"), ("laws", "lugre"), ("drives", "harmonic")])
 def test_lists(command, word, capsys):
     assert f"  {word} " in call(capsys, command)[1] or f"{word}:" in call(capsys, command)[1]
     assert f"{word}:" in call(capsys, command, word)[1]
@@ -367,7 +367,7 @@ def test_all_that_is_wrong_is_told_at_once(capsys):
     assert "5 problems" in err  # two missing, two unknown, one without a value
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("words", "told", "not_told"),
     [
         (["run", "piezo_rig", "amplitude=abc"], ["2 problems", "tilt_deg is missing", "'abc' is not a number"], "amplitude is missing"),
@@ -386,7 +386,7 @@ def test_a_failed_run_is_exit_code_one(capsys):
     assert code == 1 and out == "" and "not a number" in err and "Traceback" not in err
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "told"),
     [
         ("[robot", "not readable as TOML"),

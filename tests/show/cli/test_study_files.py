@@ -137,7 +137,7 @@ MISTAKES = {  # the user's code, the function that is asked for, and what is sai
 }
 
 
-@pytest.mark.parametrize("kind", MISTAKES)
+@each_row("kind", MISTAKES)
 def test_a_mistake_in_the_users_own_code_is_told_with_its_file_and_line(kind, call, tmp_path):
     text, function, said = MISTAKES[kind]
     file = tmp_path / f"own_code_{kind}.py"

@@ -344,7 +344,7 @@ def test_the_study_file_gives_the_same_robot(drive):
     assert tomllib.loads(text)["solve"] == {"periods": 200, "rtol": 1e-4}
 
 
-@pytest.mark.parametrize("name", EXPORTS)
+@each_row("name", EXPORTS)
 def test_every_export_is_served_as_what_it_is(explorer, name):
     begins = {"figure.png": b"\x89PNG", "figure.svg": b"<?xml", "run.csv": b"t [s],x [m],v [m/s]", "study.toml": b"[robot]",
               "robot.py": b"import stickslip as ss", "report.html": b"<!doctype html>"}  # fmt: skip
@@ -404,7 +404,7 @@ def rows(head, *columns):
     return (head + "\n" + "".join(",".join(f"{x:.10g}" for x in row) + "\n" for row in zip(TIMES, *columns, strict=True))).encode()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("data", "notes"),
     [(rows("t [s],drive [m/s]", DRIVE), 0), (rows("t [s],absolute velocity [m/s],v [m/s]", DRIVE + 0.5, 0 * DRIVE + 0.5), 0),
      (rows("t [s],v [m/s]", DRIVE), 1), (rows("t [s],drive [m/s]", DRIVE + 0.05), 1)],
@@ -528,7 +528,7 @@ def test_another_host_is_refused(explorer, host):
     assert explorer.ask(Host=host)[0] == 403
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "[::1]"])
+@each_row("host", ["127.0.0.1", "localhost", "[::1]"])
 def test_this_machine_is_known_by_its_names(explorer, host):
     assert explorer.ask(Host=f"{host}:{explorer.port}")[0] == 200
 
@@ -607,7 +607,7 @@ def test_a_port_that_is_taken_is_said_with_what_to_type(explorer, capsys):
     assert "type --port 0" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("port", ["x", "-1", "70000", "8.5"])
+@each_row("port", ["x", "-1", "70000", "8.5"])
 def test_a_port_is_a_whole_number(port, capsys):
     from stickslip.show.cli import main
 
