@@ -1,7 +1,8 @@
 """One page for each public object, made from the list in ``api.md``, whose own page becomes tables with a line for each.
 
-``api.md`` stays the only list: a block of ``auto…`` directives with their options. Before the build each directive moves to a page of
-its own in ``docs/api/`` (never committed). Files are in folders by kind, as `ss.Motion` and `ss.motion` would be one file on some systems.
+``api.md`` has blocks of ``auto…`` directives with their options; a public name that it does not list comes at the end of the section of
+its package. Before the build each directive moves to a page of its own in ``docs/api/`` (never committed). Files are in
+folders by kind, as `ss.Motion` and `ss.motion` would be one file on some systems.
 Classes show the signature of ``__init__``: ``__new__``, which checks arguments, takes anything.
 """
 
@@ -18,6 +19,12 @@ from typing import Any
 from sphinx.application import Sphinx
 
 AFTER_NAPOLEON = 600
+#: Package -> the section of ``api.md`` for its public names that are not listed.
+_SECTIONS = {
+    "basics": "Describe", "models": "Describe", "results": "Solve", "records": "Records and identification", "engine": "Solve",
+    "solvers": "Solve", "analysis": "Analyse", "studies": "Solve many", "dynamics": "Dynamics", "inverse": "Records and identification",
+    "show": "Show",
+}  # fmt: skip
 _BLOCK = re.compile(r"^```\{eval-rst\}\n(.*?)^```$", re.M | re.S)
 _FOLDERS = {"autoclass": "classes", "autoexception": "classes", "autofunction": "functions", "automodule": "modules", "py:data": "data"}
 _ROLES = {"autoclass": "class", "autoexception": "exc", "autofunction": "func", "automodule": "mod", "py:data": "data"}
@@ -84,10 +91,32 @@ def table(block: str) -> str:
     return "\n".join(["```{eval-rst}", head, *rows, "", ".. toctree::", "   :hidden:", "", *pages, "```"])
 
 
+def completed(text: str) -> str:
+    """The list, with every public name."""
+    import stickslip
+
+    listed = {e.name for block in _BLOCK.findall(text) for e in entries(block)}
+    for name in stickslip.__all__:
+        value = getattr(stickslip, name)
+        if name.startswith("__") or inspect.ismodule(value) or {name, f"stickslip.{name}"} & listed:
+            continue
+        directive = f".. autoclass:: stickslip.{name}\n   :members:" if inspect.isclass(value) else f".. autofunction:: stickslip.{name}"
+        text = _added(text, _SECTIONS[value.__module__.split(".")[1]], directive)
+    return text
+
+
+def _added(text: str, section: str, directive: str) -> str:
+    """The list with a directive at the end of the blocks of a section."""
+    begin = text.index(f"\n## {section}\n")
+    end = text.find("\n## ", begin + 1)
+    last = text.rindex("\n```", begin, end if end >= 0 else len(text))
+    return f"{text[:last]}\n\n{directive}{text[last:]}"
+
+
 def write_pages(app: Sphinx) -> None:
     """Write all pages anew; what has not changed keeps its time, so that it is not read again."""
     folder = Path(app.srcdir)
-    listed = [e for block in _BLOCK.findall((folder / "api.md").read_text(encoding="utf-8")) for e in entries(block)]
+    listed = [e for block in _BLOCK.findall(completed((folder / "api.md").read_text(encoding="utf-8"))) for e in entries(block)]
     wanted = {folder / f"{entry.page}.rst": entry.written() for entry in listed}
     for file in (folder / "api").rglob("*.rst"):
         if file not in wanted:
@@ -101,7 +130,7 @@ def write_pages(app: Sphinx) -> None:
 def list_them(app: Sphinx, page: str, content: list[str]) -> None:
     """Tables instead of directives."""
     if page == "api":
-        content[0] = _BLOCK.sub(lambda block: table(block[1]), content[0])
+        content[0] = _BLOCK.sub(lambda block: table(block[1]), completed(content[0]))
 
 
 def signature(app: Sphinx, what: str, name: str, value: Any, options: Any, args: str, returns: str) -> tuple[str, str] | None:

@@ -1,32 +1,18 @@
-"""Figures of runs, records, benches, maps and continuations, drawn from results that were computed before."""
+"""Figures of runs, records, benches, maps and continuations, drawn from results that were computed before.
 
-from stickslip.show.figures.atlas import atlas
-from stickslip.show.figures.attractors import attractors
-from stickslip.show.figures.bench import bench
-from stickslip.show.figures.chaos_maps import chaos_map
-from stickslip.show.figures.checks_and_designs import check, design, ranking
-from stickslip.show.figures.contacts import contacts, pattern
-from stickslip.show.figures.continuation import continuation
-from stickslip.show.figures.dynamics import basins, bifurcation, convergence, spectrum
-from stickslip.show.figures.edge_states import edge_state
-from stickslip.show.figures.energy import energy
-from stickslip.show.figures.flow_runs import states
-from stickslip.show.figures.line_cuts import line_cut
-from stickslip.show.figures.maps import motion_map, velocity_map
-from stickslip.show.figures.optima import front, optimum
-from stickslip.show.figures.records import autocorrelation, comparison, fitted, record_spectrum, residuals
-from stickslip.show.figures.runs import forces, phase, velocity
-from stickslip.show.figures.sensitivity import indices, sensitivity
-from stickslip.show.figures.special_curves import special_curve
-from stickslip.show.figures.style import publication
-from stickslip.show.figures.tornado import tornado
+A figure is a function under `@drawing` in any module of this folder: that makes it a name of `stickslip.plot`, and of the results that
+are drawn by it. `__init__.pyi` lists the figures for editors.
+"""
 
-__all__ = [
-    "atlas", "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "check", "comparison", "contacts",
-    "continuation", "convergence", "design", "edge_state", "energy", "fitted", "forces", "front", "indices", "line_cut", "motion_map",
-    "optimum", "pattern", "phase", "publication", "ranking", "record_spectrum", "residuals", "sensitivity", "special_curve",
-    "spectrum", "states", "tornado", "velocity", "velocity_map",
-]  # fmt: skip
+import importlib
+import pkgutil
+
+from stickslip.show.figures.style import FIGURES, publication
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
+globals().update(FIGURES)  # some modules have the name of their figure
+__all__ = sorted([*FIGURES, publication.__name__])
 
 
 def __dir__() -> list[str]:

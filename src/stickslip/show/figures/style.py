@@ -25,6 +25,8 @@ UNSETTLED, UNSETTLED_MARK = "#8A8A8A", "x"
 #: Width of a journal column [inch].
 WIDTH = 3.5
 
+#: The figures by their names: functions under `drawing`.
+FIGURES: dict[str, Callable[..., Any]] = {}
 _SETTINGS = Path(__file__).with_name("publication.mplstyle")
 
 
@@ -53,8 +55,9 @@ def publication() -> Iterator[None]:
 
 
 def drawing(function: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a drawing function: it uses the style of this package, and its errors name arguments of a wrong kind."""
-    return publication()(explains_arguments(function))
+    """Make a function a figure: it uses the style of this package, and its errors name arguments of a wrong kind."""
+    FIGURES[function.__name__] = drawn = publication()(explains_arguments(function))
+    return drawn
 
 
 def axes(ax: Any = None, height: float = 2.1) -> Any:
