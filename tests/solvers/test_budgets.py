@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -155,6 +156,19 @@ def test_a_case_that_chatters_is_a_status_and_the_others_are_right():
     assert found.displacement[4] == alone.displacement
 
 
+@pytest.mark.parametrize("method", ["auto", "dop853"])
+def test_a_batch_says_at_which_instant_contact_and_slip_a_case_ended(method):
+    gains = np.array([0.0, 2.0, 3.0])
+    found = ss.solve(Relay(gains), duration=2.0, start={"x": {"cart": 0.3}, "v": {"cart": 0.1}}, method=method)
+    assert list(found.failures) == [(1,), (2,)] and "2 of 3 cases, the first of them case 1: the run stopped at t" in found.notes[0]
+    for (case,), sentence in found.failures.items():
+        # it goes on against gain + friction for 0.1/a, and back with gain - friction until x + v = 0
+        slower, faster = gains[case] - 0.01, gains[case] + 0.01
+        back = np.sqrt(1.0 + 2.0 * (0.3 + 0.005 / faster) / slower) - 1.0
+        t, slip = (float(re.search(pattern, sentence)[1]) for pattern in (r"at t = (\S+) s", r"slip velocity .*?is (\S+) m/s"))
+        assert [t, slip] == pytest.approx([0.1 / faster + back, -slower * back], rel=1e-8) and "contact 'cart'" in sentence
+
+
 def test_statuses_and_results_do_not_depend_on_how_often_a_kernel_returns(monkeypatch):
     from stickslip.engine import lanes
 
@@ -179,9 +193,10 @@ def test_the_judge_has_a_budget_of_steps_too(monkeypatch):
     monkeypatch.setattr(marching, "_LEAST", 20)
     monkeypatch.setattr(marching, "_STEPS", 1)
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
-    with pytest.raises(ss.SolveError, match=r"at t = .* contact .* slip velocity is .*step budget used up"):
+    with pytest.raises(ss.SolveError, match=r"at t = .* contact .* slip velocity is .*step budget used up.*radau"):
         ss.solve(robot, periods=20, method="dop853")
-    assert ss.solve(robot, periods=20, method="dop853", keep="summary").status == Status.BUDGET
+    found = ss.solve(robot, periods=20, method="dop853", keep="summary")
+    assert found.status == Status.BUDGET and found.notes == [found.failures[()]]
 
 
 def test_the_contact_that_switches_most_is_named():

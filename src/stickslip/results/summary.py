@@ -78,6 +78,8 @@ class Summary:
         hits, impulse_max [N s] and stop_force_max [N] (stops).
     provenance : dict
         Versions and settings that make the batch again.
+    failures : dict
+        Of the first cases that ended before their time, by index, a sentence with the instant, the contact, its slip velocity and why.
 
     Examples
     --------
@@ -91,6 +93,7 @@ class Summary:
     labels: Any
     columns: Mapping[str, Any]
     provenance: dict[str, Any] = field(default_factory=dict)
+    failures: dict[tuple[int, ...], str] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> Any:
         columns = self.__dict__.get("columns", {})
@@ -133,7 +136,18 @@ class Summary:
         of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in counts.items()]
         left = int(np.sum(np.asarray(self.columns.get("status", 0)) == Status.NOT_COMPUTED))
         early = [f"interrupted: {left} of {np.size(self.columns['status'])} cases are not computed"] if left else []
-        return early + unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", [])) + of_parts
+        unsettled = unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", []))
+        return early + self._first_failures + unsettled + of_parts
+
+    @property
+    def _first_failures(self) -> list[str]:
+        """Of each status with which cases ended before their time, the first case."""
+        status, firsts = np.asarray(self.columns.get("status", 0)), dict[int, str]()
+        for at, sentence in self.failures.items():
+            count, case = int(np.sum(status == status[at])), at[0] if len(at) == 1 else at
+            which = f"{count} of {status.size} cases, the first of them case {case}: " if at else ""
+            firsts.setdefault(int(status[at]), f"{which}{sentence}")
+        return list(firsts.values())
 
     def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""

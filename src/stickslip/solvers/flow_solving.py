@@ -20,6 +20,7 @@ from stickslip.results.flow_run import FlowRun, extremes, polynomials
 from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
+from stickslip.solvers.stopped import FAILURES
 
 Array = Any
 _LONGEST = 32  # periods after which a motion may repeat
@@ -238,21 +239,28 @@ def untraced(why: str) -> str:
 
 def _summary(asked: Asked, progress: Any) -> Summary:
     rows: list[dict[str, Any]] = []
+    failures: dict[tuple[int, ...], str] = {}
     with partial_result() as ending:
         for k, flow in enumerate(cases_of(asked.flow)):
             look()
-            rows.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
+            why: list[str] = []
+            rows.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k]), why))
+            if why and len(failures) < FAILURES:
+                failures[tuple(map(int, np.unravel_index(k, asked.labels.shape)))] = why[0]
             progress(k + 1, len(asked.states))
     ending.needs(rows)
     lacking = dict.fromkeys(rows[0], np.nan) | {n: -1 for n in ("end_mode", "switches") if n in rows[0]}
     rows += [lacking | {"status": Status.NOT_COMPUTED} for _ in range(len(asked.states) - len(rows))]
     columns = {name: np.array([row[name] for row in rows]).reshape(asked.labels.shape) for name in rows[0]}
     settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}
-    return Summary(asked.flow, asked.labels, columns, {"settings": settings})
+    return Summary(asked.flow, asked.labels, columns, {"settings": settings}, failures)
 
 
-def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> dict[str, Any]:
-    """The numbers of one case: mean, smallest and largest value of each state after settling, the switches there, and where it ends."""
+def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float, why: list[str] | None = None) -> dict[str, Any]:
+    """The numbers of one case: mean, smallest and largest value of each state after settling, the switches there, and where it ends.
+
+    The message of a case that could not be followed is added to `why`.
+    """
     names = flow.names(len(y))
     try:
         begin = 0.0
@@ -261,6 +269,8 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> d
             y, mode, begin = before.state, before.mode, settled
         done = followed(flow, y, mode, span - settled, begin, growth=False)
     except SolveError as error:
+        if why is not None:
+            why.append(str(error))
         unsolved = {f"{what}_{name}": np.nan for what in ("mean", "min", "max", "end") for name in names}
         counts = {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {})
         return unsolved | counts | {"status": Status.FAILED if error.status is None else error.status}

@@ -19,6 +19,7 @@ from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed
 from stickslip.solvers.request import Request, provenance
+from stickslip.solvers.stopped import FAILURES, LOST
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,7 @@ class RawResults:
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it
     parts: RawParts | None = None  # of a machine that lists its bodies: it has no velocity and no segments of its own
     observed: dict[str, Any] | None = None  # a user's own columns
+    failures: dict[int, str] | None = None  # where and why the first cases ended before their time
 
 
 #: What every batch solver must find.
@@ -58,11 +60,13 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     T, tolerance, shape = todo.span, mean_tolerance(method, todo.rtol), todo.labels.shape
     columns: dict[str, Any] = {}
     coded: dict[str, dict[int, CodedWords]] = {}
+    failures: dict[int, str] = {}
     for (first, last), raw in parts:
+        failures |= {first + case: sentence for case, sentence in (raw.failures or {}).items()}
         made = _Cases(todo, raw, T[first:last], slice(first, last), tolerance).columns
         if (first, last) == (0, cases):
             later = Columns({name: partial(_shaped, make, shape) for name, make in made.items()})
-            return _summary(todo, method, later if raw.seg_time.size <= _LATER else dict(later))
+            return _summary(todo, method, later if raw.seg_time.size <= _LATER else dict(later), failures)
         for name, make in made.items():
             values = make()
             if isinstance(values, CodedWords):
@@ -76,7 +80,7 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     for name, by_case in coded.items():
         begins, *others = (by_case[case] for case in sorted(by_case))
         columns[name] = begins.joined(others)
-    return _summary(todo, method, {name: values.reshape((*shape, *values.shape[1:])) for name, values in columns.items()})
+    return _summary(todo, method, {name: values.reshape((*shape, *values.shape[1:])) for name, values in columns.items()}, failures)
 
 
 def _shaped(make: Callable[[], Any], shape: tuple[int, ...]) -> Any:
@@ -84,8 +88,10 @@ def _shaped(make: Callable[[], Any], shape: tuple[int, ...]) -> Any:
     return values.reshape((*shape, *values.shape[1:]))
 
 
-def _summary(todo: Request, method: str, columns: Mapping[str, Any]) -> Summary:
-    return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol))
+def _summary(todo: Request, method: str, columns: Mapping[str, Any], failures: dict[int, str]) -> Summary:
+    shape, first = todo.labels.shape, sorted(failures.items())[:FAILURES]
+    told = {tuple(map(int, np.unravel_index(case, shape))): sentence for case, sentence in first}
+    return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol), told)
 
 
 class _Cases:
@@ -172,13 +178,6 @@ class _Cases:
         return typed(seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good)
 
 
-def _remedy(status: int) -> str:
-    """A suggestion for a run that ended at its start."""
-    if status == Status.LOST:
-        return "nothing presses the body on its track there; give a smaller vertical vibration, more gravity or another phase of the drive"
-    return "give a longer run or other numbers"
-
-
 def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:
     """A trajectory from dense output, cut at the duration that was asked for; `SolveError` where there is no motion at all.
 
@@ -187,7 +186,8 @@ def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], 
     if status == Status.NOT_COMPUTED and len(pieces.mode) == 0:
         look()
     if len(pieces.mode) == 0 or not pieces.t[-1] > pieces.t[0]:
-        raise SolveError(f"the run ended at its start, t = {float(pieces.t[0]):.6g} s: {STATUS[status]}; {_remedy(status)}")
+        remedy = LOST if status == Status.LOST else "give a longer run or other numbers"
+        raise SolveError(f"the run ended at its start, t = {float(pieces.t[0]):.6g} s: {STATUS[status]}; {remedy}")
     tolerance = None if method == "exact" else todo.rtol
     if todo.duration is not None and pieces.t[-1] > todo.duration:
         pieces, status = pieces.until(todo.duration), 0

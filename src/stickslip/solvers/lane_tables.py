@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.batch import cases_of, numbers_by_name
 from stickslip.basics.fields import is_array, replace_leaf
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
@@ -51,6 +51,7 @@ class CaseTable:
     ):
         cases, own, machine = len(start), numbers_by_name(model, which), machine or machine_of(model)
         flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
+        self.model, self.which = model, which
         self.span = np.broadcast_to(span, (cases,))
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
@@ -66,6 +67,11 @@ class CaseTable:
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
         self.inner = sum(machine.mechanics.inner)
         self.start = self.placed(start)
+
+    def model_of(self, case: int) -> Any:
+        """The model of one case, its numbers plain floats."""
+        first = self.which.start or 0
+        return cases_of(self.model, slice(first + case, first + case + 1))[0]
 
     def restarted(self, start: Array) -> CaseTable:
         """The table of the same cases from other starts."""

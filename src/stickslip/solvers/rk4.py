@@ -66,10 +66,13 @@ def solve(todo: Request) -> Trajectory | Summary:
     if march.interrupted and march.done:
         return trajectory(todo, "rk4", march.pieces(), {"steps": march.done * int(steps)}, Status.NOT_COMPUTED)
     if march.done < todo.periods:
-        raise SolveError(
-            f"the run stopped in period {march.done + 1} of {todo.periods}: {Status.NOT_A_NUMBER.sentence}; type more than steps={steps}"
-        )
+        raise SolveError(_message(todo, march, steps))
     return trajectory(todo, "rk4", march.pieces(), {"steps": todo.periods * int(steps), "steps_per_period": int(steps)})
+
+
+def _message(todo: Request, march: _March, steps: int) -> str:
+    """Where a run stopped."""
+    return f"the run stopped in period {march.done + 1} of {todo.periods}: {Status.NOT_A_NUMBER.sentence}; type more than steps={steps}"
 
 
 def _check_load(model: Any) -> None:
@@ -214,7 +217,8 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         march.go(count)
         asked += count
         if march.done < asked:
-            return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done}
+            failure = _message(todo, march, march.steps)
+            return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done, "failure": failure}
         period, limit = outcome_of(march.model, march.strobes, todo.method, todo.rtol)
         repeats = todo.auto and period > 0  # the mean is then over one motion period, if it is that of the steady motion
         results = strobes.over_window(march.strobes[:, 0], march.done - period if repeats else todo.settle, period, limit)

@@ -53,31 +53,39 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
         return trajectory(todo, method, pieces, {"steps": len(pieces.mode)}, status)
     if status > Status.REPEATS and status != Status.LOST:
         checks.check_numbers(todo.model)
-        raise SolveError(_stopped(todo, results, kernel, table), status)
+        t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
+        raise SolveError(_stopped(todo, results, kernel, table, 0, t, results.pieces[:, 4 : 4 + kernel.contacts]), status)
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == Status.LOST else 0)
 
 
-def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> str:
-    """The message of a run that could not be finished."""
-    mechanics, status = todo.machine.mechanics, int(results.status[0])
-    t = (float(results.pieces[-1, 0]) * table.span[0] + float(results.pieces[-1, 2])) if len(results.pieces) else 0.0
+def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable, case: int, t: float, sides: Any) -> str:
+    """The message of a run, or of one of the cases of a table, that could not be finished."""
+    mechanics, status = machine_of(table.model_of(case)).mechanics, int(results.status[case])
     _, u, _ = table.ends(results)
-    done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods,"
-    where = stopped.location(mechanics, t, u[0], results.pieces[:, 4 : 4 + kernel.contacts])
+    done = "" if todo.model.period is None else f" after {results.periods_run[case]} of {todo.periods} periods,"
+    where = stopped.location(mechanics, t, u[case], sides)
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
-    return stopped.sentence(status, f"{done.lstrip()} {where}".strip(), _state(todo, results.end[0], table, kernel.layout), remedy)
+    state = _state(todo, results.end[case], table.offsets[case], kernel.layout)
+    return stopped.sentence(status, f"{done.lstrip()} {where}".strip(), state, remedy)
 
 
-def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
+def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> dict[int, str]:
+    """The messages of the first cases of a table that could not be finished."""
+    early = np.flatnonzero(np.isfinite(results.ended))[: stopped.FAILURES].tolist()
+    times = {i: float(results.periods_run[i] * table.span[i] + results.ended[i]) for i in early}
+    return {i: _stopped(todo, results, kernel, table, i, t, None) for i, t in times.items()}
+
+
+def _state(todo: Request, end: Any, offsets: Any, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
     if not todo.machine.is_single:
-        velocities = end[1 : 1 + table.offsets.shape[1]] + table.offsets[0]
+        velocities = end[1 : 1 + len(offsets)] + offsets
         values = [*velocities, *end[1 + len(velocities) :]]
         return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))
     inner = law_of(todo.model).states
     z = [f"z{k}" for k in range(inner)] if inner > 1 else ["z"] * inner
-    values = [float(end[0]), float(end[1] + table.offsets[0, 0]), *map(float, end[2 : 2 + inner])]
+    values = [float(end[0]), float(end[1] + offsets[0]), *map(float, end[2 : 2 + inner])]
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
 
 
@@ -87,7 +95,7 @@ def run_to_end(todo: Request, tableau: Tableau | Series | None, rtol: float) -> 
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
-    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, kernel, table))])
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(todo, results, kernel, table))])
     _, v, z = table.ends(results)
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 
@@ -123,7 +131,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
         cases = slice(first, last)
         table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine)
         results = lanes.run(kernel, table.rows, table.start, job, progress=tell, partial=todo.partial)
-        return _raw(results, kernel, table, todo.observe)
+        return _raw(todo, results, kernel, table)
 
     for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1, all_parts=todo.partial):
         yield bounds[i], raw
@@ -135,7 +143,7 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any = ()) -> RawResults:
+def _raw(todo: Request, r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> RawResults:
     offset, carried = table.offsets[:, 0], table.carried * table.span
     of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
     return RawResults(
@@ -143,7 +151,8 @@ def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any 
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,
         margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
         wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power, parts=of_parts,
-        observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in observe},
+        observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in todo.observe},
+        failures=_failures(todo, r, kernel, table),
     )  # fmt: skip
 
 

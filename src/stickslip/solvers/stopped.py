@@ -11,15 +11,22 @@ from stickslip.basics.status import STATUS, Status
 Array = Any
 #: Steps, or events, before the end of a run whose changes of mode are counted.
 LAST = 1000
+#: Cases of a batch that ended before their time of which the first have a message.
+FAILURES = 20
 _SMOOTHER = (
     "If a force jumps with the sign of a state, as a relay or a saturated controller of high gain does, write tanh(s / width) of "
     "stickslip.maths for that sign; if a law's memory switches without end, its guards must not fall right after a switch; or shorten "
     "duration= or periods= to before this instant"
 )
+LOST = "Nothing presses the body on its track there: give a smaller vertical vibration, more gravity or another phase of the drive"
+STIFF = (
+    "So many steps are taken where something is much faster than the rest, as a current, a stiff bristle or a controller is: type "
+    'method="radau", whose steps do not follow it, or method="auto"'
+)
 _STOPS = 'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" (SciPy: slower)'
 
 
-def location(mechanics: Any, t: float, u: Any, sides: Array) -> str:
+def location(mechanics: Any, t: float, u: Any, sides: Array | None) -> str:
     """The instant, and the contact that changed its mode most often: how often, and its slip velocity.
 
     Parameters
@@ -29,8 +36,8 @@ def location(mechanics: Any, t: float, u: Any, sides: Array) -> str:
         Time at the end [s].
     u : array (coordinates,)
         Velocities there [m/s].
-    sides : array (steps, contacts)
-        Modes of the contacts in the last steps.
+    sides : array (steps, contacts), or None
+        Modes of the contacts in the last steps, where they are known: else the contact that slips least is named.
 
     Examples
     --------
@@ -43,10 +50,14 @@ def location(mechanics: Any, t: float, u: Any, sides: Array) -> str:
     if not mechanics.contacts:
         return f"at t = {t:.9g} s"
     slips = np.array([float(w) for w in mechanics.slips(t, list(u))])
+    if sides is None:
+        sides = np.empty((0, len(slips)))
     changes = np.count_nonzero(np.diff(sides[-LAST:], axis=0), axis=0) if len(sides) > 1 else np.zeros(len(slips), int)
     i = int(np.argmax(changes)) if changes.any() else int(np.argmin(abs(slips)))
     name, steps = mechanics.contacts[i], min(len(sides), LAST)
     contact = name if name == "contact" else f"contact {name!r}"
+    if not len(sides):
+        return f"at t = {t:.9g} s, where the slip velocity of {contact} is {slips[i]:.9g} m/s"
     history = f"has changed its mode {changes[i]} times in {steps} steps and its" if changes.any() else "keeps its mode and its"
     return f"at t = {t:.9g} s, where {contact} {history} slip velocity is {slips[i]:.9g} m/s"
 
@@ -58,6 +69,8 @@ def sentence(status: int, where: str, state: str, remedy: str) -> str:
 
 def remedy(status: int, rtol: float, stops: bool) -> str:
     """A suggestion after a failed run."""
+    if status == Status.LOST:
+        return LOST
     if stops:
         return _STOPS
     if status == Status.CHATTERS:

@@ -71,6 +71,7 @@ def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
 
 
 def raw(cases: list[dict[str, Any]]) -> RawResults:
-    """The results of several cases, each a dict by the names of `RawResults`, as one."""
+    """The results of several cases, each a dict by the names of `RawResults`, as one; "failure" says where and why one ended too early."""
     columns: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
-    return RawResults(**columns, parts=cases[0].get("parts") if len(cases) == 1 else None)
+    failures = {i: case["failure"] for i, case in enumerate(cases) if "failure" in case}
+    return RawResults(**columns, parts=cases[0].get("parts") if len(cases) == 1 else None, failures=failures)

@@ -84,7 +84,7 @@ def carry_through(lane, within, first, S, W, D):
 
 @njit(void(int64, f1, int64, i1), **OPTIONS)
 def finish(lane, S, W, D):
-    """Write a case's results."""
+    """Write a case's results; of one that ended before its time, in place of what it approaches, how far into the period that was."""
     N, K, RING, OUT, COUNT = N_of(W), K_of(W), RING_of(W), OUT_of(W), COUNT_of(W)
     L = D[LANES]
     case = N[lane, CASE]
@@ -102,7 +102,7 @@ def finish(lane, S, W, D):
     more = 6 + D[STATES] + D[KEPT_MODES]
     if D[F_HIGH] >= 0:
         K[lane, WIDE_MAX], K[lane, WIDE_MIN] = S[D[F_HIGH] + lane], S[D[F_LOW] + lane]
-    OUT[case, more] = K[lane, LIMIT] if good else np.nan
+    OUT[case, more] = K[lane, LIMIT] if good else S[D[F_T] + lane]
     OUT[case, more + 1], OUT[case, more + 2] = max(K[lane, WIDE_MAX], K[lane, VMAX]), min(K[lane, WIDE_MIN], K[lane, VMIN])
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]

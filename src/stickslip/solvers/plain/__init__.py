@@ -22,7 +22,7 @@ from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import RawResults, gather, trajectory
 from stickslip.solvers.part_results import nothing as no_parts
-from stickslip.solvers.plain.marching import march
+from stickslip.solvers.plain.marching import march, marched
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
 from stickslip.solvers.request import Request
@@ -65,7 +65,9 @@ def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], RawResults]]:
 def _solved(todo: Request, model: Any, i: int) -> dict[str, Any]:
     """The results of one case; one that fails has a status."""
     try:
-        pieces, _, status = march(todo, model, i)
-        return {**_nothing(model), "status": status} if status else reduced(todo, model, pieces, i)
+        run = marched(todo, model, i)
+        if run.lost:
+            return {**_nothing(model), "status": Status.LOST, "failure": run.message(Status.LOST)}
+        return reduced(todo, model, run.pieces(), i)
     except SolveError as error:
-        return {**_nothing(model), "status": Status.TOO_SMALL if error.status is None else error.status}
+        return {**_nothing(model), "status": Status.TOO_SMALL if error.status is None else error.status, "failure": str(error)}

@@ -23,11 +23,12 @@ from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
-from stickslip.solvers.stopped import location, remedy, sentence
+from stickslip.solvers.stopped import STIFF, location, remedy, sentence
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
-_STEPS, _LEAST = 10_000, 300_000  # steps that a case may take: for each period, and at least
+_STEPS, _LEAST = 20_000, 15_000  # steps that a case may have taken: for each period, or time scale, that has passed, and beyond these
+_UNSCALED = 300_000  # in all, where nothing says how long something takes
 _MET = 1e-6  # of the time between samples: instants that fall together
 _BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump
 
@@ -47,7 +48,7 @@ def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[
     """The dense output of one case, what it cost, and how it ended: finished, a contact lost, or (of one run) interrupted."""
     run = marched(todo, model, case)
     status = Status.NOT_COMPUTED if run.interrupted else Status.LOST if run.lost else Status.FINISHED
-    return joined(run.parts, run.t, run.equations), run.counts, status
+    return run.pieces(), run.counts, status
 
 
 def marched(todo: Request, model: Any, case: int) -> Run:
@@ -110,7 +111,7 @@ class Run:
         self.parts: list[DensePart] = []
         self.hits: list[Hit] = []
         self.counts, self.lost, self.interrupted = {"steps": 0, "evaluations": 0, "restarts": 0}, False, False
-        self.left, self.recent = max(_LEAST, _STEPS * todo.periods), deque[tuple[float, tuple[int, ...]]]()
+        self.recent = deque[tuple[float, tuple[int, ...]]]()
         equations.first_loads = equations.loads(0.0, self.y)
         if any(load <= 0.0 for load, law in zip(equations.first_loads, equations.laws, strict=True) if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
@@ -166,26 +167,38 @@ class Run:
         if at_once or len(recent) > _EVENTS * (1 + e.k + len(e.stops)):
             self._stop(Status.CHATTERS)
 
+    def _left(self, t: float) -> float:
+        """How many steps more a run may take up to a time: what hardly goes on ends early, what goes on is never short of them."""
+        e = self.equations
+        return (_LEAST + _STEPS * t / e.scale_of_time if e.is_scaled else _UNSCALED) - self.counts["steps"]
+
     def _stop(self, status: Status) -> NoReturn:
         """End a run before its time."""
+        raise SolveError(self.message(status), status)
+
+    def message(self, status: Status) -> str:
+        """Where and why the run ended before its time."""
         e, sides = self.equations, np.array([sides for _, sides in self.recent], int).reshape(len(self.recent), -1)
-        u = e.state(self.y)[1]
-        where = location(e.mechanics, self.t, u, sides)
+        where = location(e.mechanics, self.t, e.state(self.y)[1], sides)
         state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
-        raise SolveError(sentence(status, where, state, remedy(status, self.todo.rtol, False)), status)
+        slow = status == Status.BUDGET and self.todo.method == "dop853"
+        return sentence(status, where, state, STIFF if slow else remedy(status, self.todo.rtol, False))
+
+    def pieces(self) -> PolynomialPieces:
+        """The dense output up to now."""
+        return joined(self.parts, self.t, self.equations)
 
     def _move(self, end: float) -> None:
         e = self.equations
         look()
-        stretch = integrate(self.todo, e, self.t, self.y, end, self.mode, self.left)
+        stretch = integrate(self.todo, e, self.t, self.y, end, self.mode, self._left)
         if self.todo.keep == "trajectory":
             self.todo.progress(int(stretch.t / float(self.todo.span[0])), self.todo.periods)
         self.parts += stretch.parts
         self.counts["steps"] += stretch.steps
-        self.left -= stretch.steps
         self.counts["evaluations"] += stretch.evaluations
         self.t, self.y = stretch.t, e.at_rest(stretch.t, stretch.y, self.mode)
-        if self.left <= 0:
+        if self._left(self.t) <= 0 and self.t < end:
             self._stop(Status.BUDGET)
         if stretch.fired:
             self._take(stretch.fired, bool(stretch.parts))

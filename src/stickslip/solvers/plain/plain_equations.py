@@ -74,6 +74,7 @@ class Equations:
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
         self.cyclic = self.single and not knows_position(model)
+        self.is_scaled = machine.time_scale is not None
         self.scale_of_time, self.scale_of_velocity = float(machine.time_scale or 1.0), float(machine.velocity_scale)
         self.least = [law.least_creep(self.scale_of_velocity, mechanics.difference(i)) for i, law in enumerate(self.laws)]
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]

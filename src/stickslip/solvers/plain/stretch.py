@@ -135,8 +135,10 @@ class _Step:
         return None
 
 
-def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float, mode: ContactModes, most: int) -> Stretch:
-    """Integrate up to the first event, or to `end`, in so many steps at most."""
+def integrate(
+    todo: Request, equations: Equations, t: float, y: Any, end: float, mode: ContactModes, left: Callable[[float], float]
+) -> Stretch:
+    """Integrate up to the first event, or to `end`, or until no more steps are left at a time."""
     right = equations.right(mode)
     before = guards(equations, t, y, mode)
     fresh, at_once = _begin(equations, right, t, y, mode, before)
@@ -159,7 +161,7 @@ def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float,
             return _landed(todo, equations, step, event, done)
         before, fresh = guards(equations, step.end, step.after, mode), set()
         done.parts.append(step.part())
-        if done.steps >= most:
+        if done.steps >= left(step.end):
             end = step.end
             break
     done.t, done.y, done.evaluations = end, solver.y.copy(), done.evaluations + solver.nfev
