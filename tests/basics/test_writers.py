@@ -4,6 +4,7 @@ import ast
 import contextlib
 import errno
 import gc
+import io
 import os
 import resource
 import subprocess
@@ -11,6 +12,7 @@ import sys
 import tempfile
 from argparse import Namespace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,6 +176,19 @@ WRITERS = {
 }
 
 
+def _paper(path):
+    from stickslip.show.paper.drawing import render
+
+    render(
+        path.parent,
+        path.stem,
+        [lambda axes: axes.plot(np.random.default_rng(1).normal(size=300))],
+        text="evidence-step-size",
+        ladder=[],
+        best=0.0,
+    )
+
+
 def _put(path):
     from stickslip.studies.folder import put
 
@@ -248,3 +263,55 @@ def test_a_failing_step_leaves_the_old_file(name, step, tmp_path, monkeypatch):
         with pytest.raises(ss.StickslipError, match="free some space"):
             writer(path)
     assert path.read_text() == "old" and [p.name for p in tmp_path.iterdir()] == [name]
+
+
+# one write fails -----------------------------------------------------------------------------------------------------
+
+
+class OneFails(io.FileIO):
+    """A file of which one write fails, and those before and after it succeed; `left` is shared by all files of a test."""
+
+    left = 0
+
+    def write(self, data):
+        OneFails.left -= 1
+        if OneFails.left == 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return super().write(data)
+
+
+@pytest.fixture
+def failing_disk(monkeypatch):
+    """Files are opened for writing as `OneFails`."""
+    really = Path.open
+
+    def opened(path, mode="r", *more, **options):
+        return io.BufferedRandom(OneFails(path, "w+")) if mode == "w+b" else really(path, mode, *more, **options)
+
+    monkeypatch.setattr(Path, "open", opened)
+
+
+@pytest.mark.parametrize("name", [*WRITERS, "grid.parquet", "paper.png", "paper.svg"])
+def test_a_write_that_fails_leaves_the_old_file_whichever_it_is(name, tmp_path, failing_disk, capfd):
+    if name.endswith(".parquet"):
+        pytest.importorskip("pyarrow")
+    writer, path = (
+        {**WRITERS, "grid.parquet": lambda path: ss.export(a_grid(), path), "paper.png": _paper, "paper.svg": _paper}[name],
+        tmp_path / name,
+    )
+    path.write_text("old")
+    writer(path)  # whatever is compiled for it is kept now
+    OneFails.left = 0
+    writer(path)
+    count, kept = -OneFails.left, {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    assert count > 0 and kept[name] != b"old"
+    for k in sorted({1, 2, count // 3, count // 2, count - 1, count} & set(range(1, count + 1))):
+        OneFails.left = k
+        with pytest.raises(ss.StickslipError, match="free some space") as refused:
+            writer(path)
+        assert len(str(refused.value).splitlines()) == 1
+        assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == ({} if name == "command.json" else kept)
+        if name == "command.json":
+            path.write_bytes(kept[name])
+        gc.collect()
+    assert not capfd.readouterr().err

@@ -195,4 +195,5 @@ def for_hdf5(file: BinaryIO) -> Iterator[Deferred]:
     except Exception:
         deferred.check()  # what the library says after a failed write follows from it
         raise
+    deferred.flush()
     deferred.check()
