@@ -26,13 +26,14 @@ from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machines import MECHANISMS
 from stickslip.models.mechanics import lists_parts
 from stickslip.models.robot import Robot
-from stickslip.models.state_layout import StateLayout
 from stickslip.models.tables import document_of
 from stickslip.results.datasets import attributes, names_of, trajectory_dataset, write_csv
 from stickslip.results.dense_output import kind_of, pieces_from_arrays
 
-#: Version of the file format; a reader refuses a newer one. 1 had one body on one contact, without axes for them.
+#: Version of the file format; a reader refuses a newer one, and format 1, which no release has written.
 FORMAT = 2
+#: The first version of the format that a file can have.
+EARLIEST = 2
 
 
 # ---- netCDF4 ----
@@ -130,7 +131,7 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
             attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
             _check_format(attrs, path)
             kept = hdf5.attributes(file["pieces"], allowance, size)
-            objects = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws, machines)}
+            objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
         return {**objects, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
     except InputError:
@@ -145,36 +146,25 @@ def _one(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and value.size == 1 else value
 
 
-def _pieces(file: Any, attrs: dict[str, Any], version: int) -> Any:
+def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
     """The dense output: its arrays, without the dimensions of netCDF beside them, and its layout."""
     arrays = {k: np.asarray(hdf5.values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
     count = len(arrays["t"]) - 1
     if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
         raise ValueError("its pieces do not follow one another")
-    kept = _since_format_1(arrays) if version == 1 else {**arrays, "layout": _one(attrs["layout"])}
     try:
-        return pieces_from_arrays(_one(attrs["kind"]), kept)
+        return pieces_from_arrays(_one(attrs["kind"]), {**arrays, "layout": _one(attrs["layout"])})
     except InputError as error:
         raise ValueError("; ".join(error.problems)) from None
-
-
-def _since_format_1(arrays: dict[str, Any]) -> dict[str, Any]:
-    """The arrays of a file of format 1, one body on one contact: `holds_x` said whether x is a state, which then had a way too."""
-    if "coefficients" not in arrays:
-        return arrays
-    knows_position = bool(arrays.get("holds_x", 0.0))
-    memories = np.shape(arrays.get("memory", np.empty((1, 0))))[1]
-    layout = StateLayout.of_one(arrays["coefficients"].shape[1] - 1 - knows_position, memories, knows_position)
-    left_out = ("holds_x", "x0") if knows_position else ("holds_x",)
-    return {**{name: array for name, array in arrays.items() if name not in left_out}, "layout": layout.to_text()}
 
 
 def _check_format(attrs: Any, path: Path) -> None:
     version, content = int(attrs.get("stickslip_format", 0)), attrs.get("stickslip_content")
     if version == 0:
         why = "was not written by stickslip (it has no attribute stickslip_format); xarray.open_dataset may read it"
-    elif version < 0:
-        why = f"has format {version}, which there is not; allowed are 1 to {FORMAT}; type run.save(path) of the run itself again"
+    elif version < EARLIEST:
+        allowed = f"allowed are {EARLIEST} to {FORMAT}; type run.save(path) of the run itself again"
+        why = f"has format {version}, which no release has written; {allowed}"
     elif version > FORMAT:
         why = f"has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"
     elif content != "trajectory":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -274,56 +273,11 @@ def test_a_file_of_several_comes_back_bit_by_bit(monkeypatch, tmp_path):
         assert np.array_equal(seen.mode.sel(contact="tail"), run.mode[:, 1])
 
 
-# ---- files of format 1 ----
-def as_format_1(path, holds_x):
-    """A file as it was before: one contact without an axis, `holds_x` instead of a layout."""
-    import h5py
-
-    with h5py.File(path, "r+") as file:
-        file.attrs["stickslip_format"] = np.int64(1)
-        group = file["pieces"]
-        layout = json.loads(group.attrs["layout"])
-        del group.attrs["layout"]
-        count = len(group["t"]) - 1
-        given = {"mode": group["mode"][:, 0], "x0": group["x0"][...].reshape(count) if "x0" in group else np.full(count, 7.0)}
-        if group.attrs["kind"] == "polynomial":
-            given["holds_x"] = float(holds_x)
-        for name, array in given.items():
-            if name in group:
-                del group[name]
-            group[name] = array
-    return layout
-
-
-@pytest.mark.parametrize("knows_position", [False, True])
-@pytest.mark.parametrize("inner", [0, 2])
-def test_a_file_of_format_1_is_read_by_adding_an_axis(knows_position, inner, tmp_path):
-    robot = unit_robot(0.7, 0.9).replace({"drive.omega": 2 * np.pi})
-    memory, layout = np.array([[1, 5], [1, 5], [2, 5]]), StateLayout.of_one(inner, 2, knows_position)
-    c = coefficients()[:, : 1 + inner + knows_position]
-    made = PolynomialPieces(T, MODE[:, 0], np.empty((3, 0)) if knows_position else ways(c), c, memory, layout)
-    run = pair_run(made, robot)
-    path = run.save(tmp_path / "run.nc")
-    kept = as_format_1(path, knows_position)
-    assert kept["states"] == list(layout.names)
-    old = ss.load(path)
-    assert old.pieces.layout == layout and old.events == run.events
-    for name in ("x", "v", "z", "mode", "strobe_memory"):
-        assert np.array_equal(getattr(old, name), getattr(run, name)), name
-
-
-def test_closed_arcs_of_format_1_are_read(robot_run, tmp_path):
-    path = robot_run.save(tmp_path / "run.nc")
-    as_format_1(path, False)
-    old = ss.load(path)
-    assert isinstance(old.pieces, HarmonicArcs) and old.events == robot_run.events and np.array_equal(old.x, robot_run.x)
-
-
 @each_row(
     ("place", "name", "value", "message"),
     [
         ("/", "stickslip_format", 3, "has format 3, this stickslip reads up to 2; type pip install --upgrade"),
-        ("/", "stickslip_format", -1, r"has format -1, which there is not; allowed are 1 to 2; type run\.save"),
+        ("/", "stickslip_format", 1, r"has format 1, which no release has written; allowed are 2 to 2; type run\.save"),
         ("pieces", "layout", None, "is damaged .* save the run again"),
         ("pieces", "layout", "[]", "is damaged"),
         ("pieces", "layout", LAYOUT.to_text().replace('"position": 2', '"position": 17'), "damaged .*state number 17; allowed is 0 to 5"),

@@ -20,7 +20,8 @@ class Dahl(Elastic):
 
     The force depends on the path alone, not on how fast it is travelled. There is no Stribeck effect, no static friction above the kinetic
     one, and no true rest. With an exponent below 1 sliding is reached after a finite displacement; the curve is rounded off where
-    :math:`|u| < 10^{-12}`, so that it has a slope everywhere.
+    :math:`|u| < 10^{-12}`, so that it has a slope everywhere. With an exponent of some 0.1 or less that curve is so sharp that a run may
+    use up its budget of steps, which its error says.
 
     Parameters
     ----------
