@@ -16,10 +16,9 @@ from llvmlite import ir
 
 from rows import each_row
 from stickslip.engine import cache, emit
-from stickslip.engine.kernel_text import HEADER
+from stickslip.engine.kernel_text import header
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import Layout, step_text
-from stickslip.engine.texts import emit_text, functions_text
 
 LINES = """
 _sum = _a + _b
@@ -117,7 +116,7 @@ def compiled(lines, lanes, group, width):
     fields = list(dict.fromkeys(["a", "b", "small", *made, *(f"held_{m}" for m in range(5))]))
     step = Step(tuple(lines), tuple(fields), (None,), 1)
     layout = Layout(lanes, group, width, {name: i * lanes for i, name in enumerate(fields)}, len(fields) * lanes)
-    text = HEADER.format(label="a test") + f"L = {lanes}\n{functions_text()}\n{emit_text()}" + step_text(step, layout)
+    text = header("a test") + f"L = {lanes}\n" + step_text(step, layout)
     step = cache.load(text.replace('"no_cpython_wrapper": True, ', ""), f"emit_{lanes}", "a test").step
 
     def act(given):
@@ -222,7 +221,6 @@ def test_a_line_that_asks_for_what_no_lane_holds_is_refused():
 
 _KERNEL = """
 import stickslip as ss
-from rows import each_row
 from stickslip.engine import lanes, tableaux
 lanes.kernel_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), tableaux.RODAS5P, record=True)
 """

@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import FUNCTIONS, HEADER, LOOKS, kernel_text, written
+from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, header, kernel_text, written
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
@@ -68,47 +68,6 @@ FIELDS = tuple(name for name in _COLUMNS if name.startswith("F_"))
 #: what a step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
 #: velocity; the states that signals are made of. The table says where each begins.
 _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT")
-
-#: What the text of a module of this file does not hold: functions at addresses, the shared arrays, and what is written as one vector.
-_OUTSIDE = '''
-from functools import partial
-
-from numba.np.arrayobj import populate_array
-
-
-def outside(context):
-    def at_address(kind, builder, args):
-        given = zip(kind.args, args[1:], strict=True)
-        whole = [as_array(context, builder, takes, arg) if isinstance(arg, View) else arg for takes, arg in given]
-        return call(context, builder, kind.return_type(int64, *kind.args), [args[0], *whole])
-
-    def shared(which, kind, builder, args):
-        numbers = builder.inttoptr(args[0], INT64.as_pointer())
-        first, *shape = (builder.load(builder.gep(numbers, [ir.Constant(INT64, 4 * which + k)])) for k in range(1 + kind.ndim))
-        return View(builder.inttoptr(first, context.get_data_type(kind.dtype).as_pointer()), tuple(shape))
-
-    found = {f"call_{name}": partial(at_address, eval(kind, dict(KINDS))) for name, kind in FUNCTIONS.items()}
-    found |= {f"{name}_of": partial(shared, which, KINDS[kind]) for which, (name, kind) in enumerate(SHARED.items())}
-    return found | {"at_points": at_points}
-
-
-def call(context, builder, sig, args):
-    """A call of the function at the address args[0] with the arguments after it."""
-    kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
-    place = builder.inttoptr(args[0], kind.as_pointer())
-    return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
-
-
-def as_array(context, builder, kind, view):
-    """An array as Numba's functions take it."""
-    size = context.get_abi_sizeof(context.get_data_type(kind.dtype))
-    array = context.make_array(kind)(context, builder)
-    strides = [ir.Constant(INT64, size)]
-    for length in view.shape[:0:-1]:
-        strides.insert(0, builder.mul(strides[0], length))
-    populate_array(array, view.data, view.shape, strides, size, None)
-    return array._getvalue()
-'''
 
 
 def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
@@ -190,7 +149,7 @@ def source(label: str, functions: dict[str, str], constants: list[str], texts: t
     """The source of some functions of the texts: Numba sees a call of each, and `functions.py` writes what stands behind it."""
     known = [f"FUNCTIONS = {FUNCTIONS!r}", f"SHARED = {SHARED!r}"]
     text = "\n".join([*_places(), *constants, *map(kernel_text, texts)])
-    return "\n\n".join([HEADER.format(label=label), *known, _OUTSIDE, written(functions, text, "outside(context)")])
+    return "\n\n".join([header(label), *known, written(functions, text, "outside(context, FUNCTIONS, SHARED)")])
 
 
 def _places() -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from stickslip.basics.errors import InputError
 from stickslip.engine import cache
-from stickslip.engine.kernel_text import HEADER, function, written
+from stickslip.engine.kernel_text import function, header, written
 from stickslip.engine.lanes import plain_name
 from stickslip.engine.lawtext import prelude
 from stickslip.engine.symbols import Sym
@@ -78,7 +78,7 @@ def _usual_practice(eq: System) -> TracedSlopes:
 def fixed_step_kernel(model: Any) -> FixedStepKernel:
     """The compiled loop of a model's kind."""
     s, name = traced_slopes(model), label(model)
-    source = HEADER.format(label=f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())
+    source = header(f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())
     return FixedStepKernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 

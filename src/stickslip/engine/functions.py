@@ -2,7 +2,7 @@
 
 Numba compiles each function by itself, with all that it calls, again and again on the way up: twenty seconds for a driver of sixty
 functions, most of it in its front end. Here Numba sees one call, of an intrinsic that writes all functions which that one needs
-(`write_functions`), and LLVM optimises them together, once. A kernel's file holds this text from the imports on, and needs nothing else.
+(`write_functions`), and LLVM optimises them together, once. A kernel's file imports this.
 
 The text is Python and means what Python means by it, on 64-bit whole numbers, floats, truth values and arrays whose numbers stand in a
 row; Numba would compile it to the same numbers. Each function has its types in its decorator: ``@njit(void(int64, f1))``. A name has the
@@ -20,8 +20,15 @@ from functools import lru_cache, reduce
 from typing import Any
 
 from llvmlite import ir
+from numba import boolean, float64, int8, int64, types, void
 from numba.core import types as kinds
 
+#: Types, by the names that they have in a text.
+f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
+KINDS = {
+    "void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple,
+    "f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2,
+}  # fmt: skip
 INT64, FLOAT64, BOOL, INT8 = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
 ON_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 ON_INTEGERS = {

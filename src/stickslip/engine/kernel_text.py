@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
+from hashlib import sha256
 from importlib import resources
-
-from stickslip.engine.texts import functions_text
 
 #: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
@@ -35,23 +35,32 @@ FUNCTIONS = {
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 
+#: What compiles the texts of kernels: their files import it.
+_COMPILER = ("addresses", "emit", "functions")
 #: The top of every kernel's file. What the driver calls at an address needs no wrapper for Python.
-HEADER = '''"""Written by stickslip: {label}."""
-from llvmlite import ir
-from numba import boolean, float64, int8, int64, njit, types, void
+_HEADER = '''"""Written by stickslip: {label}."""
+from numba import boolean, float64, int64, njit, types, void
 from numba.extending import intrinsic
+
+from stickslip.engine.addresses import outside
+from stickslip.engine.emit import write
+from stickslip.engine.functions import KINDS, b2, f1, f2, f3, i1, i2, write_functions  # {compiler}
 
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
 BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
 OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
 '''
 
-#: Types, by the names that they have in a text for `functions.py`.
-_KINDS = """
-f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
-KINDS = {"void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple}
-KINDS |= {"f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2}
-"""
+
+def header(label: str) -> str:
+    """The top of a kernel's file: what it imports, and by a checksum with which compiler, so that one file never means two things."""
+    return _HEADER.format(label=label, compiler=_compiler())
+
+
+@lru_cache(1)
+def _compiler() -> str:
+    folder = resources.files("stickslip.engine")
+    return sha256(b"".join((folder / f"{name}.py").read_bytes() for name in _COMPILER)).hexdigest()[:16]
 
 
 def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str:
@@ -61,9 +70,9 @@ def function(name: str, takes: str, lines: Sequence[str], kind: str = "") -> str
 
 
 def written(functions: dict[str, str], text: str, outside: str = "{}") -> str:
-    """The source of some functions of a text, each with its types, below HEADER."""
+    """The source of some functions of a text, each with its types, below the header."""
     held = text.replace("\\", "\\\\")
-    return "\n\n".join([functions_text(), _KINDS, f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
+    return "\n\n".join([f"TEXT = '''{held}'''", *(_written(*each, outside) for each in functions.items())])
 
 
 def kernel_text(name: str) -> str:

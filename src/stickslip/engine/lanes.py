@@ -16,7 +16,7 @@ from typing import Any
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
 from stickslip.engine import cache, driver, slaved, taylor
-from stickslip.engine.kernel_text import FUNCTIONS, HEADER, written
+from stickslip.engine.kernel_text import FUNCTIONS, header, written
 from stickslip.engine.kernels import columns
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
@@ -28,7 +28,6 @@ from stickslip.engine.roundings import sizes_text
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, label, trace
 from stickslip.engine.unforeseen import hides, slopes
 from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
@@ -317,7 +316,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     text = "\n".join([known, *(f"{name} = {named[name]}" for name in _NAMED), *functions.values()])
     plain = written({name: FUNCTIONS[name] for name in functions}, text)
     lines = step_text(step, Layout(lanes, group, width, offsets, named["F_C"]))
-    return "\n\n".join([HEADER.format(label=f"{label}, {lanes} lanes"), known, plain, emit_text(), lines])
+    return "\n\n".join([header(f"{label}, {lanes} lanes"), known, plain, lines])
 
 
 def _aligned(count: int) -> Any:

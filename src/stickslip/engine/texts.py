@@ -1,14 +1,15 @@
-"""Plain Python that kernels share with the rest: the text of a module, its functions compiled as they stand."""
+"""Plain Python that kernels share with the rest: numbers and functions of a module, compiled as they stand."""
 
 from __future__ import annotations
 
-import re
+import inspect
 from functools import lru_cache
 from importlib import resources
 from typing import Any
 
 from stickslip.basics.status import Status
 from stickslip.engine import cache
+from stickslip.results import recurrence as recurrences
 
 _POINTS = "float64[:, ::1], int64"
 _RECURRENCE = {
@@ -28,12 +29,12 @@ _RECURRENCE = {
 
 @lru_cache(1)
 def recurrence_text() -> str:
-    """The functions of `stickslip.results.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
-    text = (resources.files("stickslip.results") / "recurrence.py").read_text(encoding="utf-8")
-    body = text[text.index("\nLONGEST") :]
-    for name, signature in _RECURRENCE.items():
-        body = re.sub(rf"^def {name}\(", f'@njit("{signature}", **OPTIONS)\ndef {name}(', body, flags=re.MULTILINE)
-    return "Any = object\n" + body
+    """The numbers and functions of `stickslip.results.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
+    numbers = [f"{name} = {value!r}" for name, value in vars(recurrences).items() if isinstance(value, (int, float))]
+    functions = [
+        f'@njit("{signature}", **OPTIONS)\n{inspect.getsource(getattr(recurrences, name))}' for name, signature in _RECURRENCE.items()
+    ]
+    return "\n".join(["Any = object", *numbers, *functions])
 
 
 @lru_cache(1)
@@ -48,24 +49,6 @@ def coulomb_text(*names: str) -> str:
     folder = resources.files("stickslip.engine") / "kernels"
     first, *more = ((folder / f"{name}.py").read_text(encoding="utf-8") for name in ("coulomb_harmonic", *names))
     return "\n\n".join([first, status_text(), recurrence_text(), *more])
-
-
-@lru_cache(1)
-def emit_text() -> str:
-    """The compiler of a step's lines, `stickslip.engine.emit`, for a kernel's file below `functions_text`."""
-    return _from_imports("emit")
-
-
-@lru_cache(1)
-def functions_text() -> str:
-    """The compiler of functions, `stickslip.engine.functions`, for a kernel's file."""
-    return _from_imports("functions")
-
-
-def _from_imports(name: str) -> str:
-    """The text of a module of the engine from its imports on, without what it has from other modules of ours."""
-    text = (resources.files("stickslip.engine") / f"{name}.py").read_text(encoding="utf-8")
-    return re.sub(r"^from stickslip.*\n", "", text[text.index("\nimport ast") + 1 :], flags=re.MULTILINE)
 
 
 @lru_cache(1)
