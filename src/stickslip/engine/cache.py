@@ -1,8 +1,8 @@
 """Compiled kernels on disk: one source file per kernel, named by the hash of its content.
 
-Numba's own cache does not see edits in imported functions, and never hits for closures. So everything that a kernel
-needs stands in one file in the user's cache folder, or, of the compiler that it imports, a checksum; a changed kernel has another name. The file's first lines import
-what it needs; every function in it has an explicit signature, so that importing it compiles it or loads it.
+Numba's own cache does not see edits in imported functions, and never hits for closures. So everything that a kernel needs stands in one
+file in the user's cache folder, or, of the compiler that it imports, a checksum; a changed kernel has another name. The file's first lines
+import what it needs; every function in it has an explicit signature, so that importing it compiles it or loads it.
 
 Compiled code is run as it stands in its files, so a damaged file crashes or computes something else. Beside them stands
 a list of their checksums; what does not agree with it is deleted and compiled again.
