@@ -119,6 +119,9 @@ def noise(y: Any) -> float:
     return float(np.median(abs(bends - np.median(bends))) / 0.6744897501960817 / np.sqrt(20))
 
 
+_NEXT, _MANY = 5, 6  # values next to an extreme one, and how many times as often that must come to be an end of the range
+
+
 def runs_of(which: Any) -> Any:
     """Where runs of samples begin and end: array (runs, 2)."""
     which = np.concatenate([[False], which, [False]])
@@ -126,27 +129,53 @@ def runs_of(which: Any) -> Any:
 
 
 def clipped(y: Any, least: int = 3) -> int:
-    """How many samples sit on the end of the range: runs of equal extreme values that begin or end with a jump.
+    """How many samples sit on the end of the range (see `clipped_sides`).
 
     Examples
     --------
     >>> clipped(np.clip(np.sin(np.arange(1000) / 10), -0.8, 0.8)) > 300, clipped(np.sin(np.arange(1000) / 10))
     (True, 0)
     """
+    return int(np.sum(clipped_sides(y, least) != 0))
+
+
+def clipped_sides(y: Any, least: int = 3) -> Any:
+    """Which samples sit on the end of the range: 1 on the upper end, -1 on the lower one, 0 elsewhere; array (n,).
+
+    An end is one of the range, and not of the motion, where runs of extreme values begin or end with a jump, or where many more samples
+    have the extreme value than have any of those next to it (the counts of a slow sine fall to a third from the last to the next ones).
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> wave = np.sin(np.arange(1000) / 10) + 1e-3 * rng.normal(size=1000)
+    >>> clipped_sides(np.clip(wave, -2, 0.99)).tolist().count(1) > 50, np.any(clipped_sides(np.round(wave, 2)))
+    (True, False)
+    """
     y = np.asarray(y, float)
+    found = np.zeros(len(y), int)
     if len(y) < 8 or not np.nanmax(y, initial=-np.inf) > np.nanmin(y, initial=np.inf):
-        return 0
-    count = 0
-    for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
-        runs = runs_of(y == value)
-        runs = runs[runs[:, 1] - runs[:, 0] >= least]
-        if len(runs) < 2:
+        return found
+    for side, value in ((1, np.nanmax(y)), (-1, np.nanmin(y))):
+        there = y == value
+        if value == 0.0 or int(there.sum()) < least:  # zero is rest
             continue
-        usual = _usual_bend(y)
-        runs = runs[_jumps(y, runs) > 2 * usual]
-        if len(runs) > 1:
-            count += int((runs[:, 1] - runs[:, 0]).sum())
-    return count
+        runs = runs_of(there)
+        runs = runs[runs[:, 1] - runs[:, 0] >= least]
+        if len(runs) > 1:  # the counts of a coarse record are no jumps
+            runs = runs[_jumps(y, runs) > 2 * max(_usual_bend(y), float(np.median(np.diff(np.unique(y[np.isfinite(y)])))))]
+        if len(runs) > 1 or _crowded(y, side):
+            found[there] = side
+    return found
+
+
+def _crowded(y: Any, side: int) -> bool:
+    """Whether many more samples have an extreme value than have any of the values next to it."""
+    known = side * y[np.isfinite(y)]
+    grain = 1e-9 * float(np.ptp(known))
+    values, counts = np.unique(np.round(known / grain), return_counts=True)
+    beside = counts[-1 - _NEXT : -1]
+    return len(values) > _NEXT and bool(counts[-1] >= _MANY * max(int(beside.max()), 1))
 
 
 def _usual_bend(y: Any) -> float:

@@ -30,7 +30,7 @@ def records(noise, seed=0, amplitudes=TWO, law="lugre", **more):
 
 @pytest.fixture(scope="module")
 def fit():
-    return ss.identify(records(1e-3), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+    return ss.identify(records(1e-3), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, harmonics=0)
 
 
 # the virtual rig --------------------------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ def test_four_parameters_are_found_from_two_noisy_records(fit):
 
 
 def test_the_vibrometer_of_the_paper_tells_four_digits():
-    fit = ss.identify(records(1e-6), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, sensor={})
+    fit = ss.identify(records(1e-6), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, sensor={}, harmonics=0)
     for name, value in TRUTH.items():
         low, high = fit.interval(name, level=0.9999)
         assert low < value < high and high - low < 0.01 * value
@@ -132,7 +132,7 @@ def test_intervals_cover_the_truth(noise):
     """Of 60 repeats 95 % intervals are to cover in 51 or more (fewer once in 1400 times); verification/random_fits.py asks 2000 fits."""
     hits = dict.fromkeys(TRUTH, 0)
     for seed in range(60):
-        found = ss.identify(records(noise, seed), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+        found = ss.identify(records(noise, seed), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, harmonics=0)
         for name, value in TRUTH.items():
             low, high = found.interval(name, level=0.95)
             hits[name] += low <= value <= high
@@ -161,7 +161,7 @@ def test_a_parameter_of_its_own_for_each_record():
 
 def test_position_tells_too():
     recs = records(1e-4, law="coulomb", channels=("position",))
-    fit = ss.identify(recs, rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=TWO, law="coulomb")
+    fit = ss.identify(recs, rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=TWO, law="coulomb", harmonics=0)
     low, high = fit.interval("mu0", level=0.999)
     assert low < 0.18 < high and high - low < 0.02 and all(t.kind == "position" for t in fit.problem.targets)
 
@@ -193,13 +193,13 @@ def test_a_wrong_law_is_seen_in_the_residuals():
 
 def test_a_wrong_drive_is_seen_in_the_residuals():
     rec = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=6e-4), noise=1e-4, seed=1, harmonics=(0.02, 0.01))
-    fit = ss.identify(rec, rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4)
+    fit = ss.identify(rec, rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4, harmonics=0)
     assert any("the law or the drive" in w for w in fit.warnings)
 
 
 def test_parameters_that_data_confound_are_named():
     """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same, and f0 and v_s hardly anything."""
-    recs, given = records(1e-3, amplitudes=[1.2e-3]), dict(tilt_deg=1.7, amplitude=1.2e-3)
+    recs, given = records(1e-3, amplitudes=[1.2e-3]), dict(tilt_deg=1.7, amplitude=1.2e-3, harmonics=0)
     sliding = ss.identify(recs, rig, free={name: FREE[name] for name in ("mu0", "sigma2")}, sensor={}, **given)
     assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in sliding.warnings)
     assert any(w.startswith("v_s is hardly determined") for w in ss.identify(recs, rig, free=FREE, **given).warnings)
@@ -552,7 +552,7 @@ def period_two():
 
 
 def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(period_two):
-    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, sensor={}, **ONE) for rec in period_two.values())
+    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, sensor={}, harmonics=0, **ONE) for rec in period_two.values())
     assert long.count < 5000 and short.count == 6000
     for fit in (short, long):
         assert abs(fit.values["mu0"] - 0.04) < 3 * fit.errors["mu0"] and not fit.quality[0].suspicious

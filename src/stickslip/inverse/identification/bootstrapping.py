@@ -12,6 +12,7 @@ from stickslip.basics.interruption import look
 from stickslip.basics.pool import shared
 from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.search import polished_to_end
+from stickslip.inverse.identification.uncertainty import widening
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -31,7 +32,11 @@ def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: in
     if fit.information.undetermined[k]:
         return fit.problem.parameters.free[k].low, fit.problem.parameters.free[k].high
     low, high = np.quantile(table[:, k], [0.5 - 0.5 * level, 0.5 + 0.5 * level])
-    return float(low), float(high)
+    free, factor = fit.problem.parameters.free[k], widening(fit).get(name, 1.0)
+    if factor == 1.0:
+        return float(low), float(high)
+    ends = np.clip(fit.place[k] + factor * (free.inner(np.array([low, high])) - fit.place[k]), 0.0, 1.0)
+    return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
 
 def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
@@ -118,10 +123,18 @@ def _resampled_problem(fit: Fit, rng: Any) -> Any:
 def _resampled_values(fit: Fit, rng: Any) -> Any:
     rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
     parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
-    found = np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
+    found = np.concatenate([_with_noise(c, r, t, rng) for c, r, t in parts])
     if fit.changes is None:
         return found
     return found - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
+
+
+def _with_noise(curve: Any, rest: Any, target: Any, rng: Any) -> Any:
+    """A curve with residuals of its record; what was clipped stays at the end of the range."""
+    exact = target.exact
+    found = np.array(target.y, float)
+    found[exact] = curve[exact] + _resampled(rest[exact], rng, target.sigma if len(rest) == 1 else 0.0)
+    return found
 
 
 def _resampled(rest: Any, rng: Any, sigma: float) -> Any:

@@ -29,11 +29,20 @@ def noise_scale(problem: Any, found: Any) -> float:
     Mean velocities whose sum of squares is beyond what their given noise allows (once in a thousand) are taken to be as noisy as they are
     far off (Birge's ratio): single numbers have no shape by which a wrong law could be told.
     """
-    free = len(found.residuals) - len(problem.parameters.free) - problem.nuisances
+    exact = _counted(problem, found.residuals)
+    cost = float(np.sum(found.residuals[exact] ** 2))
+    free = int(exact.sum()) - len(problem.parameters.free) - problem.nuisances
     known = all(t.given_sigma for t in problem.targets)
-    if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(found.cost, free) > _RARE)):
+    if free < 1 or (known and (any(t.kind != "mean" for t in problem.targets) or _by_chance(cost, free) > _RARE)):
         return 1.0
-    return float(np.sqrt(found.cost / free))
+    return float(np.sqrt(cost / free))
+
+
+def _counted(problem: Any, residuals: Any) -> Any:
+    """Which residuals, those of what is known beforehand included, have the noise that they have, and no end of a range."""
+    found = np.ones(len(residuals), bool)
+    found[: len(problem.y)] = problem.unclipped(residuals)
+    return found
 
 
 def _by_chance(cost: float, free: int) -> float:
@@ -50,14 +59,14 @@ def noise_sizes(problem: Any, found: Any) -> Any:
     numbers which the record bears, the sum of the leverages of its values. Where the sizes have settled, the sum of all squares is
     :math:`n \exp(\sum_i \frac{n_i}{n} \ln s_i^2)`, which falls as the likelihood rises.
     """
-    counts = np.array([t.count for t in problem.targets])
+    count, exact = len(problem.y), problem.unclipped(found.residuals)
+    counts = np.array([int(part.sum()) for part in problem.parts(exact)])
     sizes = problem.sizes * np.ones(len(counts))
     own = np.array([not t.given_sigma for t in problem.targets]) & (counts >= _ENOUGH)
     if own.sum() < 2:
         return sizes
-    count = len(problem.y)
     borne = np.sum(found.jacobian[:count] * information_of(problem, found.jacobian).inverse[:, :count].T, axis=1)
-    squares, lost = (np.array([part.sum() for part in problem.parts(each)]) for each in (found.residuals[:count] ** 2, borne))
+    squares, lost = (np.array([part.sum() for part in problem.parts(each * exact)]) for each in (found.residuals[:count] ** 2, borne))
     noise = sizes * np.sqrt(np.maximum(squares, np.finfo(float).tiny) / np.maximum(counts - lost, 1.0))
     logs = np.log(noise[own])
     logs = np.clip(logs - np.average(logs, weights=counts[own]), -np.log(_TIMES), np.log(_TIMES))
@@ -74,9 +83,9 @@ def with_noise_of(problem: Any, found: Any) -> Any:
     return problem.trusting(trust, sizes)
 
 
-def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
+def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None, misfit: Any = None) -> Any:
     """Covariance of the numbers of a place, infinite variance for those that are undetermined, also by noise of the input."""
-    found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes))
+    found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes, misfit))
     if changes is not None:
         lost = lost_to_the_input(problem, jacobian, changes)
         found[lost] = found[:, lost] = np.nan
@@ -104,12 +113,12 @@ def from_the_input(problem: Any, jacobian: Any, changes: Any) -> Any:
     return moved @ moved.T / changes.shape[1]
 
 
-def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None) -> Any:
+def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None, misfit: Any = None) -> Any:
     r"""Covariance of the numbers of a place with undetermined directions left out.
 
     With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
     where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal. Then
-    comes what the noise of the input moves (`from_the_input`).
+    comes what the noise of the input moves (`from_the_input`), and what a misfit (`Misfit`) may have moved.
     """
     info = information_of(problem, jacobian)
     found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
@@ -118,7 +127,11 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float,
         if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
             found = found + _coloured(inverse[:, begin:end], residuals[begin:end], scale)
         begin = end
-    return found + from_the_input(problem, jacobian, changes)
+    found = found + from_the_input(problem, jacobian, changes)
+    if misfit is None:
+        return found
+    moved = inverse[:, : len(misfit.columns)] @ misfit.columns
+    return misfit.factor**2 * (found + moved @ moved.T)
 
 
 def correlations_of(covariance: Any) -> Any:

@@ -63,6 +63,8 @@ class Fit(Face):
         What cannot be of one machine: other frequencies of record and drive, motions of other sizes, numbers in a mistaken unit.
     changes : array or None
         By how much other noise of the input (position, load) would change what is met, in standard deviations: (values, repetitions).
+    misfit : Misfit or None
+        What is left besides noise, and what that makes of the errors.
 
     Examples
     --------
@@ -92,6 +94,7 @@ class Fit(Face):
     stopped: bool = False
     doubts: tuple[str, ...] = ()
     changes: NDArray[np.float64] | None = None
+    misfit: Any = None
 
     # ---- how sure ----
     @property
@@ -113,7 +116,7 @@ class Fit(Face):
     @property
     def dof(self) -> int:
         """Degrees of freedom."""
-        return max(self.count - self.fitted, 0)
+        return max(int(np.sum(self.problem.unclipped(self.residuals))) - self.fitted, 0)
 
     @property
     def cost(self) -> float:
@@ -143,12 +146,24 @@ class Fit(Face):
 
         The delay of a record of steady motion is never determined: the drive's phase in the record is not known.
         """
-        first = self.problem.first
-        found = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in enumerate(self.problem.numbers, first)}
-        found |= {n.name: (n.value, 0.0) for n in self.problem.held}
+        found = self._numbers("the sensor")
         asked = self.problem.given is None or "delay" in self.problem.given
         steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
         return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
+
+    @property
+    def drive(self) -> dict[str, tuple[float, float]]:
+        """Harmonics of the drive besides those of the model, in parts of its amplitude: name -> (value, standard error).
+
+        ``sin2`` is the sine of the second, ``cos3[1]`` the cosine of the third in the experiment of the second record.
+        """
+        return self._numbers("the drive")
+
+    def _numbers(self, of: str) -> dict[str, tuple[float, float]]:
+        """Numbers of the sensors, or of the drive: name -> (value, standard error)."""
+        own = ((k, n) for k, n in enumerate(self.problem.numbers, self.problem.first) if n.of == of)
+        found = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in own}
+        return found | {n.name: (n.value, 0.0) for n in self.problem.held if n.of == of}
 
     @cached_property
     def input_spread(self) -> NDArray[np.float64]:

@@ -52,7 +52,8 @@ def undetermined(fit: Any) -> list[str]:
     found, first = [], fit.problem.first
     for members, directions in fit.information.groups:
         names = [fit.names[k] for k in members if k < len(fit.names)]
-        sensors = [fit.problem.numbers[k - first].name for k in members if k >= first]
+        others = [fit.problem.numbers[k - first] for k in members if k >= first]
+        sensors = [n.name for n in others if n.of == "the sensor"]
         if not names:
             continue
         if len(members) == 1 and names[0] in fit.bent and names[0] not in fit.open:
@@ -60,8 +61,8 @@ def undetermined(fit: Any) -> list[str]:
         if len(members) == 1:
             found.append(f"{names[0]} is not determined: it has no effect on the measured values; fix it, or {fit.remedy}")
             continue
-        phases = " the phases and offsets of the records" if len(names) + len(sensors) < len(members) else ""
-        beside = f" beside {listed([f'the {s} of the sensor' for s in sensors])}" if sensors else f" beside{phases}" if phases else ""
+        phases = " the phases and offsets of the records" if len(names) + len(others) < len(members) else ""
+        beside = f" beside {listed([f'{n.name} of {n.of}' for n in others])}" if others else f" beside{phases}" if phases else ""
         said = f"{listed(names)} {'are' if len(names) > 1 else 'is'} not determined{beside}"
         if len(directions) == 1 and len(names) == len(members):
             said += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
@@ -76,7 +77,7 @@ def _advice(fit: Any, sensors: list[str], count: int) -> str:
     """Advice on directions that nothing determines."""
     if not sensors:
         return f"fix {count} of them"
-    effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held)]
+    effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held) if n.of == "the sensor"]
     typed = ", ".join(f'"{name}": {"0.0" if name in sensors else "None"}' for name in effects)
     return f'fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as ("normal", mean, sd)'
 
@@ -135,7 +136,13 @@ def sensor_lines(fit: Any) -> list[str]:
         for name, (value, error) in fit.sensor.items()
         if name in units
     ]
-    return [f"sensor: {', '.join(told)}"] if told else []
+    return ([f"sensor: {', '.join(told)}"] if told else []) + drive_lines(fit)
+
+
+def drive_lines(fit: Any) -> list[str]:
+    """Harmonics of the drive, one sentence for all."""
+    told = [f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'}" for name, (value, error) in fit.drive.items()]
+    return [f"harmonics of the drive, in parts of its amplitude: {', '.join(told)}"] if told else []
 
 
 def input_lines(fit: Any) -> list[str]:
@@ -147,6 +154,7 @@ def input_lines(fit: Any) -> list[str]:
 def cost_lines(fit: Any) -> list[str]:
     """The cost of sensor effects: standard errors with them, with all their numbers known, and with those of one effect known."""
     found, lines = fit.costs, []
+    of_all = "sensor and drive" if fit.drive else "the sensor"
     for name, error in fit.errors.items():
         if name in fit.undetermined:
             continue
@@ -154,7 +162,7 @@ def cost_lines(fit: Any) -> list[str]:
             f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])
         ]
         if found and _matters(error, found[""][name]):
-            lines.append(f"{name}: {sure(error)}, {sure(found[''][name])} with the sensor known{', ' if each else ''}{', '.join(each)}")
+            lines.append(f"{name}: {sure(error)}, {sure(found[''][name])} with {of_all} known{', ' if each else ''}{', '.join(each)}")
     return lines
 
 

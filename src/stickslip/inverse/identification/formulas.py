@@ -45,7 +45,7 @@ def combinations(fit: Any) -> tuple[Combination, ...]:
     weighted sums and products of powers are tried; and where none holds, the one that does so best is told as one that holds near here.
     """
     found, n = list[Combination](), len(fit.names)
-    spread = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes)
+    spread = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit)
     for members, directions in fit.information.groups:
         own = [k for k in members if k < n]
         at = np.array([fit.values[fit.names[k]] for k in own])

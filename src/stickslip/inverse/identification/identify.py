@@ -17,12 +17,14 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.progress import reporting
 from stickslip.basics.quantities import between
 from stickslip.inverse.identification.covariance import noise_scale, spread_of
+from stickslip.inverse.identification.drive_harmonics import with_harmonics
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.fit_text import counted
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.logs_of_machines import bench_of, takes_records
 from stickslip.inverse.identification.mean_velocity_problem import MeansProblem
+from stickslip.inverse.identification.misfit import misfit_of
 from stickslip.inverse.identification.motions import motion_of
 from stickslip.inverse.identification.nesting import nested_seeds
 from stickslip.inverse.identification.parameters import Parameters, parameters
@@ -57,6 +59,7 @@ def identify(
     settle: int | str = "auto",
     transient: bool = False,
     sensor: dict[str, Any] | None = None,
+    harmonics: Any = None,
     weights: Any = None,
     loss: str = "squares",
     body: str | None = None,
@@ -113,6 +116,11 @@ def identify(
         gain=("normal", 1.0, 0.02), drift=None)`` fixes the first, gives a prior for the second, and leaves the third free. Names: offset
         and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal force) and
         inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one for each.
+    harmonics : float or dict, optional
+        How well the harmonics of the drive are known that it has besides those of the model: the standard deviation of sine and cosine of
+        the second and the third in parts of its amplitude, or a dict of it by order (``{2: 0.03, 4: 0.01}``); 0 for a drive that is exactly
+        that of the model. None is 0.02, of records of a velocity or a position, each experiment with its own (``fit.drive``); mean
+        velocities are of the drive of the record of the same experiment.
     weights : array, or list of them, optional
         A weight for each sample (of one record, or of each): a factor on its squared residual. 0 leaves it out.
     loss : {"squares", "huber", "bisquare"}
@@ -150,7 +158,7 @@ def identify(
     _check(records, using, noise, starts, seed)
     records = weighted(records, weights)
     problem = problem_of(
-        records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor, body
+        records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor, body, harmonics
     )
     notes = _notes(records, problem)
     rough = problem.rough()
@@ -172,7 +180,7 @@ def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
     settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
-    body: str | None = None,
+    body: str | None = None, harmonics: Any = None,
 ) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
@@ -195,7 +203,8 @@ def problem_of(
         model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
     numbers, held = sensors_of(sensor, model.targets)
     starts_open = [i for i, t in enumerate(model.targets) if model.remembers and t.any_start]
-    return Sensed(model, with_starts(numbers, held, starts_open), held, given=sensor)
+    numbers = with_harmonics(with_starts(numbers, held, starts_open), harmonics, model.targets, of, first)
+    return Sensed(model, numbers, held, given=sensor, harmonics=harmonics)
 
 
 def _body(model: Any, body: str | None) -> int | None:
@@ -308,6 +317,7 @@ def _fit(
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     changes = None if best.stopped else problem.input_changes(best.place)
+    misfit = misfit_of(problem, best, changes)
     from stickslip import __version__
 
     model = problem.parameters.model(values, 0)
@@ -321,7 +331,7 @@ def _fit(
     }
     return Fit(
         values,
-        spread_of(problem, best.jacobian, best.residuals, scale, changes),
+        spread_of(problem, best.jacobian, best.residuals, scale, changes, misfit),
         problem,
         best.place,
         best.jacobian,
@@ -338,6 +348,7 @@ def _fit(
         stopped=best.stopped,
         doubts=tuple(doubts(problem, values, best.place)),
         changes=changes,
+        misfit=misfit,
     )
 
 

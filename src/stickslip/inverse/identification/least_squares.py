@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.distributions import Distribution
+from stickslip.inverse.identification.censored import tail, tail_slope
 from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
-from stickslip.inverse.identification.sensors import EFFECTS, SensorNumber
+from stickslip.inverse.identification.sensors import SensorNumber
 from stickslip.inverse.identification.smoothing import REDRAWS
 from stickslip.inverse.identification.weak_directions import derivative_along, sharpened
 
@@ -20,8 +21,8 @@ from stickslip.inverse.identification.weak_directions import derivative_along, s
 IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
 _FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
-_OF_THE_CONTACT = ("preload", "start")
-_NUDGE = 1e-5  # of the mean load, or of 1: differences for the derivatives by a preload, and by a start
+_NEAR_THE_END = 4.0  # standard deviations of a value from the end of a range within which noise may clip it
+_NUDGE = 1e-5  # of the mean load, of 1 or of an amplitude: differences for the derivatives by a preload, a start, a harmonic
 
 
 @dataclass(eq=False)
@@ -46,6 +47,8 @@ class Sensed:
         By how much rows of what is known are moved, in standard deviations (bootstrap).
     given : None or dict
         What the user typed for the sensor.
+    harmonics : None, number or dict
+        What the user typed for the harmonics of the drive.
     rows : array or float
         Weights by which a robust loss holds outliers back.
     sizes : array or float
@@ -59,6 +62,7 @@ class Sensed:
     trust: float = 1.0
     shifts: Any = 0.0
     given: Any = None
+    harmonics: Any = None
     rows: Any = 1.0
     sizes: Any = 1.0
     _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
@@ -110,6 +114,25 @@ class Sensed:
         each = np.where([t.given_sigma for t in self.targets], 1 / self.trust, self.sizes)
         return self.model.sigma * np.repeat(each, [t.count for t in self.targets]) / np.sqrt(self.rows)
 
+    @property
+    def clipped(self) -> Any:
+        """Which values sit on the upper end (1) or the lower one (-1) of a sensor's range: array (values,)."""
+        return np.concatenate([t.clipped * np.ones(t.count, int) for t in self.targets])
+
+    def unclipped(self, residuals: Any) -> Any:
+        """Which values are measured themselves and, by the model, would be with any noise; array (values,) of bool.
+
+        Of those that are nearly at the end of a range only some noise is seen, so that what is left of them is no sample of it.
+        """
+        found = []
+        for t, rest, sigma in zip(self.targets, *map(self.parts, (residuals[: len(self.y)], self.sigma)), strict=True):
+            inside = t.exact
+            for side in (1, -1):
+                if np.any(t.clipped == side):
+                    inside = inside & (side * (t.y + rest * sigma) < np.max(side * t.y) - _NEAR_THE_END * sigma)
+            found.append(inside)
+        return np.concatenate(found)
+
     # ---- others like it ----
     def _like(self, model: Any, **changes: Any) -> Sensed:
         return dataclasses.replace(self, model=model, _memory={}, **changes)
@@ -127,8 +150,13 @@ class Sensed:
         return self._like(self.model.leaving_out(effects))
 
     def rough(self) -> Sensed:
-        """The same fit for the search."""
-        return self._like(self.model.rough())
+        """The same fit for the search, in which drives have no harmonics."""
+        return self._like(self.model.rough(), numbers=tuple(n for n in self.numbers if n.searched))
+
+    def whole(self, place: Any) -> Any:
+        """A place of the search with the numbers that it lacks, at those of an ideal drive."""
+        own = iter(place[self.first :])
+        return np.array([*place[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
 
     def trusting(self, trust: float, sizes: Any = None) -> Sensed:
         """The same fit where the records' noise is known better, and that of each beside the others."""
@@ -140,7 +168,7 @@ class Sensed:
 
     def holding(self, names: Any, place: Any = None) -> Sensed:
         """The same fit with some numbers of the sensors held: where a place has them, else at those of an ideal sensor."""
-        values = [EFFECTS[n.what].neutral for n in self.numbers] if place is None else place[self.first :]
+        values = [n.neutral for n in self.numbers] if place is None else place[self.first :]
         kept = tuple(n for n in self.numbers if n.name not in names)
         fixed = tuple(dataclasses.replace(n, value=float(v)) for n, v in zip(self.numbers, values, strict=True) if n.name in names)
         return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
@@ -166,7 +194,7 @@ class Sensed:
 
     def batch(self, places: Any) -> Any:
         """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
-        return np.clip(self.y[:, None], *self.ends(places))
+        return self._met(self.ends(places))
 
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
@@ -174,8 +202,27 @@ class Sensed:
         return None if h is None else self._met(self._shown(h, self.readings(place)))
 
     def _met(self, ends: tuple[Any, Any]) -> Any:
-        """The measured value if it lies between the least and the greatest value, else the nearer of these."""
-        return np.clip(self.y, *ends)
+        """The measured value if it lies between the least and the greatest value, else the nearer of these; of clipped samples the farther.
+
+        Arrays (values,) or (values, cases).
+        """
+        least, most = ends
+        y, clipped = (each if least.ndim == 1 else each[:, None] for each in (self.y, self.clipped))
+        found = np.clip(y, least, most)
+        return np.where(clipped == 0, found, np.where(clipped > 0, most, least)) if clipped.any() else found
+
+    def standardised(self, ends: tuple[Any, Any]) -> Any:
+        """(model - measured) / sigma of the least and the greatest values; of clipped samples `tail`."""
+        met = self._met(ends)
+        y, sigma, clipped = (each if met.ndim == 1 else each[:, None] for each in (self.y, self.sigma, self.clipped))
+        found = (met - y) / sigma
+        return np.where(clipped == 0, found, -clipped * tail(clipped * found)) if clipped.any() else found
+
+    def _counting(self, ends: tuple[Any, Any]) -> Any:
+        """By how much residuals rise for each standard deviation of what is met: 1, and less for clipped samples; array (values,)."""
+        clipped = self.clipped
+        beyond = clipped * (self._met(ends) - self.y) / self.sigma
+        return np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else np.ones(len(clipped))
 
     def _modelled(self, place: Any) -> tuple[Any, Any] | None:
         """Least and greatest values that the model gives before any sensor; the last few places are remembered."""
@@ -216,7 +263,7 @@ class Sensed:
     def rest(self, ends: Any, place: Any) -> Any:
         """(model - measured) / sigma of the least and the greatest values that a place gives, then the rows of what is known."""
         possible = ends is not None and np.isfinite(ends).all()
-        values = (self._met(ends) - self.y) / self.sigma if possible else np.full(len(self.y), IMPOSSIBLE)
+        values = self.standardised(ends) if possible else np.full(len(self.y), IMPOSSIBLE)
         return np.concatenate([values, self._known_rows(place)])
 
     def _known_rows(self, place: Any) -> Any:
@@ -258,8 +305,9 @@ class Sensed:
             slopes = np.zeros((len(self.y), len(place)))
         else:
             columns = _both(lambda each: self._of_records(change_shown, each, readings), own)
-            main = self._at_the_nearer(columns, self._shown(h, readings))
-            slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
+            shown = self._shown(h, readings)
+            main, counting = self._at_the_nearer(columns, shown), self._counting(shown) / self.sigma
+            slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) * counting[:, None]
             slopes = sharpened(slopes, partial(derivative_along, self, place, slopes), self.resolution) if self.model.kinked else slopes
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
@@ -271,14 +319,17 @@ class Sensed:
         (of_least, of_most), (least, most) = columns, ends
         if most is least:
             return of_least
-        return np.where((self.y >= most)[:, None], of_most, np.where((self.y <= least)[:, None], of_least, 0.0))
+        upper, lower = (
+            np.where(self.clipped == 0, inside, self.clipped == side) for side, inside in ((1, self.y >= most), (-1, self.y <= least))
+        )
+        return np.where(upper[:, None], of_most, np.where(lower[:, None], of_least, 0.0))
 
     def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
-        found = self._in_proportion(h, readings, [n for n in self.numbers if n.what not in _OF_THE_CONTACT])
+        found = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
         for k, number in enumerate(self.numbers):
-            if number.what in _OF_THE_CONTACT:
-                found = np.insert(found, k, self._contact_slope(place, self.first + k, number), axis=1)
+            if number.in_the_model:
+                found = np.insert(found, k, self._model_slope(place, self.first + k, number), axis=1)
         return found
 
     def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
@@ -289,8 +340,8 @@ class Sensed:
         columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
         return self._at_the_nearer(columns, self._shown(h, readings))
 
-    def _contact_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
-        """Derivative of the values by a preload or a start, which act on the model itself."""
+    def _model_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
+        """Derivative of the values by a preload, a start or a harmonic of the drive, which act on the model itself."""
         step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
         both = np.stack([place, place])
         both[:, k] += (step, -step)
@@ -308,12 +359,13 @@ class Sensed:
     def _linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
         """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""
         readings = self.readings(whole)
-        rest = (self._met(self._shown(h, readings)) - self.y) / self.sigma
+        shown = self._shown(h, readings)
+        rest, counting = self.standardised(shown), self._counting(shown) / self.sigma
         moved = [k for k, n in enumerate(self.numbers) if n.what in _LINEAR]
         values = np.array([n.value for n in self.numbers])
         if not moved:
             return values, float(rest @ rest)
-        columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) / self.sigma[:, None]
+        columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) * counting[:, None]
         sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
         away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
         for _ in range(2 if self.has_known_rows else 1):  # what is known beforehand counts by what is left, once that is seen

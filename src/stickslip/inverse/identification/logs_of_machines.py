@@ -99,6 +99,11 @@ class Bench(Compared):
         return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
 
     @property
+    def moved(self) -> tuple[Any, Any, Any]:
+        """Times, positions and velocities of the values."""
+        return self.t[self.at], self.x[self.at], self.v[self.at]
+
+    @property
     def step(self) -> float:
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])

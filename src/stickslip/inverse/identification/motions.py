@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.inverse.identification.censored import sides_of
 from stickslip.inverse.identification.clocks import together
 from stickslip.inverse.identification.law_forces import driven_force, slide
 from stickslip.inverse.identification.measured_motion import motion_behind, noise_of_velocity
@@ -94,6 +95,12 @@ class Motion(Compared):
         found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
         return found & (self.weights > 0)
 
+    @cached_property
+    def clipped(self) -> Any:
+        """Which values sit on an end of the range of the load cell."""
+        sides = sides_of(self.force)
+        return sides if np.ndim(sides) == 0 else sides[self.compared]
+
     @property
     def weight(self) -> Any:
         """Weight of each value."""
@@ -103,6 +110,12 @@ class Motion(Compared):
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
         return self.t[self.compared] - 0.5 * (self.t[self.before] + self.t[-1])
+
+    @property
+    def moved(self) -> tuple[Any, Any, Any]:
+        """Times, positions (from the first sample) and velocities of the values."""
+        x = np.cumsum(self.v * np.diff(self.t, prepend=self.t[0]))
+        return self.t[self.compared], x[self.compared], self.at[self.compared]
 
     @property
     def step(self) -> float:

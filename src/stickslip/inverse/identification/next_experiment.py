@@ -155,7 +155,8 @@ def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], 
 
 def _same(fit: Fit) -> list[tuple[int, Any]]:
     """Numbers of the sensor of the first record, and where they stand among those of the fit."""
-    return [(k, replace(n, records=(0,), prior=None)) for k, n in enumerate(fit.problem.numbers, fit.problem.first) if 0 in n.records]
+    own = ((k, n) for k, n in enumerate(fit.problem.numbers, fit.problem.first) if 0 in n.records and n.of == "the sensor")
+    return [(k, replace(n, records=(0,), prior=None)) for k, n in own]
 
 
 def _numbers(fit: Fit, given: Any, target: Any) -> tuple[Any, Any]:

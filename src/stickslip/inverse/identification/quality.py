@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.inverse.identification.covariance import neighbours
-from stickslip.inverse.identification.fit_text import unit_of_values
-from stickslip.inverse.identification.structure import structure
+from stickslip.inverse.identification.fit_text import OVER_MOTION, unit_of_values
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -35,7 +34,8 @@ class Quality:
     correlation : float
         Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
     coloured : bool
-        Whether residuals are those of noise at equal phases of the drive, so that a correlation is not due to law or drive.
+        Whether residuals are those of noise at equal phases of the drive, or over velocities and places, so that a correlation is not due
+        to law or drive.
     unit : str
         SI unit of the values.
     """
@@ -88,29 +88,34 @@ def _of_input(fit: Fit) -> list[float]:
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """Goodness of fit of each record."""
     found = []
-    rests, inputs = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit)
-    for target, curve, rest, of_input in zip(fit.problem.targets, fit.predicted, rests, inputs, strict=True):
-        y = curve - rest
-        square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
+    rests, inputs, plain = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit), fit.problem.unclipped(fit.residuals)
+    structure = fit.misfit.said if fit.misfit else ("",) * len(rests)
+    for target, exact, rest, of_input, said in zip(fit.problem.targets, fit.problem.parts(plain), rests, inputs, structure, strict=True):
+        y = target.y
+        square, spread = (
+            target.mean_square(rest, exact),
+            target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))), exact),
+        )
         r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
         noise = float(getattr(target, "sigma", float("nan")))
         known = target.kind in ("velocity", "position") or target.given_sigma
         periodic = target.kind == "velocity" and not target.transient and target.phase[-1] > 2 * target.period
         order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
-        folded, shape = neighbours(rest[order]), max(neighbours(rest), neighbours(rest[order]), key=abs)
-        coloured = periodic and abs(folded) < 3.5 / np.sqrt(len(rest))
+        known_ones, in_phase = rest[exact], rest[order][exact[order]]
+        folded, shape = neighbours(in_phase), max(neighbours(known_ones), neighbours(in_phase), key=abs)
+        coloured = (periodic and abs(folded) < 3.5 / np.sqrt(len(known_ones))) or (target.kind in OVER_MOTION and not said)
         found.append(
             Quality(
                 target.label,
                 target.kind,
-                len(rest),
+                len(known_ones),
                 float(np.sqrt(square)),
                 noise if known else float("nan"),
                 r2,
                 shape,
                 coloured,
                 unit_of_values(target),
-                structure(target, rest, fit.problem.rows),
+                said,
                 of_input,
             )
         )

@@ -213,7 +213,7 @@ def prediction_errors(
     names = machine_of(fit.model()).part_names.get("body", ()) if body is not None else ()
     whole = problem_of(
         as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor,
-        body=None if body is None else names[body],
+        body=None if body is None else names[body], harmonics=fit.problem.harmonics,
     )  # fmt: skip
     problem = whole.only(fit.values)
     found = polished_to_end(problem, problem.aligned(np.empty(0)))

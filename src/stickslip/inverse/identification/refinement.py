@@ -11,7 +11,6 @@ from stickslip.inverse.identification.covariance import information_of, neighbou
 from stickslip.inverse.identification.fit_text import listed
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.search import Found, polished
-from stickslip.inverse.identification.sensors import EFFECTS
 from stickslip.inverse.identification.weighting import robust_weights
 
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
@@ -23,9 +22,10 @@ _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found 
 
 def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
     """The problem with its noise as the residuals have it, and the best place."""
+    place = problem.whole(rough.place)
     if rough.stopped:
-        return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
-    best = polished(problem, rough.place)
+        return problem, Found(place, problem.residuals(place), problem.jacobian(place), rough.steps, True)
+    best = polished(problem, place)
     for _ in range(_ROUNDS):
         told = with_noise_of(problem, best)
         if best.stopped or told is problem:
@@ -64,7 +64,7 @@ def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
     if not held:
         return best
     kept = _kept(problem, held)
-    place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
+    place = np.array([*best.place[: problem.first], *(n.neutral for n in problem.numbers)])
     place[kept] = found.place
     return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
 

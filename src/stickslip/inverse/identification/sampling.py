@@ -12,6 +12,7 @@ from stickslip.basics.optional import library
 from stickslip.basics.progress import reporting
 from stickslip.inverse.identification.covariance import determined_spread, effective, root_of
 from stickslip.inverse.identification.fit_text import unit_of_parameter, unit_of_values
+from stickslip.inverse.identification.uncertainty import widening
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,7 +102,7 @@ def _check(draws: int, walkers: int, burn: int, size: int) -> None:
 
 def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     """Where walkers begin: about the best place as the covariance has it, over all of what the data do not determine."""
-    determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes)
+    determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit)
     places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ root_of(determined).T
     for members, directions in fit.information.groups:
         for direction in directions:
@@ -126,7 +127,7 @@ class _Posterior:
         self.fit, self.low, self.high = fit, low, high
         rest = fit.problem.parts(fit.residuals)
         self.worth = np.concatenate([np.full(len(r), effective(r) / len(r)) for r in rest])
-        self.worth *= _told_less(fit)
+        self.worth *= _told_less(fit) / max(widening(fit).values(), default=1.0) ** 2
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
 
@@ -139,8 +140,7 @@ class _Posterior:
         return found
 
     def _inside(self, places: Any) -> Any:
-        problem, values = self.fit.problem, self.fit.problem.batch(places)
-        rests = (values - problem.y[:, None]) / problem.sigma[:, None]
+        rests = self.fit.problem.standardised(self.fit.problem.ends(places))
         cost = np.sum(self.worth[:, None] * rests**2, axis=0)
         told = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
         known = np.array([self._known(place) for place in places])
@@ -164,7 +164,7 @@ def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
         found[f"{what}[{record}]"] = np.asarray, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
     for number in fit.problem.numbers:
         unit = number.unit(unit_of_values(fit.problem.targets[number.records[0]]))
-        found[f"sensor {number.name}"] = np.asarray, {"units": unit}
+        found[f"{number.of.removeprefix('the ')} {number.name}"] = np.asarray, {"units": unit}
     return found
 
 
@@ -205,7 +205,7 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
     ends = (0.5 - 0.5 * level, 0.5 + 0.5 * level)
     low, high = np.quantile(curves, ends, axis=1)
     new_low, new_high = np.quantile(curves + sigma * rng.normal(size=curves.shape), ends, axis=1)
-    y = fit.predicted[record] - fit.problem.parts(fit.residuals * fit.problem.sigma)[record]
+    y = fit.problem.parts(fit.problem.y)[record]
     unit = {"units": unit_of_values(fit.problem.targets[record])}
     data = {"measured": y, "fitted": fit.predicted[record], "low": low, "high": high, "predicted_low": new_low, "predicted_high": new_high}
     time = fit.problem.targets[record].time if fit.problem.targets[record].kind != "mean" else np.zeros(len(y))
@@ -217,7 +217,7 @@ def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | 
 
 def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
     """Places as the covariance spreads them; along what the data do not determine nothing measured changes."""
-    root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes))
+    root = root_of(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit))
     return np.clip(fit.place + rng.normal(size=(draws, len(fit.place))) @ root.T, *fit.problem.bounds())
 
 

@@ -55,6 +55,7 @@ EFFECTS = {
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
     "start": Effect(("force", *_APPLIED), 0.0, Distribution("uniform", -1.5, 1.5), False, None),  # a slow slide bends by 1
 }
+_OF_THE_CONTACT = ("preload", "start")
 _DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
 _PRESSED = 0.999  # of the least load, that a preload may take away
 _ENOUGH = 60  # values of a record that bear all numbers of its sensor
@@ -86,6 +87,31 @@ class SensorNumber:
     def what(self) -> str:
         """The effect."""
         return self.name.partition("[")[0]
+
+    @property
+    def neutral(self) -> float:
+        """The value of an ideal sensor."""
+        return EFFECTS[self.what].neutral
+
+    @property
+    def in_the_model(self) -> bool:
+        """Whether it changes what the model gives, and not what the sensor makes of that."""
+        return self.what in _OF_THE_CONTACT
+
+    @property
+    def searched(self) -> bool:
+        """Whether the search moves it, and not only the steps from its best place."""
+        return True
+
+    @property
+    def family(self) -> str:
+        """The effect, or the name of several that are known or unknown together."""
+        return self.what
+
+    @property
+    def of(self) -> str:
+        """Whose number it is, in words."""
+        return "the sensor"
 
     @property
     def bounds(self) -> tuple[float, float]:

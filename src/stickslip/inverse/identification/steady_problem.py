@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stickslip.basics.errors import InputError, SolveError
+from stickslip.inverse.identification.drive_harmonics import ripple_of, rippled
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 from stickslip.inverse.identification.steady_curves import SteadyCurve, steady_curve, transient_curve
 from stickslip.inverse.identification.targets import Target, of_body
@@ -18,6 +19,7 @@ from stickslip.solvers import solve
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 _PLACES = (0.0, 0.25, -0.25, 0.5, -0.5)  # of its reach, where a transient is tried to begin
 _GRID = 256  # phases tried for the alignment of a curve
+_KEPT = 8  # curves of each record that are remembered
 
 
 @dataclass(eq=False)
@@ -45,7 +47,7 @@ class SteadyProblem(OverParameters):
     kinked: bool = True  # not in the search, whose derivatives are one-sided
     solves: int = 0
     _warm: dict[int, Any] = field(default_factory=dict)
-    _curves: dict[tuple[Any, ...], list[Any] | None] = field(default_factory=dict)
+    _curves: dict[tuple[Any, ...], Any] = field(default_factory=dict)
 
     # ---- layout ----
     @property
@@ -91,9 +93,12 @@ class SteadyProblem(OverParameters):
         return self._like(rtol=max(self.rtol, 1e-6), kinked=False)
 
     # ---- predictions ----
-    def predicted(self, place: Any) -> Any:
-        """Values of all records in the order of `y`; None where the parameters make no model."""
-        motions = self._motions(place)
+    def predicted(self, place: Any, readings: Any = None) -> Any:
+        """Values of all records in the order of `y`; None where the parameters make no model.
+
+        Of the readings of a record the harmonics of its drive count, which are of the motion.
+        """
+        motions = self._motions(place, readings)
         if motions is None:
             return None
         parts = []
@@ -113,62 +118,66 @@ class SteadyProblem(OverParameters):
                 found.setdefault(i, {})[name] = float(place[k]) * size(self.targets[i]) if len(place) > n else 0.0
         return found
 
-    def _motions(self, place: Any) -> list[Any] | None:
-        """The curve of each record; the last few places are remembered."""
-        starts = self._starts(place)
-        place = place[: len(self.parameters.free)]
-        key = (*np.asarray(place, float).tolist(), *(value for start in starts.values() for value in start.values()))
-        if key not in self._curves:
-            if len(self._curves) > 8:
-                self._curves.pop(next(iter(self._curves)))
-            self._curves[key] = self._solved(place, starts)
-        return self._curves[key]
+    def _motions(self, place: Any, readings: Any = None) -> list[Any] | None:
+        """The curve of each record; the last few of each are remembered."""
+        starts, free = self._starts(place), np.asarray(place[: len(self.parameters.free)], float)
+        found = []
+        for i in range(len(self.targets)):
+            ripple = ripple_of(readings[i]) if readings else {}
+            key = (i, *free.tolist(), *starts.get(i, {}).values(), *ripple.items())
+            curve = (
+                self._curves.pop(key) if key in self._curves else self._solved(free, i, starts.get(i, {}), readings[i] if ripple else {})
+            )
+            self._curves[key] = curve  # as the last one that was asked for
+            found.append(curve)
+        while len(self._curves) > _KEPT * len(self.targets):
+            self._curves.pop(next(iter(self._curves)))
+        return None if any(curve is None for curve in found) else found
 
-    def _solved(self, place: Any, starts: dict[int, dict[str, float]]) -> list[Any] | None:
-        values = self.parameters.values(place)
-        found: list[Any] = []
+    def _solved(self, free: Any, i: int, start: dict[str, float], reading: dict[str, Any]) -> Any:
+        """The curve of one record; None where there is none."""
+        target = self.targets[i]
+        self.solves += 1
         try:
-            for i, target in enumerate(self.targets):
-                self.solves += 1
-                model = self.parameters.model(values, i)
-                if target.transient:
-                    found.append(transient_curve(model, starts[i], int(target.phase[-1]) + 3, self.rtol, target.body))
-                    continue
-                motion = steady_curve(model, self._warm.get(i), self.rtol, target.body)
-                self._warm[i] = motion.end
-                found.append(motion)
+            model = rippled(self.parameters.model(self.parameters.values(free), i), reading)
+            if target.transient:
+                return transient_curve(model, start, int(target.phase[-1]) + 3, self.rtol, target.body)
+            motion = steady_curve(model, self._warm.get(i), self.rtol, target.body)
         except (InputError, SolveError):
             return None
-        return found
+        self._warm[i] = motion.end
+        return motion
 
     def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
         """The least and the greatest values for many places (cases, numbers): arrays (values, cases), of motions one and the same.
 
         NaN where a place makes no model.
         """
-        found = [self.predicted(place) for place in places]
+        found = [self.predicted(place, _case(readings, k)) for k, place in enumerate(places)]
         values = np.stack([np.full(len(self.y), np.nan) if each is None else each for each in found], axis=1)
         return values, values
 
     def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
         """Derivatives of the least and the greatest values, which are the same; those for the phases need no solve."""
-        n, here = len(self.parameters.free), self.predicted(place)
+        one = _case(readings, 0)
+        n, here = len(self.parameters.free), self.predicted(place, one)
         columns = []
         for k in range(n):
-            columns.append(self._slope(place, k, here))
-        slopes = {i: self._phase_slope(place, i) for i in self.curves}
+            columns.append(self._slope(place, k, here, one))
+        slopes = {i: self._phase_slope(place, i, one) for i in self.curves}
         for k, (i, what) in enumerate(self._timing):
-            columns.append(self._slope(place, n + k, here) if what in _BEGINS else slopes[i] * (self._course(i) if what == "slip" else 1.0))
+            course = self._course(i) if what == "slip" else 1.0
+            columns.append(self._slope(place, n + k, here, one) if what in _BEGINS else slopes[i] * course)
         found = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
         return found, found
 
-    def _slope(self, place: Any, k: int, here: Any) -> Any:
+    def _slope(self, place: Any, k: int, here: Any, readings: Any) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
         h, sides = 10 * _STEP if not self.kinked else _STEP, []
         for sign in (1.0, -1.0):
             moved = np.array(place, float)
             moved[k] += sign * h
-            found = self.predicted(moved) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
+            found = self.predicted(moved, readings) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
             if found is not None:
                 sides.append((sign * h, found))
             if sides and not self.kinked:
@@ -179,13 +188,14 @@ class SteadyProblem(OverParameters):
             step, once = sides[0]
             moved = np.array(place, float)
             moved[k] += 2 * step
-            twice = self.predicted(moved) if self.kinked and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0 else None
+            inside = self.kinked and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0
+            twice = self.predicted(moved, readings) if inside else None
             return (once - here) / step if twice is None else (4 * (once - here) - (twice - here)) / (2 * step)
         return np.zeros(len(self.y))
 
-    def _phase_slope(self, place: Any, i: int, h: float = 1e-6) -> Any:
+    def _phase_slope(self, place: Any, i: int, readings: Any, h: float = 1e-6) -> Any:
         """Derivative of the values of record i by its phase; zero for the others."""
-        motions = self._motions(place)
+        motions = self._motions(place, readings)
         parts = [np.zeros(t.count) for t in self.targets]
         if motions is not None:
             phase = self._phase(place, i)
@@ -220,7 +230,9 @@ class SteadyProblem(OverParameters):
         if not target.transient:
             return best_phase(target, motion)
         late = target.phase > 0.5 * target.phase[-1]
-        tail = dataclasses.replace(target, phase=target.phase[late], y=target.y[late], weight=(target.weight * np.ones(target.count))[late])
+        tail = dataclasses.replace(
+            target, phase=target.phase[late], y=target.y[late], clipped=0, weight=(target.weight * target.exact)[late]
+        )
         try:
             steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol, target.body)
         except (InputError, SolveError):
@@ -253,6 +265,13 @@ class SteadyProblem(OverParameters):
         return score
 
 
+def _case(readings: Any, k: int) -> Any:
+    """The readings of one of many cases."""
+    return readings and [
+        {name: float(value[k] if np.size(value) > 1 else np.ravel(value)[0]) for name, value in r.items()} for r in readings
+    ]
+
+
 _FEATURES = ("mean_velocity", "velocity_max", "velocity_min")
 
 
@@ -269,7 +288,12 @@ def _distance(target: Target, seen: dict[str, Any], offset: float | None) -> Any
     if offset is None:  # the extremes from the mean, which says nothing
         wanted, seen = ({name: each[name] - each["mean_velocity"] for name in _FEATURES} for each in (wanted, seen))
         offset = 0.0
-    return sum(((seen[name] + offset - wanted[name]) / scale) ** 2 for name in _FEATURES)
+    apart = {name: (seen[name] + offset - wanted[name]) / scale for name in _FEATURES}
+    if np.any(target.clipped > 0):  # an extreme is that or beyond
+        apart["velocity_max"] = np.minimum(apart["velocity_max"], 0.0)
+    if np.any(target.clipped < 0):
+        apart["velocity_min"] = np.maximum(apart["velocity_min"], 0.0)
+    return sum(each**2 for each in apart.values())
 
 
 def _smoothed(target: Target) -> Any:
@@ -300,7 +324,7 @@ def modelled_values(target: Target, motion: Any, phase: Any) -> Any:
     if target.kind == "velocity":
         return motion.v(phase)
     x = motion.x(phase)
-    return x + np.average(target.y - x, weights=target.weight)
+    return x + np.average(target.y - x, weights=target.weight * target.exact)
 
 
 def best_phase(target: Target, motion: SteadyCurve) -> float:

@@ -1,50 +1,146 @@
-"""What is left of a record where a wrong law or drive must show: at multiples of the drive, over its cycle, from half to half.
+"""What is left of a record where a wrong law or drive must show.
 
-Each test gives a probability under noise, whose size is that of what is left away from where the structure would stand. The smallest
-probability is held against the level divided by the number of tests (Bonferroni), so that a record by the right law is blamed once in
-five hundred.
+Of a shaken robot that is at multiples of the drive, over its cycle, and from half to half of the record; of a force or a torque over a
+motion it is over velocities, over places, after reversals, and from half to half.
+
+Each test gives a probability under noise, whose size is that of what is left away from where the structure would stand; its colour, and
+what noise of the motion makes, are allowed for. The smallest probability is held against the level divided by the number of tests
+(Bonferroni), so that a record by the right law is blamed once in five hundred.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.inverse.identification.fit_text import OVER_MOTION
+
 _LEVEL = 2e-3  # of all tests of a record together
 _LINES = 8  # multiples of the drive
 _BINS = 24  # of a cycle
-_ENOUGH = 60  # values
+_VELOCITIES, _PLACES = 16, 8  # bins of equal count
+_AFTER = (0.01, 0.03, 0.1, 0.3)  # parts of the usual way between reversals, from one of which on a bin begins
+_ENOUGH, _LEAST = 60, 4  # values, and values in a bin
 
 
-def structure(target: Any, rest: Any, rows: Any = 1.0) -> str:
-    """The structure in the residuals of a record, in words; empty where there is none, or the record has no drive."""
-    if target.kind != "velocity" or len(rest) < _ENOUGH or target.within > 0 or np.ndim(rows):
-        return ""
-    rest = rest * np.sqrt(target.weight * np.ones(len(rest)))
-    found = [*_lines(target.phase, rest), *_cycle(target, rest), *_halves(target.phase, rest)]
-    if not found:
-        return ""
-    chance, said = min(found)
-    return said if chance * len(found) < _LEVEL else ""
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """One place where structure may stand.
+
+    Parameters
+    ----------
+    said : str
+    chance : float
+        How often noise alone leaves as much.
+    basis : array (values, directions)
+        Where it stands, orthonormal columns.
+    power : float
+        Mean square of what is left along each of these directions, less that of noise.
+    """
+
+    said: str
+    chance: float
+    basis: Any
+    power: float
 
 
-def _lines(phase: Any, rest: Any) -> list[tuple[float, str]]:
+def structures(target: Any, rest: Any, which: Any, inputs: Any = None) -> list[Structure]:
+    """The structure in the residuals of a record, the least likely first; empty where there is none, or no test for it.
+
+    Parameters
+    ----------
+    rest : array (values,)
+        What is left, in standard deviations.
+    which : array (values,) of bool
+        The values that count.
+    inputs : array (values, repetitions), optional
+        What other noise of the motion would leave.
+    """
+    over_motion = target.kind in OVER_MOTION
+    which = which & (rest != 0) if over_motion else which  # a contact that is held bears what was measured
+    if int(which.sum()) < _ENOUGH or target.within > 0 or target.kind == "mean":
+        return []
+    rest, inputs = rest[which], None if inputs is None else inputs[which]
+    made = _over_motion(*(each[which] for each in target.moved)) if over_motion else _in_phase(target.phase[which], float(target.period))
+    found = [_tested(basis, rest, inputs, said) for basis, said in made]
+    found += [] if over_motion else _lines(target.phase[which], rest)
+    clear = sorted((one for one in found if one.chance * len(found) < _LEVEL), key=lambda one: one.chance)
+    return [Structure(one.said, one.chance, _spread_out(one.basis, which), one.power) for one in clear]
+
+
+def _spread_out(basis: Any, which: Any) -> Any:
+    """A basis of some values as one of all."""
+    found = np.zeros((len(which), basis.shape[1]))
+    found[which] = basis
+    return found
+
+
+def _tested(basis: Any, rest: Any, inputs: Any, said: str) -> Structure:
+    """What is left along some directions beside what is left elsewhere."""
+    from scipy.stats import f as ratio
+
+    n, d = basis.shape
+    along = basis.T @ rest
+    left = rest - basis @ along
+    power, within = float(along @ along) / d, max(float(left @ left) / (n - d), 1e-300)
+    usual = within * _colour(left) + (0.0 if inputs is None else float(np.mean(np.sum((basis.T @ inputs) ** 2, axis=0))) / d)
+    words = said.format(np.sqrt(power / within))
+    return Structure(words, float(ratio.sf(power / usual, d, n - d)), basis, max(power - usual, 0.0))
+
+
+def _colour(rest: Any) -> float:
+    """By how much colour of the noise makes sums scatter more than those of white noise, 1 or more."""
+    from stickslip.inverse.identification.covariance import effective
+
+    return float(max(len(rest) / effective(rest), 1.0))
+
+
+def _bins(index: Any) -> Any:
+    """Directions along which all values of a bin are the same; None where there are fewer than two bins with values enough."""
+    numbers, index, count = np.unique(index, return_inverse=True, return_counts=True)
+    kept = count >= _LEAST
+    if kept.sum() < 2:
+        return None
+    return (index[:, None] == np.arange(len(numbers))[kept]) / np.sqrt(count[kept])
+
+
+def _unit(columns: Any) -> Any:
+    """Orthonormal directions that span some columns."""
+    return np.linalg.qr(np.stack(columns, axis=1))[0]
+
+
+# ---- steady motion of a drive ----
+def _in_phase(phase: Any, period: float) -> Iterator[tuple[Any, str]]:
+    """The mean over the cycle of the motion, and a phase that slips or a motion that changes from half to half."""
+    index = np.minimum((np.mod(phase, period) / period * _BINS).astype(int), _BINS - 1)
+    if phase[-1] >= 2 * period and np.bincount(index, minlength=_BINS).min() >= _LEAST:
+        yield _bins(index), "mean over the cycle of the drive {:.2g} times that of noise"
+    side = np.where(np.arange(len(phase)) < len(phase) // 2, 1.0, -1.0)
+    turn = 2 * np.pi * phase
+    said = "first and second half of the record differ at the drive frequency by {:.2g} standard errors"
+    yield _unit([side * np.cos(turn), side * np.sin(turn)]), said
+
+
+def _lines(phase: Any, rest: Any) -> list[Structure]:
     """Amplitudes at multiples of the drive, beside those at frequencies around them (colour of the noise)."""
+    from scipy.stats import f as ratio
+
     periods = float(phase[-1] - phase[0])
     if periods < 6:
         return []
-    from scipy.stats import f as ratio
-
-    most = min(_LINES, int(0.4 * len(rest) / periods))
     away = np.concatenate([-np.arange(2, 8), np.arange(2, 8)]) / periods
     found = []
-    for n in range(1, most + 1):
+    for n in range(1, min(_LINES, int(0.4 * len(rest) / periods)) + 1):
         here, around = _power(phase, rest, n), np.array([_power(phase, rest, n + d) for d in away if n + d > 0])
-        usual = float(np.mean(around))
-        size = here / max(usual, 1e-300)
-        chance = float(ratio.sf(size, 2, 2 * len(around)))
-        found.append((chance, f"{_ordinal(n)} harmonic of the drive left at {np.sqrt(2 * size):.2g} standard errors"))
+        usual = max(float(np.mean(around)), 1e-300)
+        said = f"{_ordinal(n)} harmonic of the drive left at {np.sqrt(2 * here / usual):.2g} standard errors"
+        basis = _unit([np.cos(2 * np.pi * n * phase), np.sin(2 * np.pi * n * phase)])
+        along = basis.T @ rest
+        power = max(float(along @ along) / 2 * (1 - usual / here), 0.0) if here > 0 else 0.0
+        found.append(Structure(said, float(ratio.sf(here / usual, 2, 2 * len(around))), basis, power))
     return found
 
 
@@ -56,38 +152,30 @@ def _ordinal(n: int) -> str:
     return {1: "first", 2: "second", 3: "third"}.get(n, f"{n}th")
 
 
-def _cycle(target: Any, rest: Any) -> list[tuple[float, str]]:
-    """The mean residual over the cycle of the motion, in bins, beside the scatter within them."""
-    from scipy.stats import f as ratio
-
-    period = float(target.period)
-    index = np.minimum((np.mod(target.phase, period) / period * _BINS).astype(int), _BINS - 1)
-    count = np.bincount(index, minlength=_BINS)
-    if target.phase[-1] < 2 * period or count.min() < 4:
-        return []
-    mean = np.bincount(index, rest, _BINS) / count
-    within = float(np.sum((rest - mean[index]) ** 2) / (len(rest) - _BINS))
-    size = float(np.sum(count * mean**2) / _BINS) / max(within, 1e-300)
-    loosened = size / _colour(rest - mean[index])
-    return [
-        (float(ratio.sf(loosened, _BINS, len(rest) - _BINS)), f"mean over the cycle of the drive {np.sqrt(size):.2g} times that of noise")
+# ---- forces over a motion ----
+def _over_motion(t: Any, x: Any, v: Any) -> Iterator[tuple[Any, str]]:
+    """Means over velocities, over places in either direction, after reversals, and halves of the record."""
+    forwards = v > 0
+    found = [
+        (_bins(_ranked(v, _VELOCITIES)), "mean over velocities {:.2g} times that of noise"),
+        (_bins(2 * _ranked(x, _PLACES) + forwards), "mean over places {:.2g} times that of noise"),
     ]
+    turns = np.flatnonzero(np.diff(forwards)) + 1
+    if len(turns) > 1:
+        first = np.maximum.accumulate(np.where(np.isin(np.arange(len(x)), turns), np.arange(len(x)), 0))
+        way = abs(x - x[first]) / (float(np.median(abs(np.diff(x[turns])))) or 1.0)
+        found.append((_bins(2 * np.searchsorted(_AFTER, way) + forwards), "mean after reversals {:.2g} times that of noise"))
+    for basis, said in found:
+        if basis is not None:
+            yield basis, said
+    side = np.where(np.arange(len(t)) < len(t) // 2, 1.0, -1.0)
+    both = [side, side * np.where(forwards, 1.0, -1.0)]
+    yield (
+        _unit(both if 0 < forwards.sum() < len(forwards) else both[:1]),
+        "first and second half of the record differ by {:.2g} standard errors",
+    )
 
 
-def _halves(phase: Any, rest: Any) -> list[tuple[float, str]]:
-    """Sine and cosine of the drive in the first half less those in the second: a phase that slips, a motion that changes."""
-    from scipy.stats import chi2
-
-    half = len(rest) // 2
-    parts = [np.sum(rest[part] * np.exp(-2j * np.pi * phase[part])) for part in (slice(0, half), slice(half, 2 * half))]
-    level = float(np.var(rest)) * _colour(rest)
-    size = float(abs(parts[0] - parts[1]) ** 2) / max(half * level, 1e-300)
-    chance = float(chi2.sf(2 * size / 2, 2))
-    return [(chance, f"first and second half of the record differ at the drive frequency by {np.sqrt(size):.2g} standard errors")]
-
-
-def _colour(rest: Any) -> float:
-    """By how much colour of the noise makes sums scatter more than those of white noise, 1 or more."""
-    from stickslip.inverse.identification.covariance import effective
-
-    return float(max(len(rest) / effective(rest), 1.0))
+def _ranked(values: Any, bins: int) -> Any:
+    """In which of some bins of equal count values are."""
+    return np.searchsorted(np.quantile(values, np.arange(1, bins) / bins), values)

@@ -14,6 +14,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.units import SI, quantity_of
 from stickslip.basics.variables import VARIABLES
 from stickslip.inverse.identification.averages import MOST, averaged
+from stickslip.inverse.identification.censored import sides_of
 from stickslip.inverse.identification.weighting import weights_at
 from stickslip.records import Record
 from stickslip.records.given import given_frequency
@@ -40,6 +41,12 @@ class Compared:
     remark: str | None = None
     unit: str = ""
     within: float = 0.0
+    clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
+
+    @property
+    def exact(self) -> Any:
+        """Which values are known themselves, and not only to lie beyond an end: array (n,) of bool."""
+        return self.clipped * np.ones(self.count, int) == 0
 
     @property
     def has_noise(self) -> bool:
@@ -64,9 +71,9 @@ class Compared:
         """Values a little later; between samples they change evenly."""
         return np.interp(self.time - delay, self.time, h)
 
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left of all samples, told from what is left of the values."""
-        return float(np.average(rest**2, weights=self.weight)) + self.within
+    def mean_square(self, rest: Any, which: Any = slice(None)) -> float:
+        """Mean square of what is left of all samples, told from what is left of the values, or of some of them."""
+        return float(np.average(rest[which] ** 2, weights=(self.weight * np.ones(self.count))[which])) + self.within
 
 
 @sealed
@@ -107,6 +114,7 @@ class Target(Compared):
     unit: str = ""  # of the values, where it is not that of the kind
     body: int | None = None  # whose motion it is, of a machine whose columns have an axis for bodies
     within: float = 0.0  # mean square, over all samples, of what was lost where they were averaged
+    clipped: Any = 0
 
     @property
     def course(self) -> Any:
@@ -145,8 +153,15 @@ def target(
     t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
     t, y, own = t[own > 0], y[own > 0], own[own > 0]
+    many = len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient
+    clipped, cut = sides_of(y), None
+    if many and np.any(clipped):  # an average of clipped samples is nothing
+        cut = f"of {len(t)} samples {int(np.sum(clipped != 0))} sit at the end of the sensor's range and are left out"
+        t, y, own, clipped = t[clipped == 0], y[clipped == 0], own[clipped == 0], 0
+    elif np.any(clipped):
+        cut = f"{int(np.sum(clipped != 0))} of {len(t)} samples sit at the end of the sensor's range and count as that or beyond"
     f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
-    level = noise(y) if sigma is None else float(sigma)
+    level = noise(np.where(clipped == 0, y, np.nan)) if sigma is None else float(sigma)
     if not level > 0:
         level = 1e-6 * float(np.ptp(y)) or 1.0
     phase = (t - t[0]) * f
@@ -154,15 +169,16 @@ def target(
     repeats = None if transient else period_number_of(phase, y if kind == "velocity" else np.gradient(y, t))
     unit = _ROTARY.get(quantity_of(rec[kind].unit) or "", "")
     known = Target(kind, phase, y, level, f, sigma is not None, label, own, slips, transient)
-    whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit)
-    return _fewer(whole, repeats) if len(t) > MOST and "weight" not in rec and kind == "velocity" and not transient else whole
+    whole = dataclasses.replace(known, remark=remark, period=repeats or 1, unit=unit, clipped=clipped, cut=cut)
+    return _fewer(whole, repeats) if many and len(t) > MOST else whole
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:
     """A target of very many samples with fewer values: averages where the motion repeats, else the end of the record."""
     if repeats is None:
         end = slice(target.count - MOST, None)
-        cut = f"the motion does not repeat within {LONGEST} drive periods: of {target.count} samples only the last {MOST} are compared"
+        said = f"the motion does not repeat within {LONGEST} drive periods: of {target.count} samples only the last {MOST} are compared"
+        cut = "; ".join(filter(None, (target.cut, said)))
         return dataclasses.replace(target, phase=target.phase[end], y=target.y[end], weight=target.weight[end], cut=cut)
     phase, y, weight, within, scatter = averaged(target.phase, target.y, repeats)
     level = target.sigma if target.given_sigma else max(target.sigma, scatter)

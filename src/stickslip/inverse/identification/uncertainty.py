@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.information import Information
 from stickslip.inverse.identification.covariance import effective, spread_of
-from stickslip.inverse.identification.fit_text import listed, undetermined
+from stickslip.inverse.identification.fit_text import OVER_MOTION, listed, undetermined
 from stickslip.inverse.identification.search import polished_to_end
 
 if TYPE_CHECKING:
@@ -45,14 +45,17 @@ def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
     jacobian = fit.jacobian[rows][:, kept]
     return dataclasses.replace(
         fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
-        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes), penalty=problem.penalty(fit.place[kept]),
+        spread=spread_of(problem, jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit), penalty=problem.penalty(fit.place[kept]),
     )  # fmt: skip
 
 
 def costs(fit: Fit) -> dict[str, dict[str, float]]:
-    """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were."""
-    effects = dict.fromkeys(n.what for n in fit.problem.numbers)
-    one = {what: known_to_be(fit, [n.name for n in fit.problem.numbers if n.what == what]).errors for what in effects}
+    """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were.
+
+    The harmonics of the drive count as one of them.
+    """
+    effects = dict.fromkeys(n.family for n in fit.problem.numbers)
+    one = {what: known_to_be(fit, [n.name for n in fit.problem.numbers if n.family == what]).errors for what in effects}
     return one | ({"": known_to_be(fit, [n.name for n in fit.problem.numbers]).errors} if effects else {})
 
 
@@ -155,6 +158,7 @@ def faults(fit: Fit) -> list[str]:
 _AT_SENSOR = "type a wider range for it in sensor={...}, or the law or the motion is not that of the record"
 
 
+_BY_PRIOR = "the intervals are as many times as wide"
 _WIDENED = "the law or the drive is not that of the record, or the noise is larger than given; the intervals are wider by that factor"
 
 
@@ -171,15 +175,15 @@ def _sensors_at_bounds(fit: Fit) -> list[str]:
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
         if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
-            found.append(f"{number.name} of the sensor ends at its bound {fit.place[k]:.5g}")
+            found.append(f"{number.name} of {number.of} ends at its bound {fit.place[k]:.5g}")
     return found
 
 
 def _against_what_is_known(fit: Fit) -> list[str]:
     """Sentences on numbers that are far off what was known of them."""
     off = fit.problem.against_what_is_known(fit.place).items()
-    sensor = [number.name for number in fit.problem.numbers]
-    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off its prior" for name, size in off]
+    owner = {number.name: f" of {number.of}" for number in fit.problem.numbers}
+    return [f"{name}{owner.get(name, '')} is {size:.2g} standard deviations off its prior" for name, size in off]
 
 
 def _at_bounds(fit: Fit) -> list[str]:
@@ -202,7 +206,9 @@ def remarks(fit: Fit) -> list[str]:
     found += lost_remarks(fit)
     curved = [name for name in fit.open if name not in fit.flat]
     found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in curved]
-    found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
+    found += [
+        f"{said}: that is wrong, or the law or the drive is not that of the record; {_BY_PRIOR}" for said in _against_what_is_known(fit)
+    ]
     found += [f"{said}: {_WIDENED}" for said in _misfit_of_means(fit)]
     found += [f"{said}: {_AT_SENSOR}" for said in _sensors_at_bounds(fit)]
     at_bounds = _at_bounds(fit)
@@ -224,7 +230,7 @@ def remarks(fit: Fit) -> list[str]:
         )
     for q, rest in zip(fit.quality, fit.problem.parts(fit.residuals), strict=True):
         if q.suspicious:
-            found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
+            found.append(f"{q.label}: {q.excess}: {_why(fit, q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
         found.append("only one refined start ended here; type starts= with a larger number to look for a better place")
     return found
@@ -317,12 +323,21 @@ def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
     return [(part, side) for part, side in found if part > _NEAR_BOUND]
 
 
-def _why(q: Quality, rest: Any) -> str:
+def _why(fit: Fit, q: Quality, rest: Any) -> str:
     """The interpretation of residuals that are not noise."""
     narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
     if q.coloured and not q.structure:
-        return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
-    return (
-        "the law or the drive is not that of the record; intervals suppose that it is, and are too narrow, "
-        f"by a factor of about {narrow:.2g} or more"
-    )
+        what = "motion" if q.kind in OVER_MOTION else "drive"
+        return f"they follow time and not the {what}, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
+    wider = max(widening(fit).values(), default=1.0)
+    counted = f"are up to {wider:.2g} times as wide for it" if wider > _WIDER else "count their correlation"
+    return f"the law or the drive is not that of the record, so it is not supported; the intervals {counted}"
+
+
+def widening(fit: Fit) -> dict[str, float]:
+    """How many times as wide intervals are because something besides noise is left: name -> factor."""
+    if fit.misfit is None or fit.misfit.is_none:
+        return {}
+    bare = np.diag(spread_of(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes))
+    found = {name: float(np.sqrt(fit.spread[k, k] / bare[k])) for k, name in enumerate(fit.names) if 0 < bare[k] < np.inf}
+    return {name: factor for name, factor in found.items() if np.isfinite(factor)}

@@ -69,5 +69,7 @@ def derivative_along(problem: Any, place: Any, slopes: Any, direction: Any) -> A
     ends = [place + step * direction, place - step * direction]
     if step == 0 or not all(((low <= end) & (end <= high)).all() and problem.parameters.limits.allows(end) for end in ends):
         return None
-    ahead, behind = (problem.predicted(end) for end in ends)
-    return None if ahead is None or behind is None else (ahead - behind) / (2 * step * problem.sigma)
+    if any(problem.predicted(end) is None for end in ends):
+        return None
+    ahead, behind = (problem.residuals(end)[: len(problem.y)] for end in ends)
+    return (ahead - behind) / (2 * step)

@@ -13,7 +13,7 @@ from stickslip.show.cli.arguments import ends, settings
 from stickslip.show.cli.declaring import CODE, RECORDS, argument, command
 from stickslip.show.cli.outputs import Outcome
 
-_OPTIONS = ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor")
+_OPTIONS = ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor", "harmonics")
 
 
 @command(
@@ -63,6 +63,12 @@ and `stickslip identify study.toml` does it.""",
             metavar="NAME=VALUE",
             default=[],
             help="sensor effects: offset=0 fixes it, gain=normal:1:0.02 is a prior, drift=fit leaves it free; ideal: none",
+        ),
+        argument(
+            "--harmonics",
+            type=float,
+            metavar="SD",
+            help="how well harmonics of the drive are known, in parts of its amplitude (default 0.02; 0: a pure sine)",
         ),
         argument("--level", type=float, default=0.95, help="level of the intervals (default 0.95)"),
         argument("--profile", action="store_true", help="intervals from profile likelihoods"),
@@ -118,9 +124,10 @@ def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> 
     lost = dict.fromkeys(fit.undetermined, NOT_DETERMINED)
     errors = {name: error if isfinite(error) else NOT_DETERMINED for name, error in fit.errors.items()}
     sensor = {name: [value, error if isfinite(error) else NOT_DETERMINED] for name, (value, error) in fit.sensor.items()}
+    drive = {name: list(pair) for name, pair in fit.drive.items()}
     return {
         "law": fit.law, "values": fit.values, "errors": errors | lost, "intervals": intervals | lost, "level": level, "method": method,
-        "sensor": sensor, "combinations": [list(each) for each in fit.combinations],
+        "sensor": sensor, "drive": drive, "combinations": [list(each) for each in fit.combinations],
         "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
         "warnings": fit.warnings, "provenance": fit.provenance,
     }  # fmt: skip
@@ -167,6 +174,7 @@ def _typed(asked: Any) -> dict[str, Any]:
     problems.check()
     options: dict[str, Any] = {} if asked.noise is None else {"noise": asked.noise}
     options |= {"settle": recorded.settle(asked), "transient": asked.transient, "sensor": sensor}
+    options |= {} if asked.harmonics is None else {"harmonics": asked.harmonics}
     return {"make": asked.robot, "records": asked.record, "means": means, "arguments": arguments, "free": free, "options": options}
 
 

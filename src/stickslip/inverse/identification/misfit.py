@@ -1,0 +1,80 @@
+"""What a fit leaves that is not noise, and what that makes of its numbers: no narrow interval beside a law that does not hold.
+
+Where what is left has structure, the law lacks something that acts along those directions; of what it lacks along the derivatives nothing
+is left, because the numbers of the fit have taken it up. It is supposed to be as large there as where it shows: a random term, of equal
+size along every direction in which structure was found. What the numbers take up of it is part of their covariance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.inverse.identification.covariance import information_of
+from stickslip.inverse.identification.structure import Structure, structures
+
+_LARGE, _SURE = 1.15, 5.0  # times the given noise, and standard errors of its square, beyond which it explains no residuals
+_LEAST_SEEN = 0.2  # of the directions of a structure that numbers leave to be seen
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """What is left of a fit besides noise.
+
+    Parameters
+    ----------
+    said : tuple of str
+        The structure in each record, in words; empty where there is none.
+    columns : array (values, directions)
+        What the law may lack, in standard deviations of the values: one column for each direction.
+    factor : float
+        By how much all errors are larger, because residuals are larger than the noise that was given, or a number is far off what was
+        known of it.
+    """
+
+    said: tuple[str, ...]
+    columns: Any
+    factor: float = 1.0
+
+    @property
+    def is_none(self) -> bool:
+        """Whether intervals are as they are without it."""
+        return not self.columns.shape[1] and self.factor == 1.0
+
+
+def misfit_of(problem: Any, found: Any, changes: Any) -> Misfit:
+    """The misfit at the end of a search (`Found`)."""
+    count = len(problem.y)
+    residuals, inverse = found.residuals[:count], information_of(problem, found.jacobian).inverse[:, :count]
+    left = None if changes is None else changes - found.jacobian[:count] @ (inverse @ changes)
+    parts = (problem.parts(each) for each in (np.arange(count), residuals, problem.unclipped(residuals)))
+    said, columns, factor = [], [np.zeros((count, 0))], _off_what_is_known(problem, found.place)
+    for target, rows, rest, which in zip(problem.targets, *parts, strict=True):
+        tested = [] if np.ndim(problem.rows) else structures(target, rest, which, None if left is None else left[rows])
+        said.append(tested[0].said if tested else "")
+        columns += [_column(one, rows, count, found.jacobian[:count], inverse) for one in tested]
+        factor = max(factor, _too_large(target, rest[which]))
+    return Misfit(tuple(said), np.concatenate(columns, axis=1), factor)
+
+
+def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) -> Any:
+    """Directions of a structure with the size that it has there, as far as the numbers leave it to be seen."""
+    whole = np.zeros((count, one.basis.shape[1]))
+    whole[rows] = one.basis
+    seen = np.mean(np.sum((whole - jacobian @ (inverse @ whole)) ** 2, axis=0))
+    return whole * np.sqrt(one.power / max(float(seen), _LEAST_SEEN))
+
+
+def _too_large(target: Any, rest: Any) -> float:
+    """How many times the noise that was given for a record is left of it; 1 where that may be noise."""
+    if not target.given_sigma or target.kind == "mean" or len(rest) < 2:
+        return 1.0
+    square = float(np.mean(rest**2))
+    return float(np.sqrt(square)) if square > max(_LARGE**2, 1 + _SURE * np.sqrt(2 / len(rest))) else 1.0
+
+
+def _off_what_is_known(problem: Any, place: Any) -> float:
+    """By how many standard deviations a number is off what was known of it, if it is far off; else 1."""
+    return max(problem.against_what_is_known(place).values(), default=1.0)
