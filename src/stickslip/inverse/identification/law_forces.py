@@ -63,8 +63,9 @@ def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any
     unbent = _wide(known.start(load), cases)
     if start is None or not np.any(start):
         return unbent
-    ends = {side: _slid(known, motion, load, unbent, side) for side in (-1.0, 1.0)}
-    return unbent + abs(start) * (np.where(start > 0, ends[1.0], ends[-1.0]) - unbent)
+    back, forth = (_slid(known, motion, load, unbent, side) - unbent for side in (-1.0, 1.0))
+    back = np.where(back * forth > 0, -back, back)  # an age, which has no direction, is less to one side and more to the other
+    return unbent + abs(start) * np.where(start > 0, forth, back)
 
 
 def _slid(known: LawAdapter, motion: Stepped, load: Any, z: Any, side: float) -> Any:

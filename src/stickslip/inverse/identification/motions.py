@@ -70,7 +70,7 @@ class Motion(Compared):
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
         object.__setattr__(self, "still", np.broadcast_to(self.still, np.shape(self.t)))
-        object.__setattr__(self, "at", self.v if self.at is None else self.at)
+        object.__setattr__(self, "at", _begun(self.v) if self.at is None else self.at)
 
     @property
     def has_noise(self) -> bool:
@@ -179,7 +179,7 @@ class Motion(Compared):
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
         kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights", "still")}
-        kept["at"] = v if self.measured is None else self.at[last]
+        kept["at"] = _begun(v) if self.measured is None else self.at[last]
         return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
 
@@ -235,6 +235,11 @@ def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False)
     driven = _driven(smooth, t, lead)
     still = abs(driven["at"]) <= _REST * noise_of_velocity(smooth, t)
     return dataclasses.replace(made, **driven, still=still, measured=smooth)
+
+
+def _begun(v: Any) -> Any:
+    """Velocities at the samples from those of the intervals before them; at the first one that of the interval after it."""
+    return np.concatenate([v[1:2], v[1:]]) if len(v) > 1 else v
 
 
 def _driven(smooth: Smooth, t: Any, before: int) -> dict[str, Any]:
