@@ -7,13 +7,14 @@ near :math:`-u` where it is far inside.
 
 from __future__ import annotations
 
+from math import comb
 from typing import Any
 
 import numpy as np
 
-from stickslip.records.overview import clipped_sides, noise
+from stickslip.records.overview import clipped_sides
 
-_NOISY = 1e-6  # noise in parts of the range below which there is none
+_NOISY, _ORDERS = 1e-6, (3, 5, 7, 9)  # noise in parts of the range below which there is none, and orders of differences that tell it
 _FAR = 30.0  # standard deviations beyond an end where nothing is left of a residual
 
 
@@ -26,12 +27,21 @@ def sides_of(y: Any) -> Any:
     --------
     >>> wave = np.clip(np.sin(np.arange(1000) / 10), -0.9, 0.9)
     >>> noisy = np.clip(wave + 1e-3 * np.random.default_rng(0).normal(size=1000), -0.9, 0.9)
-    >>> np.any(sides_of(wave)), np.any(sides_of(noisy))
+    >>> bool(np.any(sides_of(wave))), bool(np.any(sides_of(noisy)))
     (False, True)
     """
     found = clipped_sides(y)
-    inside = np.where(found == 0, y, np.nan)
-    return found if found.any() and noise(inside) > _NOISY * float(np.nanmax(y) - np.nanmin(y)) else 0
+    return found if found.any() and _noisy(np.where(found == 0, y, np.nan)) else 0
+
+
+def _noisy(y: Any) -> bool:
+    """Whether differences of a high order, of which a smooth curve has none, are more than nothing."""
+    found = []
+    for order in _ORDERS:
+        bends = np.diff(y, order)
+        bends = abs(bends[np.isfinite(bends)])
+        found.append(float(np.median(bends)) / np.sqrt(comb(2 * order, order)) if len(bends) > 8 else 0.0)
+    return min(found) > _NOISY * float(np.nanmax(y) - np.nanmin(y))
 
 
 def tail(u: Any) -> Any:
@@ -40,7 +50,7 @@ def tail(u: Any) -> Any:
     Examples
     --------
     >>> tail(np.array([-20.0, 0.0, 20.0])).round(3).tolist()
-    [20.193, 1.177, 0.0]
+    [20.195, 1.177, 0.0]
     """
     from scipy.special import log_ndtr
 
