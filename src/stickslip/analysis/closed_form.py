@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.analysis.phases import three_phase as three_phase, two_phase as two_phase
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array, bisected
+from stickslip.basics.maths import bisected
 
 _PERIODS = 100_000  # at most; only with static friction, or next to frictionless, are more than ten needed
 _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory
@@ -138,7 +139,7 @@ def border_ii_i() -> float:
     return 1.0
 
 
-def border_ii_iii(larger: Array) -> Array:
+def border_ii_iii(larger: ArrayLike) -> Array:
     r"""The smaller alpha on the border of types II and III, for a larger one up to 1.
 
     .. math:: \sqrt{1-\alpha_+^2}-\sqrt{1-\alpha_-^2} = \alpha_+\,(2\pi-\arcsin\alpha_--\arcsin\alpha_+)

@@ -9,7 +9,8 @@ import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
-from stickslip.basics.maths import Array, bisected
+from stickslip.basics.contracts import Array
+from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
 
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards

@@ -9,9 +9,9 @@ import numpy as np
 
 from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
 from stickslip.basics.arguments import Grid, explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array
 
 _FINE = 601  # points of each axis of the field on which curves are traced
 

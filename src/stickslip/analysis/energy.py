@@ -10,8 +10,8 @@ import numpy as np
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import is_run, needs_run
 from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array
 from stickslip.basics.notebook_display import Drawn
 from stickslip.models import forces
 from stickslip.models.machine_adapter import machine_of
@@ -154,8 +154,9 @@ def energy(run: Run) -> Energy:
     gross += [abs(w) for n, w in {**works, **changes}.items() if n != "actuator"]
     energies = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
     residual = _residual(run, {**works, **changes}, gross, energies, owner)
-    by_part = {f"{n}_of": work for n, work in of_parts.items()}
-    return Energy(**works, **changes, residual=residual, settle=min(int(run.settle), count), **by_part)
+    balance: dict[str, Any] = {**works, **changes}
+    by_part: dict[str, Any] = {f"{n}_of": work for n, work in of_parts.items()}
+    return Energy(**balance, residual=residual, settle=min(int(run.settle), count), **by_part)
 
 
 def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:

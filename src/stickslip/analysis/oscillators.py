@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
-from stickslip.basics.maths import Array
 
 _PHASES = 400  # of a half-cycle, at which the velocity must keep its sign
 

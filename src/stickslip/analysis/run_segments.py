@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array, bisected
+from stickslip.basics.maths import bisected
 from stickslip.models.forces import columns, offered_force, slip_ratio_of
 from stickslip.models.friction.law_adapter import LawAdapter, law_of
 from stickslip.models.machine_adapter import machine_of

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.maths import Array
+from stickslip.basics.contracts import Array
 from stickslip.models.contact_forces import held_by_controllers
 
 

@@ -5,52 +5,78 @@ Velocities are in m/s, forces in N, times in s. Every number may be an array of 
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-#: A NumPy array or a substitute for one: one number for all, a labelled array, a symbol.
-Array: TypeAlias = Any
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    #: A NumPy array; docstrings give its shape.
+    Array: TypeAlias = NDArray[Any]
+else:
+    Array = ArrayLike = Any  # NumPy takes a tenth of a second to import, and command lines that compute nothing do without
+
+
+class Numeric(Protocol):
+    """Anything with arithmetic: a float, an array of cases, a labelled array, a symbol while equations are traced."""
+
+    def __add__(self, other: Any, /) -> Any: ...
+    def __radd__(self, other: Any, /) -> Any: ...
+    def __sub__(self, other: Any, /) -> Any: ...
+    def __rsub__(self, other: Any, /) -> Any: ...
+    def __mul__(self, other: Any, /) -> Any: ...
+    def __rmul__(self, other: Any, /) -> Any: ...
+    def __truediv__(self, other: Any, /) -> Any: ...
+    def __rtruediv__(self, other: Any, /) -> Any: ...
+    def __pow__(self, power: Any, /) -> Any: ...
+    def __neg__(self) -> Any: ...
+    def __abs__(self) -> Any: ...
+    def __lt__(self, other: Any, /) -> Any: ...
+    def __le__(self, other: Any, /) -> Any: ...
+    def __gt__(self, other: Any, /) -> Any: ...
+    def __ge__(self, other: Any, /) -> Any: ...
+    def __float__(self) -> float: ...
 
 
 class SetValuedLaw(Protocol):
     """A law that may hold a body at rest; `stickslip.models.friction.law_adapter` reads it, with its optional attributes."""
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force [N] at a slip velocity v [m/s] that is not zero."""
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N]: the first is negative."""
 
 
 class DynamicLaw(Protocol):
     """A law with `states` inner states (1 if not given): z and the value of `rate` are a number if there is one, else a tuple."""
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric) -> Any:
         """Friction force [N]."""
 
 
 class BalancingLaw(Protocol):
     """A dynamic law that needs `applied`, the friction force that would keep v constant [N]."""
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, applied: Numeric) -> Any:
         """Friction force [N]."""
 
 
 class SwitchingLaw(Protocol):
     """A dynamic law with whole-number memories: `mode` is a tuple of them, and `modes` is their number."""
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric, mode: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, mode: Any) -> Any:
         """Friction force [N]."""
 
-    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: Numeric, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
         """Guards that end a mode: (guard, positive until then; mode after it; z after it, or None if unchanged)."""
 
 
@@ -64,23 +90,23 @@ class Drive(Protocol):
     def period(self) -> Any:
         """Period of the motion [s]."""
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position [m]."""
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]."""
 
 
 class Track(Protocol):
     """The protocol of a track: the components of gravity across and along it."""
 
-    def across(self, gravity: Any) -> Any:
+    def across(self, gravity: Numeric) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
 
-    def along(self, gravity: Any) -> Any:
+    def along(self, gravity: Numeric) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
 
 
@@ -107,8 +133,8 @@ class Machine(Protocol):
     def velocity_scale(self) -> Any:
         """A typical velocity, against which errors are measured [m/s]."""
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Acceleration of the body [m/s^2] under a friction force R [N]."""
 
-    def contact_velocity(self, v: Any) -> Any:
+    def contact_velocity(self, v: Numeric) -> Any:
         """Velocity at the contact [m/s] of a body with velocity v."""

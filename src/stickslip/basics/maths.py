@@ -20,7 +20,6 @@ __all__ = [
     "wrapped",
 ]  # fmt: skip
 
-Array = Any  # a NumPy array; the name marks arrays in annotations
 pi = math.pi
 
 LARGEST = 690.0  # where exp, sinh and cosh stop growing: a float holds up to exp(709.78)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.maths import pi
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.remembered import Remembered
@@ -19,7 +20,6 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import System, trace
 from stickslip.engine.values import values_of
 
-Array = Any
 _ROUNDING = 1e-14  # relative: how near an angular frequency must come to 2 pi over the period
 _SUMS = 1e-12  # relative: how near two products of the same numbers are
 

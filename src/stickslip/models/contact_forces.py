@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.maths import Array
+from stickslip.basics.contracts import Array
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
 
@@ -38,7 +38,7 @@ def contact_columns(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Ar
     dict
         acceleration (n, bodies) [m/s^2], friction_force (n, contacts) [N], slip (n, contacts) [m/s], load (n, contacts) [N].
     """
-    q, u = (mechanics.coordinates_of(of.T) for of in (x, v))
+    q, u = (mechanics.coordinates_of(tuple(of.T)) for of in (x, v))
     slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q), t)
     R = np.zeros_like(slips)
     first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
@@ -84,7 +84,7 @@ def _columns(rows: Any, t: Array) -> Array:
     return np.array([np.broadcast_to(np.asarray(row, float), np.shape(t)) for row in rows]).reshape(len(rows), len(t)).T
 
 
-def held_by_controllers(mechanics: Mechanics, z: Array) -> tuple[Array, ...]:
+def held_by_controllers(mechanics: Mechanics, z: Any) -> tuple[Array, ...]:
     """States of the controllers (time,), one after the other, from inner states (time, contact or controller, state)."""
     first = len(mechanics.contacts)
     return tuple(z[:, first + i, k] for i, count in enumerate(mechanics.controllers.counts) for k in range(count))

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array
 from stickslip.models.state_layout import StateLayout
 
 _ONE = StateLayout.of_one()
@@ -82,12 +82,12 @@ class PolynomialPieces(Pieces):
     mode: Array
     x0: Array
     coefficients: Array
-    memory: Array = None
+    memory: Array = None  # type: ignore[assignment]
     layout: StateLayout = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         count, states = len(self.t) - 1, np.shape(self.coefficients)[1]
-        given = {
+        given: dict[str, Any] = {
             "mode": _columns(self.mode),
             "x0": _columns(self.x0),
             "memory": np.empty((count, 0), np.int32) if self.memory is None else self.memory,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.maths import Array
+from stickslip.basics.contracts import Array
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, as_path, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED
 from stickslip.results.datasets import Table

@@ -12,11 +12,12 @@ docs/quickstart.md and at `stickslip.Motion`; these are the rules:
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-Array = Any
+from stickslip.basics.contracts import Array, ArrayLike
+
 _NONE = 9  # no interval
 _SHORTEST = 1e-13  # a segment below this is rounding
 _SIGNS = {1: "+", 0: "0", -1: "-"}
@@ -163,15 +164,15 @@ def _added(lengths: Array) -> Array:
 
 
 def type_of(
-    seg_count: Array,
-    seg_time: Array,
-    seg_code: Array,
-    period: Array,
-    margin_force: Array,
-    net: Array,
+    seg_count: ArrayLike,
+    seg_time: ArrayLike,
+    seg_code: ArrayLike,
+    period: ArrayLike,
+    margin_force: ArrayLike,
+    net: ArrayLike,
     dwell: float = 0.03,
-    moving: Array = True,
-    net_floor: float | Array = 0.0,
+    moving: ArrayLike = True,
+    net_floor: ArrayLike = 0.0,
 ) -> dict[str, Array]:
     """The motion type of many cases.
 
@@ -204,7 +205,7 @@ def type_of(
     """
     count, net = np.asarray(seg_count), np.asarray(net, float)
     codes = np.asarray(seg_code, np.int8)[:, : max(int(count.max(initial=0)), 1)]
-    merged, patterns, which, nearest = _intervals(count, seg_time, codes, dwell)
+    merged, patterns, which, nearest = _intervals(count, np.asarray(seg_time), codes, dwell)
     size = np.where(np.arange(codes.shape[1])[:, None] < count, abs(codes.T), 0)
     sliding, elastic = (size == 2).any(axis=0), (size == 1).any(axis=0)
     motion_type = np.array([_TYPES.get(p, "other") for p in patterns], "<U10")[which]
@@ -212,7 +213,7 @@ def type_of(
     still = (count > 0) & ~sliding
     motion_type[still] = np.where(elastic & np.asarray(moving), "presliding", "rest")[still]
     pattern = np.where(still, "0", merged.pattern)
-    direction = np.where(still | ~(abs(net) > net_floor), 0, np.sign(net)).astype(int)
+    direction = np.where(still | ~(abs(net) > np.asarray(net_floor)), 0, np.sign(net)).astype(int)
     whole = _added(merged.length)
     fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
     with np.errstate(invalid="ignore"):

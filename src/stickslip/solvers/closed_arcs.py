@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.contracts import Array
 from stickslip.basics.fields import is_array
 from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
 from stickslip.engine.kinds import known_kind
@@ -20,7 +21,6 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.position_dependence import knows_position
 
-Array = Any
 _ROUNDING = 1e-14  # of the friction: by how much less the limits of rest may be than what slides
 
 

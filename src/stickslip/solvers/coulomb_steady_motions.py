@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array
 from stickslip.results.summary import Summary
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED
 from stickslip.solvers.request import Request
 
-Array = Any
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
 _CHUNK = 16384
 _FOUND = 1

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import look
@@ -20,7 +21,6 @@ from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.results.flow_run import ModeChange
 
-Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 _BUDGET = 200_000  # steps
 _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
@@ -44,7 +44,7 @@ class Followed:
     state: Array
     mode: Any
     time: float
-    growth: Array | None
+    growth: Any  # array, or None where it was not asked for
     rank_deficient: bool
     steps: int
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import Labels, cases_of, labels_of, spread
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import number
 from stickslip.basics.interruption import accept_part, is_outermost, is_stopped, look, partial_result
@@ -22,7 +23,6 @@ from stickslip.solvers.flow_engine import followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.solvers.stopped import FAILURES
 
-Array = Any
 _LONGEST = 32  # periods after which a motion may repeat
 _SAME = 1e-8  # of its size: strobe points this close are one
 #: Arguments that are of machines alone, with the values that say nothing.

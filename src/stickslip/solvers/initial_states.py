@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import Labels, flat, spread
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import number
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
 
-Array = Any
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
 _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}
 

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of, numbers_by_name
+from stickslip.basics.contracts import Array
 from stickslip.basics.fields import is_array, replace_leaf
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
-
-Array = Any
 
 
 class CaseTable:

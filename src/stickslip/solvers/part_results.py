@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.coded_words import CodedWords
+from stickslip.basics.contracts import Array
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import MachineAdapter
 from stickslip.results.segments import type_of
 
-Array = Any
 #: Columns that only machines have that list their parts.
 _OF_EACH_BODY = ("body_velocity", "body_displacement")
 OF_SEVERAL = (*_OF_EACH_BODY, "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
@@ -109,7 +109,7 @@ def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
         return values.reshape(-1, *values.shape[2:])
 
     seg, spans = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), of_each(np.maximum(cases.raw.period, 1))
-    types = typed(
+    types: dict[str, Any] = typed(
         seg, of_each(cases.T), of_each(cases.raw.period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
         spans, cases.dwell, cases.rtol, of_each(cases.good),
     )  # fmt: skip

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import labels_of
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, takes_some_cases
 from stickslip.basics.pool import shared
@@ -25,7 +26,6 @@ from stickslip.solvers.closed_arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED, RawResults, gather, trajectory
 from stickslip.solvers.request import Request
 
-Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
 
 REPEAT = 1e-8  # of 1 + |w|: strobe points this close count as the same point
@@ -63,7 +63,7 @@ def batch(todo: Request) -> dict[str, Array]:
     return raw
 
 
-def summary(todo: Request, raw: dict[str, Array]) -> Summary:
+def summary(todo: Request, raw: dict[str, Any]) -> Summary:
     """A summary from raw results."""
     return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in NEEDED}))])
 

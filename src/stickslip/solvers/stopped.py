@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.status import STATUS, Status
 
-Array = Any
 #: Steps, or events, before the end of a run whose changes of mode are counted.
 LAST = 1000
 #: Cases of a batch that ended before their time of which the first have a message.

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.solvers.closed_arcs import Arcs
-
-Array = Any
 
 
 def arcs_of(arcs: Arcs, i: int, v0: float, end: float) -> tuple[Array, Array, Array, Array]:

@@ -146,7 +146,7 @@ def _sentence(error: Exception) -> str:
 
 def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, solver: Solver | None) -> bool:
     """Whether the first and the last case fail by themselves with the same message: then the law is wrong, rather than some numbers."""
-    for part in _parts(group, [0], [-1]):
+    for part in _parts(group, np.array([0]), np.array([-1])):
         try:
             columns_of(part.robot, part.start, options, 1, None, solver)
             return False

@@ -145,7 +145,8 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
         problems.add(f"starts = {starts!r}; allowed is a whole number from 1, or a grid as ss.basins takes it; type starts=5")
     check(problems)
     problems.check()
-    plane = Plane(family(what, make, tuple(axes), fixed), tuple(axes.values()), starts)
+    first, second = axes.values()
+    plane = Plane(family(what, make, tuple(axes), fixed), (first, second), starts)
     needs_model(what, plane.sample, flows=True)
     if isinstance(starts, dict):
         if "phase" in starts:

@@ -49,7 +49,7 @@ class _Track:
 
     state: Array
     found: dict[int, Attractor]
-    means: Array = ()
+    means: Any = ()
     between: tuple[float, float] | None = None  # where it vanished
     became: str = ""  # and to what its last state led
 

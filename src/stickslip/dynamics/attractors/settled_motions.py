@@ -242,7 +242,7 @@ class _Run:
             tell(0.2 + 0.4 * total / limit)
         self.seen.end[self.left] = ~self._closing_in(self.left)
 
-    def _take(self, rows: Array, found: tuple[Array, ...], total: int) -> None:
+    def _take(self, rows: Array, found: tuple[Any, ...], total: int) -> None:
         """Note what a look shows: what repeats is settled, what is not solved has ended, and the rest is left."""
         seen = self.seen
         seen.points[rows], seen.ways[rows], good = found

@@ -139,7 +139,7 @@ def _next(problem: CurveProblem, here: CurvePoint, step: float) -> tuple[CurvePo
             return why or f"no step was small enough: {ahead.why if ahead else ''}"
 
 
-def _point(problem: CurveProblem, found: Found, towards: Array, facing: Array) -> CurvePoint:
+def _point(problem: CurveProblem, found: Found, towards: Array, facing: Array | None) -> CurvePoint:
     tangent = tangent_of(found.jacobian[:-1], towards)
     tests, facing = problem.tests(found, tangent, facing) if problem.tests else ({}, None)
     return CurvePoint(found, tangent, tests, facing)

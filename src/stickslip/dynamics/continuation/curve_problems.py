@@ -21,7 +21,7 @@ class CurvePoint(NamedTuple):
     found: Found
     tangent: Array
     tests: dict[str, float]
-    facing: Array = None
+    facing: Array | None = None
 
     @property
     def u(self) -> Array:

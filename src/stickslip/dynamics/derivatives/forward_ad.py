@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics import maths
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Numeric
 
 
 class Truth:
@@ -20,7 +20,7 @@ class Truth:
 
     __array_ufunc__ = None
 
-    def __init__(self, holds: Array):
+    def __init__(self, holds: Any):
         self.holds = holds
 
     def __ss_where__(self, yes: Any, no: Any) -> Any:
@@ -56,8 +56,8 @@ class Dual:
     __array_ufunc__ = None  # NumPy's operators leave the work to ours
     __hash__ = None  # type: ignore[assignment]  # equality is a condition on the value, as the others are
 
-    def __init__(self, value: Array, slopes: list[Any]):
-        self.value = value
+    def __init__(self, value: Numeric, slopes: list[Any]):
+        self.value: Any = value
         self.slopes = slopes
 
     def slope(self, i: int) -> Any:
@@ -155,7 +155,7 @@ def _lift(value: Any) -> Dual:
     return value if isinstance(value, Dual) else Dual(value, [])
 
 
-def variables(*values: Array) -> list[Dual]:
+def variables(*values: Numeric) -> list[Dual]:
     """Numbers as independent variables: the slope of each by itself is 1.
 
     Examples

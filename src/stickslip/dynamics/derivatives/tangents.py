@@ -53,9 +53,9 @@ class Changes:
     way: Array
     way_change: Array
     status: Array
-    volume: Array = ()
-    integrals: Array = ()
-    integral_changes: Array = ()
+    volume: Any = ()
+    integrals: Any = ()
+    integral_changes: Any = ()
 
 
 def changes_along(

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
@@ -73,7 +73,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     return Sequence(tuple(modes), orbit.period), np.array(times)
 
 
-def gap(model: Any, t: Array, side: int) -> Array:
+def gap(model: Any, t: ArrayLike, side: int) -> Array:
     """How far the net applied force is beyond the break-away force of one side, in units of the drive's force: positive within."""
     t = np.asarray(t, float)
     limits = law_of(model).breakaway(normal_load(model, t, 0.0 * t))
@@ -109,7 +109,7 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
 
     least = 1e-12 * _speed(model)
 
-    def rate(t: float, y: Array) -> list[float]:
+    def rate(t: float, y: Array | list[float]) -> list[float]:
         v = mode * max(mode * y[0], least)
         return [float(model.acceleration(t, 0.0, y[0], law_of(model).sliding(model.contact_velocity(v), normal_load(model, t, 0.0))))]
 

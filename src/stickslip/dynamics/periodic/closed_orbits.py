@@ -19,7 +19,7 @@ NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 class Repeating(Drawn, ABC):
     """A periodic motion, with its stability from its multipliers."""
 
-    multipliers: Array
+    multipliers: Any  # array: a field of orbits of flows, a property of those of machines
 
     _drawn_by = "phase"
 

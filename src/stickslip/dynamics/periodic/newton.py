@@ -31,7 +31,7 @@ class Found:
     jacobian: Array
     good: bool
     why: str
-    memory: Array = ()  # whole numbers that were held (see `newton_within`)
+    memory: Any = ()  # whole numbers that were held (see `newton_within`)
     needed: int = 0  # iterations until the residual was near rounding: those that follow say nothing of how good the guess was
 
 

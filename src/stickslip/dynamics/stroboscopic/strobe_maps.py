@@ -460,7 +460,7 @@ def state_at(run: Any, t: float) -> Array:
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
 
-def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
+def columns_of(model: Any, x: Any, v: Any, z: Any) -> list[Array]:
     """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
     q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))

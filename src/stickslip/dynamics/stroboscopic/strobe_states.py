@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refusal_of
@@ -47,7 +48,7 @@ class Order:
         """How many numbers there are, without memories."""
         return len(self.names)
 
-    def parted(self, y: Sequence[Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
+    def parted(self, y: Sequence[Any] | Array, zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
         """Positions and velocities of the coordinates, and inner states; `zero` is a position that is not a state."""
         q = [zero] * (self.velocities.stop - self.velocities.start)
         for j, position in zip(self.kept, y[self.places], strict=True):

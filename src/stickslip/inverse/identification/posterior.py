@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import leaves
 from stickslip.inverse.identification.covariance import root_of
@@ -14,7 +15,6 @@ from stickslip.inverse.identification.covariance import root_of
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
 
-Array = Any
 _FAR = 1e-12  # how near a sample comes to the ends of the normal distribution
 
 

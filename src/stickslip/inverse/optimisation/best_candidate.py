@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.sensitivity import directions_of
@@ -24,7 +25,6 @@ from stickslip.inverse.optimisation.small_friction import small_friction_limit
 from stickslip.inverse.optimisation.unknowns import Unknowns
 from stickslip.models.drives.within import drives_within
 
-Array = Any
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
 _OFF, _LOST = 1e-4, 0.01  # how far a number may be off, and which part of the optimum that may cost
 _SAME = 1e-5  # of the mean velocity: attractors nearer to each other are one; dynamic laws are run to 1e-6

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
 from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
@@ -22,7 +23,6 @@ from stickslip.inverse.optimisation.uncertainty_samples import allowed_with, sam
 from stickslip.inverse.optimisation.unknowns import Unknowns
 from stickslip.models.drives.within import drives_within
 
-Array = Any
 _BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are not machines
 _GUIDE, _GUIDE_BEYOND = 1e-12, 1e-6  # what nearness to motion counts of machines at rest, and of those beyond a limit: less than any motion
 _STEP = 1e-5  # of unknowns, for what has no exact derivative
@@ -66,12 +66,12 @@ class Candidates:
     rtol: float = 1e-6
     watch: Callable[[int, int], None] | None = None
     tried: int = 0
-    best: Array = None
+    best: Any = None
     least: float = np.inf
     history: list[tuple[int, float]] = field(default_factory=list)  # candidates tried, and the best from then on
     nearest: dict[str, tuple[float, float]] = field(default_factory=dict)  # of limits: how far beyond, and the value
     _orbit: PeriodicOrbit | None = None
-    _rests: Array = None  # which candidates of the last table stay where they are
+    _rests: Any = None  # which candidates of the last table stay where they are
 
     def __call__(self, U: Array) -> Array:
         """The objective of each row: penalised beyond a limit, and worst if there is no machine."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.inverse.optimisation.unknowns import Unknowns
@@ -14,7 +15,6 @@ from stickslip.models.drives import Pieces
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 
-Array = Any
 _SLIDES = 1e-3  # at which friction is asked for [m/s]
 
 

@@ -12,7 +12,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, sp
 from stickslip.inverse.optimisation.results import results_of
 from stickslip.models.machine_adapter import machine_of
 
-Array = Any
 _STEPS, _PERIODS = 24, 40  # of the way from one machine to the other, and drive periods at each
 _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.quantities import pretty_unit
 from stickslip.basics.variables import unit_of
@@ -17,7 +18,6 @@ from stickslip.inverse.optimisation.results import quantities
 from stickslip.inverse.optimisation.waveforms import Scales
 from stickslip.models.drives.within import drives_within
 
-Array = Any
 #: How far beyond a limit still counts as within, as a part of it: rounding, of formulas that reach it exactly.
 KEPT = 1e-9
 _TYPED = 'type for example subject_to={"stroke": (None, 0.01), "relative_acceleration": (None, 60.0)}'

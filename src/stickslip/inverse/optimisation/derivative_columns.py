@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.batch import shape_of, some_of
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
@@ -20,7 +21,6 @@ from stickslip.inverse.optimisation.gradients import AGREE, RTOL_OF_SLOPES, chec
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import Derived, Observable
 
-Array = Any
 _PART = 512  # machines that are followed together
 
 

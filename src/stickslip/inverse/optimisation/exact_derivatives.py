@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import labels_of, numbers_by_name, some_of
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import means_named
 from stickslip.dynamics.periodic.steady_motions import Closed
@@ -17,7 +18,6 @@ from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import Observable
 
-Array = Any
 #: What a user's observable is called among the means, and what the names of coordinates on the strobe begin with.
 OWN, STATE = "own", "state."
 Value = Callable[[Closed], tuple[Array, Array]]  # values (motions,) and derivatives (motions, directions)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.contracts import Array
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, columns_of
@@ -29,7 +30,6 @@ from stickslip.inverse.optimisation.exact_derivatives import OWN
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import Observable
 
-Array = Any
 _INNER = np.array([1e-6, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - 1e-6])  # of a piece: where it is looked at
 _BESIDE = 1e-10  # of the period: how near to a switch the tangent is looked at on either side of it
 _JUMP = 1e-4  # of the largest rate around: a rate that changes by more from one piece to the next jumps

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.batch import labels_of, spread
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError, did_you_mean
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.sensitivity import directions_of, notes_of, seeds_of
@@ -23,7 +24,6 @@ from stickslip.inverse.optimisation.results import PERIODS, check_quantity, move
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.observables import Observable
 
-Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
 AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one

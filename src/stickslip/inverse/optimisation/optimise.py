@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Fitted, Model, explains_arguments
 from stickslip.basics.batch import shape_of
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, is_whole
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.progress import reporting
@@ -21,7 +22,6 @@ from stickslip.inverse.optimisation.searching import search as searched
 from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sample_of
 from stickslip.inverse.optimisation.unknowns import Unknowns, Varied, checked_over
 
-Array = Any
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
 _GENERATIONS, _MORE = 60, 25  # of the search over everything, and more for each unknown
 _SAMPLE = 64  # cases of every candidate, where numbers are uncertain

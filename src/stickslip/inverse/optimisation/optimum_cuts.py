@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.optimisation.candidates import Candidates
 
-Array = Any
 _POINTS = 41  # from bound to bound, beside the best machine itself
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.fields import leaves
 from stickslip.models.drives.drive_adapter import drive_of
 
-Array = Any
 _GRID = 256  # points of a period, beside its breaks
 _ROUNDS, _FINER = 16, 2.0  # in which the neighbourhood of the best point is searched, each time so much finer: any point of it is reached
 _BEFORE = 1e-12  # of the period: how far before a break its left side is looked at

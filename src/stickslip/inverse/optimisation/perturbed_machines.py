@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 
-Array = Any
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 

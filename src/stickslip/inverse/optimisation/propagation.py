@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Fitted, Model, explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
@@ -20,7 +21,6 @@ from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.inverse.optimisation.results import check_quantity, results_of, unit_of_result
 from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sampled, sobol
 
-Array = Any
 _LEAST = 16  # cases of an interrupted sample from which its distribution is still told
 _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
 _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
@@ -236,7 +236,8 @@ def propagate(
     watch = progress_callback(progress, "propagate")
     u = _designed(len(spread.names), samples, int(seed), indices)
     nominal = float(results_of(spread_over(model, 1), 1)[of][0])
-    values, there = np.empty(0), np.empty(0, bool)
+    values: Array = np.empty(0)
+    there: Array = np.empty(0, bool)
     with partial_result() as ending, taking_some_cases():
         values, there = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers), watch)
         if not there.all():

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import StickslipError
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 
-Array = Any
 _POINTS = 256  # of a period
 
 

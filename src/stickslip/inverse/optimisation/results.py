@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.quantities import pretty_unit
@@ -19,7 +20,6 @@ from stickslip.studies.planning import SOLVER
 from stickslip.studies.result_columns import COLUMNS, dim_of, part_columns
 from stickslip.studies.solving import columns_of_group
 
-Array = Any
 #: Drive periods that a motion is given to settle.
 PERIODS = 400
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.optimisation.candidates import Candidates
 
-Array = Any
 _AROUND = (0.02, 0.002, 2e-4)  # of the unknowns: half the boxes around the best in which the population goes on
 _GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time
 _NO_VALUE = 1e3  # of the best: what stands for the value of what is not a machine

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
@@ -14,7 +15,6 @@ from stickslip.basics.number_names import numbers_meant
 from stickslip.inverse.optimisation.perturbed_machines import is_allowed
 from stickslip.models.naming import in_its_unit
 
-Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
 
 

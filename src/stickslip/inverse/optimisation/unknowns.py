@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.number_names import numbers_meant
@@ -16,7 +17,6 @@ from stickslip.inverse.optimisation.bounds import typed_ends
 from stickslip.inverse.optimisation.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 from stickslip.models.drives.drive_adapter import lacking
 
-Array = Any
 _DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
 _INWARD = 1e-9  # of the way between two bounds: how far within them a number has to be allowed
 _TYPED = 'type for example over={"drive.amplitude": (2e-4, 8e-4)} or over={"drive": ss.waveform(pieces=4)}'

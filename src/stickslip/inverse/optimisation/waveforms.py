@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.drives import MultiHarmonic, Pieces, Recorded
 from stickslip.models.drives.fourier import extremes
 
-Array = Any
 _KINDS = {"pieces": 2, "fourier": 1, "spline": 4}  # with the least count of each
 _MOST = 64
 _SHORTEST = 0.02  # of the longest duration: that of a piece, before the motion is closed

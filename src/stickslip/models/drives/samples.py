@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, is_number
 from stickslip.basics.fields import describe
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.maths import Array
 
 MOST = 64  # harmonics at most, unless more are asked for
 _GAP = 2.5  # a step this many times as long as the usual one is a gap

@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import repetition_of, window_count
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
 from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
-
-Array = Any
 
 
 def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
