@@ -11,7 +11,7 @@ from typing import Any
 from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence, transient
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Model, described_as, explains_arguments
 from stickslip.basics.batch import shape_of
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
@@ -66,6 +66,7 @@ class Judge:
     remark: str = ""
 
 
+@described_as("what ss.check returns; type ss.check(robot)")
 @sealed
 @dataclass(frozen=True)
 class Check(Drawn):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import is_run, needs_run
-from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
@@ -17,12 +17,16 @@ from stickslip.models import forces
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import HarmonicArcs
 
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 #: Gauss-Legendre nodes on a piece. An arc may last a whole drive period: there 24 nodes integrate products of sines to rounding
 #: (error below (2 pi)^48 / 48! = 2e-23); a step of an integrator is far shorter than a period.
 NODES_ARC, NODES_STEP = 24, 10
 _FLOOR = 1e-9  # of the largest energies of a run: less is exchanged by what is at rest but for rounding
 
 
+@described_as("what ss.energy returns; type ss.energy(ss.solve(robot))")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Energy(Drawn):
@@ -96,7 +100,7 @@ class Energy(Drawn):
 
 
 @explains_arguments
-def energy(run: Run) -> Energy:
+def energy(run: Trajectory) -> Energy:
     """Energy balance of a run, period by period.
 
     The forces in the integrals are those that the law and the drive give on the dense output, not those that the equation of motion

@@ -7,21 +7,25 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import attrgetter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
-from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import everywhere
 from stickslip.basics.notebook_display import Drawn
 from stickslip.models.friction import Coulomb
 from stickslip.models.friction.law_adapter import adapted, law_of
 from stickslip.models.machine_adapter import machine_of
+from stickslip.records.record import Record
 from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
 
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
 SLIP_RATIO = 0.75
@@ -30,6 +34,7 @@ DWELL = 0.03
 _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near friction over load must be to the coefficient there
 
 
+@described_as("what ss.motion returns; type ss.motion(run)")
 @dataclass(frozen=True)
 class Motion(Drawn):
     """The motion at the end of a run, judged on its last motion period.
@@ -107,6 +112,7 @@ class Motion(Drawn):
         return self.type if self._twin is None else self._twin()
 
 
+@described_as("what ss.motion returns; type ss.motion(run)")
 @dataclass(frozen=True)
 class Motions(Drawn):
     """The motion that a machine of several contacts ends in: that of each contact. The machine as a whole has no motion type.
@@ -157,7 +163,7 @@ class Motions(Drawn):
 
 
 @explains_arguments
-def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
+def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
     """The motion at the end of a run.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
@@ -184,8 +190,9 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     >>> found.type, found.pattern, found.period
     ('I', '+0-0', 1)
     """
-    if hasattr(run, "channels"):  # a measured record
-        return run.motion(dwell=dwell)
+    if isinstance(run, Record):
+        measured: Any = run.motion(dwell=dwell)
+        return measured
     _check(run, slip_ratio, dwell)
     if hasattr(run, "model") and not machine_of(run.model).is_single:
         return _of_contacts(run.parted, slip_ratio, dwell)
@@ -336,7 +343,7 @@ def _twin_type(run: Any) -> str | None:
         arcs = reduced(twin)
         if arcs.drive[0] > 0 and min(arcs.resist_plus[0], arcs.resist_minus[0]) > 0:
             return str(coulomb_type(arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive)[0])
-    return motion(solve(twin, periods=run.periods, settle=run.settle)).type
+    return motion(solve(twin, periods=run.periods, settle=run.settle, keep="trajectory")).type
 
 
 def threshold_table(

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.contact_modes import FLIGHT, contact_modes
 from stickslip.analysis.steady import is_run, mean_velocity
-from stickslip.basics.arguments import Model, Run, explains_arguments
+from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.batch import flat, labels_of
 from stickslip.basics.errors import InputError
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
 
 _LOOKS, _HALVINGS = 720, 60  # instants of a period; steps of the golden section between two of them
 _PARTS, _NODES = 8, 12  # of a period, and of each of its parts: Gauss's rule integrates twenty harmonics to rounding
@@ -21,7 +24,7 @@ _GOLDEN = (5**0.5 - 1) / 2
 
 
 @explains_arguments
-def step_per_cycle(run: Run) -> float:
+def step_per_cycle(run: Trajectory) -> float:
     """Displacement per drive period: the mean velocity times the period.
 
     Parameters
@@ -127,7 +130,7 @@ class Hops:
 
 
 @explains_arguments
-def hops(run: Run, contact: str | None = None) -> Hops:
+def hops(run: Trajectory, contact: str | None = None) -> Hops:
     """The hops of a contact over the last motion period of a run, or its last drive periods where it does not repeat.
 
     Parameters

@@ -10,12 +10,24 @@ import importlib
 import inspect
 import math
 import os
+import sys
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeAlias, TypeVar
 
+from stickslip.basics.contracts import (
+    DynamicLaw,
+    Law as AnyLaw,
+    Machine,
+    Model as AnyModel,
+    Numeric,
+    OneBody,
+    SetValuedLaw,
+    SeveralBodies,
+    Table,
+)
 from stickslip.basics.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
 from stickslip.basics.fields import check_arguments, checked_number, number
 from stickslip.basics.quantities import allowed_in, example_of
@@ -26,14 +38,36 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of argument that no type expresses: a test and its description."""
+    """What an annotation means beyond its type: a test, and the words for what is allowed."""
 
     holds: Callable[[Any], bool]
     words: str
 
 
-def _has(*names: str) -> Callable[[Any], bool]:
-    return lambda value: not isinstance(value, type) and all(hasattr(value, name) for name in names)
+_DESCRIBED: dict[type, str] = {}
+
+
+def described_as(words: str) -> Callable[[type[T]], type[T]]:
+    """Decorate a class with what messages call it, and what to type for one: they are read where an argument should be of that class.
+
+    Examples
+    --------
+    >>> @described_as("a grid; type for example Grid()")
+    ... class Grid: ...
+    >>> @explains_arguments
+    ... def size(grid: Grid) -> int:
+    ...     return len(grid.cells)
+    >>> size(3)
+    Traceback (most recent call last):
+    ...
+    stickslip.basics.errors.InputError: size: grid = 3; allowed is a grid; type for example Grid()
+    """
+
+    def noted(cls: type[T]) -> type[T]:
+        _DESCRIBED[cls] = words
+        return cls
+
+    return noted
 
 
 def _is_numbers(value: Any) -> bool:
@@ -44,48 +78,53 @@ def _is_numbers(value: Any) -> bool:
     return True
 
 
-def _many(value: Any) -> Any:
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
 def _is_law(value: Any) -> bool:
-    return hasattr(value, "sliding") or hasattr(value, "rate")
+    return isinstance(value, (SetValuedLaw, DynamicLaw))
 
 
 def _is_model(value: Any) -> bool:
-    """Whether an object gives the acceleration of one body, or lists bodies and contacts."""
-    return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
+    return isinstance(value, (OneBody, SeveralBodies)) and not isinstance(value, type)
 
 
-_ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
-#: Used in annotations instead of Any.
-Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
-Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]
-Maker = Annotated[
-    Any, Kind(lambda v: callable(v) or _is_model(v), "a robot, a machine, or a function that makes one; type ss.presets.piezo_rig")
+def _is_of(module: str, name: str, or_none: bool = False) -> Callable[[Any], bool]:
+    """Whether a value is of a library's class; of one that nobody has imported there are no values."""
+    return lambda value: (value is None and or_none) or (module in sys.modules and isinstance(value, getattr(sys.modules[module], name)))
+
+
+ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4)"
+_MAKER = "a robot, a machine, or a function that makes one; type ss.presets.piezo_rig"
+_GRID = "a dataset, such as ss.sweep, ss.map and ss.bifurcation return"
+_PAGE = "a figure of matplotlib; type for example plt.figure()"
+_AX = "axes of matplotlib; type for example plt.subplots()[1]"
+#: Used in annotations for what has a type, but no class that says what to type.
+Model = Annotated[AnyModel, Kind(_is_model, f"a Robot, a mechanism or a machine; {ROBOT}")]
+Single = Annotated[Machine, Kind(_is_model, f"a Robot or a mechanism; {ROBOT}")]
+Maker = Annotated[AnyModel | Callable[..., Any], Kind(lambda value: callable(value) or _is_model(value), _MAKER)]
+Law = Annotated[AnyLaw, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
+LawOrModel = Annotated[
+    AnyLaw | AnyModel,
+    Kind(lambda value: _is_law(value) or _is_model(value), f"a friction law, a Robot, a mechanism or a machine; {ROBOT}"),
 ]
-Law = Annotated[Any, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
-LawOrModel = Annotated[Any, Kind(lambda v: _is_law(v) or _is_model(v), f"a friction law, a Robot, a mechanism or a machine; {_ROBOT}")]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
-Grid = Annotated[Any, Kind(_has("data_vars", "dims"), "a dataset, such as ss.sweep, ss.map and ss.bifurcation return")]
-Fitted = Annotated[Any, Kind(_has("values", "problem"), "a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")]
-Measured = Annotated[Any, Kind(_has("channels", "source"), 'a Record; type for example ss.read("run.csv")')]
 Recorded = Annotated[
-    Any,
+    str | os.PathLike[str] | Mapping[str, Any] | Table,
     Kind(
-        lambda v: isinstance(v, (str, os.PathLike, Mapping)) or _has("columns", "__getitem__")(v),
+        lambda value: isinstance(value, (str, os.PathLike, Mapping, Table)),
         'the path of a record, or a data frame; type for example ss.read("run.csv")',
     ),
 ]
-Exponents = Annotated[Any, Kind(_has("spectrum", "record"), "exponents; type for example ss.lyapunov(robot)")]
-Ways = Annotated[
-    Any, Kind(lambda v: all(map(_has("orbits", "values"), v if isinstance(v, (list, tuple)) else [v])), "a Branch or a list of them")
-]
-Basin = Annotated[Any, Kind(_has("map", "attractors"), "basins; type for example ss.basins(robot, v=[0.0, 0.1])")]
-Compared = Annotated[Any, Kind(_has("rows", "record"), "a comparison; type for example ss.compare(record, robot)")]
-Benched = Annotated[Any, Kind(lambda v: _has("experiments")(v) or _has("benches")(v), "a bench; type for example ss.bench(law)")]
-Page = Annotated[Any, Kind(lambda v: v is None or _has("subplots", "savefig")(v), "a figure of matplotlib; type for example plt.figure()")]
-Ax = Annotated[Any, Kind(lambda v: v is None or _has("plot", "figure")(v), "axes of matplotlib; type for example plt.subplots()[1]")]
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+
+    Grid: TypeAlias = xr.Dataset
+    Page: TypeAlias = Figure | SubFigure | None
+    Ax: TypeAlias = Axes | None
+else:
+    Grid = Annotated[Any, Kind(_is_of("xarray", "Dataset"), _GRID)]
+    Page = Annotated[Any, Kind(_is_of("matplotlib.figure", "FigureBase", or_none=True), _PAGE)]
+    Ax = Annotated[Any, Kind(_is_of("matplotlib.axes", "Axes", or_none=True), _AX)]
 
 
 def parameters_of(make: Callable[..., Any]) -> Any:
@@ -277,6 +316,8 @@ def _words(hint: Any) -> str:
             origin or hint, [one for one in inner if one is not Ellipsis][:1]
         )
         return _MANY[origin or hint] + (f", each {_words(of[0])}" if of and of[0] is not Any else "")
+    if hint in _DESCRIBED:
+        return _DESCRIBED[hint]
     return (
         f"a {hint.__name__}" if isinstance(hint, type) and hint is not type(None) else "None" if hint in (None, type(None)) else "anything"
     )
@@ -297,6 +338,7 @@ _PLAIN: dict[Any, tuple[Callable[[Any], bool], str]] = {
     float: (_is_real, "a finite number"),
     str: (lambda value: isinstance(value, str), "text"),
     os.PathLike: (lambda value: isinstance(value, os.PathLike), "a path"),
+    Numeric: (_is_numbers, "a number or an array of numbers"),
 }
 _MANY: dict[Any, str] = {
     dict: "a dict", Mapping: "a dict", list: "a list", tuple: "a tuple", Iterable: "a list", Sequence: "a list", Callable: "a function",

@@ -5,7 +5,7 @@ Velocities are in m/s, forces in N, times in s. Every number may be an array of 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -37,46 +37,48 @@ class Numeric(Protocol):
     def __float__(self) -> float: ...
 
 
+@runtime_checkable
 class SetValuedLaw(Protocol):
     """A law that may hold a body at rest; `stickslip.models.friction.law_adapter` reads it, with its optional attributes."""
 
-    def sliding(self, v: Numeric, load: Numeric) -> Any:
+    def sliding(self, v: Any, load: Any) -> Any:
         """Friction force [N] at a slip velocity v [m/s] that is not zero."""
 
-    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N]: the first is negative."""
 
 
+@runtime_checkable
 class DynamicLaw(Protocol):
     """A law with `states` inner states (1 if not given): z and the value of `rate` are a number if there is one, else a tuple."""
 
-    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric) -> Any:
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force [N]."""
 
 
 class BalancingLaw(Protocol):
     """A dynamic law that needs `applied`, the friction force that would keep v constant [N]."""
 
-    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, applied: Numeric) -> Any:
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
         """Friction force [N]."""
 
 
 class SwitchingLaw(Protocol):
     """A dynamic law with whole-number memories: `mode` is a tuple of them, and `modes` is their number."""
 
-    def rate(self, v: Numeric, z: Numeric, load: Numeric, mode: Any) -> Any:
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
 
-    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, mode: Any) -> Any:
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
         """Friction force [N]."""
 
-    def switches(self, v: Numeric, z: Numeric, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """Guards that end a mode: (guard, positive until then; mode after it; z after it, or None if unchanged)."""
 
 
@@ -90,23 +92,23 @@ class Drive(Protocol):
     def period(self) -> Any:
         """Period of the motion [s]."""
 
-    def position(self, t: Numeric) -> Any:
+    def position(self, t: Any) -> Any:
         """Relative position [m]."""
 
-    def velocity(self, t: Numeric) -> Any:
+    def velocity(self, t: Any) -> Any:
         """Relative velocity [m/s]."""
 
-    def acceleration(self, t: Numeric) -> Any:
+    def acceleration(self, t: Any) -> Any:
         """Relative acceleration [m/s^2]."""
 
 
 class Track(Protocol):
     """The protocol of a track: the components of gravity across and along it."""
 
-    def across(self, gravity: Numeric) -> Any:
+    def across(self, gravity: Any) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
 
-    def along(self, gravity: Numeric) -> Any:
+    def along(self, gravity: Any) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
 
 
@@ -133,8 +135,53 @@ class Machine(Protocol):
     def velocity_scale(self) -> Any:
         """A typical velocity, against which errors are measured [m/s]."""
 
-    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Acceleration of the body [m/s^2] under a friction force R [N]."""
 
-    def contact_velocity(self, v: Numeric) -> Any:
+    def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s] of a body with velocity v."""
+
+
+class Model(Protocol):
+    """A robot, a mechanism, a machine that lists its parts, or a flow: all have a period, or None."""
+
+    @property
+    def period(self) -> Any:
+        """Period of its drive or forcing [s]; None if it is not periodic."""
+
+
+@runtime_checkable
+class OneBody(Protocol):
+    """What tells a model of one body on one contact from other objects; all that it needs is in `Machine`."""
+
+    @property
+    def friction(self) -> Any:
+        """The law of its contact."""
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the body [m/s^2] under a friction force R [N]."""
+
+
+@runtime_checkable
+class SeveralBodies(Protocol):
+    """What tells a model that lists its parts from other objects."""
+
+    def bodies(self) -> Any:
+        """Bodies by name."""
+
+    def contacts(self) -> Any:
+        """Contacts by name."""
+
+    def links(self) -> Any:
+        """Links by the names of the bodies that they join."""
+
+
+@runtime_checkable
+class Table(Protocol):
+    """A data frame of any library: columns by name."""
+
+    @property
+    def columns(self) -> Any:
+        """Names of the columns."""
+
+    def __getitem__(self, name: Any, /) -> Any: ...

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from stickslip.basics.contracts import Drive, Machine, Track
+from stickslip.basics.contracts import Drive, Model, Track
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.drive_adapter import drive_of, unlikely
 from stickslip.models.drives.within import drives_within
@@ -218,7 +218,7 @@ class MachineAdapter:
         return self.model.far_end_velocity if self.is_pulled else 0.0
 
 
-def machine_of(model: Machine) -> MachineAdapter:
+def machine_of(model: Model) -> MachineAdapter:
     """The adapter of a machine."""
     return MachineAdapter(model)
 

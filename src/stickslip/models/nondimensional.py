@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, everywhere
 from stickslip.basics.maths import cos, exp, sin
@@ -164,7 +164,7 @@ class DimensionlessRobot(Frozen):
 
 
 @explains_arguments
-def dimensionless(robot: Model) -> DimensionlessRobot:
+def dimensionless(robot: Robot) -> DimensionlessRobot:
     """The dimensionless form of a LuGre robot with a harmonic drive on a level (or folded) track: Eq. 5.1.
 
     Parameters

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.arguments import ROBOT, described_as, explains_arguments
 from stickslip.basics.batch import check_shape, shape_of
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, describe, leaves
@@ -32,6 +32,7 @@ class _PartKinds:
         return {"drive": {**DRIVES, "forced": Forced}}
 
 
+@described_as(f"a Robot; {ROBOT}")
 @dataclass(frozen=True, eq=False)
 class Robot(Frozen):
     r"""A rigid body on a track with a mass that vibrates inside it: Eqs 2.1 to 2.3 of the paper.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.units import quantity_of
@@ -29,6 +29,7 @@ _SENSITIVITIES = {"velocity": "100 mm/s/V", "absolute velocity": "100 mm/s/V", "
                   "acceleration": "100 mV/g"}  # fmt: skip
 
 
+@described_as('a Record; type for example ss.read("run.csv")')
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:

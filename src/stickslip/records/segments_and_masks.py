@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Measured
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import positive
@@ -97,7 +96,7 @@ def _means(c: Any, count: int) -> Any:
     return dataclasses.replace(c, values=c.values[at].mean(axis=1), t=c.t[at].mean(axis=1))
 
 
-def joined(first: Record, other: Measured, delay: float = 0.0) -> Record:
+def joined(first: Record, other: Record, delay: float = 0.0) -> Record:
     """The record with the channels of another one added, at their own sampling times, shifted later by `delay` [s]."""
     twice = [name for name in other.channels if name in first.channels]
     if twice:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.arguments import Numbers, described_as, explains_arguments
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
@@ -82,6 +82,7 @@ def _force_column(name: str) -> _Column:
     return _Column(column)
 
 
+@described_as("a Trajectory; type for example ss.solve(robot)")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Trajectory(Drawn, RunFiles):

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
@@ -127,6 +127,7 @@ class _Tabled(Drawn):
         return [self.rows()]
 
 
+@described_as("a bench; type for example ss.bench(law)")
 @sealed
 class Bench(_Tabled):
     """The behaviour of one law by itself; `print` shows the table, `stickslip.plot.bench` the figure.
@@ -213,6 +214,7 @@ class Bench(_Tabled):
         return f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg"
 
 
+@described_as("a bench; type for example ss.bench(law)")
 @sealed
 class Benches(_Tabled):
     """Several laws on the same bench, side by side; `print` shows one row for each law.

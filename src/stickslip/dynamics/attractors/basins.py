@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Model, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.basics.fields import floats
@@ -86,6 +86,7 @@ class Attractor:
         return f"<Attractor: {self.word}, {way}share {self.share:.3f} ({self._bounds})>"
 
 
+@described_as("basins; type for example ss.basins(robot, v=[0.0, 0.1])")
 @sealed
 class Basins(Drawn):
     """Basins of attraction: which initial state leads to which attractor.

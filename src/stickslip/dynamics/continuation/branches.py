@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.arguments import Maker, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@described_as("a Branch, as ss.continuation returns")
 @sealed
 class Branch(Drawn):
     """A branch of periodic orbits along a parameter.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
@@ -30,6 +30,7 @@ _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives 
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
 
+@described_as("what ss.sensitivity returns; type ss.sensitivity(robot)")
 @sealed
 class Sensitivity(Drawn):
     """Derivatives of a motion with respect to numbers of its machine.

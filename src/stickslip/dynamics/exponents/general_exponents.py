@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
@@ -28,6 +28,7 @@ _SHOWN = 200  # points of the record of how they converge, at most
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 
+@described_as("exponents; type for example ss.lyapunov(robot)")
 @sealed
 class Lyapunov(Drawn):
     """Lyapunov exponents with their errors and convergence.

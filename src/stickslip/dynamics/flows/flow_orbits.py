@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import Single, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.frozen_arrays import sealed
@@ -321,7 +321,7 @@ def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: f
 
 
 @explains_arguments
-def switching_flow(model: Model) -> SwitchingFlow:
+def switching_flow(model: Single) -> SwitchingFlow:
     """Any model with a set-valued law as a switching flow with modes +1, 0 and -1 and the states x and v.
 
     With ``method="dop853"`` its passages and orbits come from SciPy's integrator and from Python's own loops: slow, and independent of our

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.steady import is_run, period_number
-from stickslip.basics.arguments import Run, explains_arguments
+from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems, did_you_mean, is_whole
 from stickslip.basics.variables import VARIABLES, unit_of
@@ -17,12 +17,14 @@ from stickslip.results.steadiness import way_of_machine
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stickslip.results.trajectory import Trajectory
+
 _WAY = "displacement of the centre of mass since the previous point"
 _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 
 
 @explains_arguments
-def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> xr.Dataset:
+def strobe(run: Trajectory, phase: float = 0.0, settle: int | None = None) -> xr.Dataset:
     """The states of a run at a given phase of every drive period.
 
     Parameters
@@ -58,7 +60,7 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> xr.Datase
 
 
 @explains_arguments
-def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> xr.Dataset:
+def poincare(run: Trajectory, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> xr.Dataset:
     """The states of a run at which a column passes a value, such as v = 0.
 
     Parameters
@@ -173,7 +175,7 @@ def _dataset(run: Any, t: Array) -> Any:
 
 @explains_arguments
 def spectrum(
-    run: Run,
+    run: Trajectory,
     column: str = "v",
     harmonics: int = 40,
     periods: int | None = None,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin, motion
-from stickslip.basics.arguments import Law, Measured, Model, explains_arguments
+from stickslip.basics.arguments import Law, Model, described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible, look, partial_result
@@ -62,6 +62,7 @@ class Row:
     model: Any = None
 
 
+@described_as("a comparison; type for example ss.compare(record, robot)")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Drawn):
@@ -145,7 +146,7 @@ def _cells(row: Row) -> tuple[str, ...]:
 @explains_arguments
 @interruptible
 def compare(
-    record: Measured,
+    record: Record,
     robot: Model,
     laws: Sequence[str | Law] | dict[str, Any] = ("coulomb", "lugre"),
     *,

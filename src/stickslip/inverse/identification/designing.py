@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, explains_arguments
+from stickslip.basics.arguments import Maker, described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems, SolveError, is_number, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.information import Information
@@ -64,6 +64,7 @@ class Experiment:
         return " + ".join(in_words(chosen, self.units) for chosen in self.settings)
 
 
+@described_as("what ss.design returns; type ss.design(...)")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Drawn):

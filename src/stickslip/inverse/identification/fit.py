@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, explains_arguments
+from stickslip.basics.arguments import Ax, described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
@@ -32,6 +32,7 @@ PARTS = ("total", "statistical", "systematic", "input")
 METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
 
 
+@described_as("a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Face):

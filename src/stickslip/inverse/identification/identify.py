@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Maker, Measured, Numbers, explains_arguments
+from stickslip.basics.arguments import Maker, Numbers, explains_arguments
 from stickslip.basics.distributions import ALLOWED, distribution_of
 from stickslip.basics.errors import InputError, Problems, is_one_of
 from stickslip.basics.fields import checked_number
@@ -47,7 +47,7 @@ _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 @explains_arguments
 @interruptible
 def identify(
-    records: Measured | Sequence[Measured] | Numbers,
+    records: Record | Sequence[Record] | Numbers,
     make: Maker,
     *,
     free: dict[str, Any],

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Fitted, Measured, explains_arguments
+from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
@@ -16,6 +16,9 @@ from stickslip.inverse.identification.covariance import effective
 from stickslip.inverse.identification.fit import Fit
 from stickslip.inverse.identification.uncertainty import faults
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
 
 #: A difference of AICc below which data do not tell two laws apart (Burnham and Anderson 2002), here for corrected sample sizes.
 UNDECIDED = 4.0
@@ -29,7 +32,7 @@ class Ranked:
     ----------
     label : str
     parameters : int
-        Fitted numbers, phases included.
+        Fit numbers, phases included.
     rms : float
         Of the residuals over all records, in standard deviations of the noise as the fits see it.
     aicc, bic : float
@@ -52,6 +55,7 @@ class Ranked:
     faults: tuple[str, ...] = ()
 
 
+@described_as("what ss.rank returns; type ss.rank([fit, another_fit])")
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking(Drawn):
@@ -110,7 +114,7 @@ class Ranking(Drawn):
 
 
 @explains_arguments
-def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
+def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
     """Rank fits of several laws to the same records by information criteria and by held-out records.
 
     A law is not supported if the residuals of its fit are correlated or larger than the noise, if one of its numbers is at a bound, or
@@ -174,7 +178,7 @@ def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequenc
 
 @explains_arguments
 def prediction_errors(
-    fit: Fitted, records: Measured | Sequence[Measured], *, load: float | None = None, frequency: float | None = None, **arguments: Any
+    fit: Fit, records: Record | Sequence[Record], *, load: float | None = None, frequency: float | None = None, **arguments: Any
 ) -> list[float]:
     """How well a fit predicts held-out records: rms for each record [SI]. The drive's phase and the sensor are fitted there.
 

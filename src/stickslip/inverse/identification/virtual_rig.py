@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import Problems, is_one_of
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import between
 from stickslip.models.drives import Harmonic, MultiHarmonic
 from stickslip.models.machine_adapter import machine_of
+from stickslip.models.robot import Robot
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
@@ -23,7 +24,7 @@ CHANNELS = ("velocity", "absolute velocity", "position", "drive", "force", "acce
 
 @explains_arguments
 def virtual_rig(
-    robot: Model,
+    robot: Robot,
     *,
     noise: float = 0.0,
     seed: int = 0,

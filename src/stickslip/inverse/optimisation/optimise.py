@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Fitted, Model, explains_arguments
+from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.batch import shape_of
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, is_whole
@@ -22,6 +22,9 @@ from stickslip.inverse.optimisation.searching import search as searched
 from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sample_of
 from stickslip.inverse.optimisation.unknowns import Unknowns, Varied, checked_over
 
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
 _GENERATIONS, _MORE = 60, 25  # of the search over everything, and more for each unknown
 _SAMPLE = 64  # cases of every candidate, where numbers are uncertain
@@ -35,7 +38,7 @@ def optimise(
     maximise: str | None = None,
     minimise: str | None = None,
     subject_to: dict[str, Any] | None = None,
-    robust: dict[str, Any] | Fitted | None = None,
+    robust: dict[str, Any] | Fit | None = None,
     quantile: float | None = None,
     starts: str | None = "closed",
     seed: int = 0,

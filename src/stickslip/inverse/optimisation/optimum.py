@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.arguments import described_as
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
@@ -47,6 +48,7 @@ class Search:
     history: Any
 
 
+@described_as("what ss.optimise returns; type ss.optimise(robot, over=..., maximise=...)")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Optimum(Drawn):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Fitted, Model, explains_arguments
+from stickslip.basics.arguments import Model, described_as, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import leaves
@@ -21,11 +21,15 @@ from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.inverse.optimisation.results import check_quantity, results_of, unit_of_result
 from stickslip.inverse.optimisation.uncertainty_samples import check_sample, checked_spread, sampled, sobol
 
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
 _LEAST = 16  # cases of an interrupted sample from which its distribution is still told
 _TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
 _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
 
+@described_as("Sobol indices; type ss.propagate(robot, uncertain=..., indices=True).indices")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Indices(Drawn):
@@ -69,6 +73,7 @@ def _spans(indices: Indices, name: str) -> tuple[str, ...]:
     return tuple(f"{low:z.2f} to {high:z.2f}" for low, high in (indices.first_interval[name], indices.total_interval[name]))
 
 
+@described_as("what ss.propagate returns; type ss.propagate(robot, uncertain=...)")
 @sealed
 @dataclass(frozen=True, eq=False)
 class Propagated(Drawn):
@@ -161,7 +166,7 @@ class Propagated(Drawn):
 @interruptible
 def propagate(
     model: Model,
-    uncertain: dict[str, Any] | Fitted,
+    uncertain: dict[str, Any] | Fit,
     of: str = "mean_velocity",
     samples: int = 1024,
     seed: int = 0,

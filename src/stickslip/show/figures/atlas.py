@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.atlas.atlas_result import Atlas
 from stickslip.show.figures.maps import TYPE_COLOURS, name_region, outlined, scaled
 from stickslip.show.figures.spacing import cells, logarithmic, places
 from stickslip.show.figures.special_kinds import marker_of, name_of
@@ -58,7 +59,7 @@ def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
     >>> ss.plot.atlas(ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")).get_xlabel()
     'amplitude of the inner mass $A$ (µm)'
     """
-    if not hasattr(found, "borders") or not hasattr(found, "regions"):
+    if not isinstance(found, Atlas):
         raise InputError("plot", [f"{found!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
     across, up = (scaled(found.map, name) for name in found.parameters)
     ax = axes(ax, 3.1)

@@ -62,10 +62,10 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     late = found.unsettled.values > 0
     if late.any():
         shares = found.unsettled.values[late] / found.attrs["starts"]
-        place = {} if quantity == "share" else {"transform": ax.get_xaxis_transform(), "clip_on": False}
+        position: dict[str, Any] = {} if quantity == "share" else {"transform": ax.get_xaxis_transform(), "clip_on": False}
         where = shares if quantity == "share" else np.ones(len(shares))
         label = f"starts not settled (up to {100 * shares.max():.2g} %)"
-        ax.plot(across.values[late] * right, where, UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=label, **place)
+        ax.plot(across.values[late] * right, where, UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=label, **position)
     ax.set(xlabel=side, ylabel=mark)
     legend_above(ax, ncols=3, columnspacing=1.2)
     return ax

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.bench import Bench, Benches
-from stickslip.basics.arguments import Benched, Page
+from stickslip.basics.arguments import Page
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.style import COLOURS, DASHES, INK, drawing, prefix
 
@@ -21,7 +21,7 @@ _COLUMNS = ("steady", "lag", "hysteresis", "dissipation", "breakaway", "stick_sl
 
 
 @drawing
-def bench(found: Benched, figure: Page = None) -> Any:
+def bench(found: Bench | Benches, figure: Page = None) -> Any:
     """The figure of a bench: a panel for each experiment and one for the numbers; for several laws, a row of panels for each law.
 
     Parameters

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 import textwrap
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Kind
+from stickslip.analysis.checking import Check
+from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
+from stickslip.inverse.identification.designing import Design
+from stickslip.inverse.identification.ranking import Ranking
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows
-
-Checked = Annotated[Any, Kind(lambda v: hasattr(v, "judges"), "what ss.check returns; type ss.check(robot)")]
-Ranks = Annotated[Any, Kind(lambda v: hasattr(v, "supported"), "what ss.rank returns; type ss.rank([fit, another_fit])")]
-Plan = Annotated[Any, Kind(lambda v: hasattr(v, "experiments") and hasattr(v, "told"), "what ss.design returns; type ss.design(...)")]
 
 _SAME = 1e-17  # relative difference at which a difference of 0 is drawn
 _APART = 4.0  # difference of AICc below which the data do not distinguish two laws
@@ -25,7 +24,7 @@ _LEAST, _MOST = 1e-3, 1e3  # per cent: errors are clipped to this range
 
 
 @drawing
-def check(found: Checked, ax: Ax = None) -> Any:
+def check(found: Check, ax: Ax = None) -> Any:
     """Distance of each method's mean velocity from the reference, on a logarithmic axis; skipped methods are left out.
 
     Parameters
@@ -71,7 +70,7 @@ def check(found: Checked, ax: Ax = None) -> Any:
 
 
 @drawing
-def ranking(found: Ranks, ax: Ax = None) -> Any:
+def ranking(found: Ranking, ax: Ax = None) -> Any:
     """A bar for each law: the excess of its AICc over the smallest one. Laws in the grey band cannot be distinguished.
 
     Laws that the data support are filled; those that they do not support are hollow. A cross marks the BIC.
@@ -122,7 +121,7 @@ def ranking(found: Ranks, ax: Ax = None) -> Any:
 
 
 @drawing
-def design(found: Plan, ax: Ax = None) -> Any:
+def design(found: Design, ax: Ax = None) -> Any:
     """The expected standard error of each parameter for the best experiments, the best on top.
 
     Parameters at the right edge are not determined at all. In the grey band a parameter is known to within a quarter of its value.

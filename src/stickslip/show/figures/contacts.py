@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
-from stickslip.basics.arguments import Ax, Kind, Run
+from stickslip.analysis.motion import Motion, Motions
+from stickslip.basics.arguments import Ax
+from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.runs import only_run, span, time_axis
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows, prefix
-
-Moving = Annotated[Any, Kind(lambda v: hasattr(v, "direction"), "what ss.motion returns; type ss.motion(run)")]
 
 AIR = "#d6e6f5"  # pale: no contact, no friction
 #: Names, colours and hatches of the bars, in the order of the legend: +1, 0, -1, a stop in contact, and flight.
@@ -21,7 +21,7 @@ _ROW, _AROUND = 0.27, 0.75  # inches
 
 
 @drawing
-def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
+def contacts(run: Trajectory, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """The state of each contact over the last drive periods: sticking, sliding forwards or backwards, or flight; and hits on stops.
 
     Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`.
@@ -66,7 +66,7 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
 
 
 @drawing
-def pattern(motion: Moving, ax: Ax = None) -> Any:
+def pattern(motion: Motion | Motions, ax: Ax = None) -> Any:
     """The motion period of each contact: its intervals of forward sliding, sticking and backward sliding, in order.
 
     Parameters
@@ -87,7 +87,7 @@ def pattern(motion: Moving, ax: Ax = None) -> Any:
     >>> ss.plot.pattern(ss.motion(run)).get_xlabel()
     'drive periods'
     """
-    motions = motion.contacts if hasattr(motion, "contacts") else {"": motion}
+    motions = motion.contacts if isinstance(motion, Motions) else {"": motion}
     rows = list(motions)
     bars = {name: [(a, a + length, sign) for a, length, sign in one.intervals] for name, one in motions.items()}
     ax = axes(ax, _AROUND + _ROW * len(rows))

@@ -7,21 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Grid, Ways
+from stickslip.basics.arguments import Ax, Grid
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
 
-_STABLE, _UNSTABLE = {"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
+_STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
+_UNSTABLE: dict[str, Any] = {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
 _CLOUD = "#B4BCC6"
 
 
 @drawing
 def continuation(
-    branch: Ways,
+    branch: Branch | Sequence[Branch],
     observable: str | None = None,
     ax: Ax = None,
     diagram: Grid | None = None,
@@ -60,8 +62,8 @@ def continuation(
     >>> ss.plot.continuation(branch, "mean_velocity").get_ylabel()
     'mean velocity $V$ (mm/s)'
     """
-    branches = list(branch) if isinstance(branch, (list, tuple)) else [branch]
-    if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
+    branches: list[Branch] = [branch] if isinstance(branch, Branch) else list(branch) if isinstance(branch, (list, tuple)) else []
+    if not branches or not all(isinstance(b, Branch) for b in branches):
         raise InputError("plot", [f"branch = {branch!r}; allowed is a Branch or a list of them, from ss.continuation"])
     if labels is not None and len(labels) != len(branches):
         raise InputError("plot", [f"labels has {len(labels)} texts for {len(branches)} branches; give one for each"])

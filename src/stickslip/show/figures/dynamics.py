@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Basin, Exponents, Grid
+from stickslip.basics.arguments import Ax, Grid
 from stickslip.basics.errors import InputError, is_whole
+from stickslip.dynamics.attractors.basins import Basins
+from stickslip.dynamics.attractors.edge_states import EdgeState
+from stickslip.dynamics.exponents.general_exponents import Lyapunov
 from stickslip.show.figures.continuation import OBSERVABLES
 from stickslip.show.figures.spacing import logarithmic
 from stickslip.show.figures.style import (
@@ -93,7 +96,7 @@ def _sweep_style(i: int, size: float, several: bool) -> dict[str, Any]:
 
 
 @drawing
-def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
+def basins(found: Basins, ax: Ax = None, edges: Any = ()) -> Any:
     """The attractor of each initial state, over the first two axes of the grid that have several values.
 
     Parameters
@@ -121,7 +124,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    if not hasattr(found, "attractors"):
+    if not isinstance(found, Basins):
         raise InputError("plot", [f"found = {found!r}; allowed is what ss.basins gives"])
     names = [str(d) for d in found.map.attractor.dims if found.map.sizes[d] > 1]
     if len(names) < 2:
@@ -141,7 +144,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
         *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))],
     ]
     norm = BoundaryNorm(np.arange(-0.5, len(paints) + 0.5), len(paints))
-    extent = [*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up)]
+    extent = (*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up))
     ax.imshow(codes, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest")
     for k, a in enumerate(found.attractors):
         if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
@@ -166,7 +169,7 @@ def basins(found: Basin, ax: Ax = None, edges: Any = ()) -> Any:
 def _edges_on(edges: Any, names: list[str]) -> list[Any]:
     """Draw edge states that have the coordinates of a map."""
     many = list(edges) if isinstance(edges, (list, tuple)) else [edges]
-    if not all(hasattr(edge, "strobe_points") and set(names) <= set(edge.names) for edge in many):
+    if not all(isinstance(edge, EdgeState) and set(names) <= set(edge.names) for edge in many):
         allowed = f"allowed are edge states with {' and '.join(names)}; type edges=[ss.edge_state(...)]"
         raise InputError("plot", [f"edges = {edges!r}; {allowed}"])
     return many
@@ -192,7 +195,7 @@ def _edges(values: Any) -> tuple[float, float]:
 
 
 @drawing
-def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
+def convergence(exponents: Lyapunov, ax: Ax = None, count: int = 1) -> Any:
     """Convergence of Lyapunov exponents, with a band of three final standard errors.
 
     Parameters
@@ -215,7 +218,7 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
     >>> ss.plot.convergence(exponents).get_ylabel()
     'exponent per drive period'
     """
-    if not hasattr(exponents, "record"):
+    if not isinstance(exponents, Lyapunov):
         raise InputError("plot", [f"{exponents!r}; allowed is what ss.lyapunov gives"])
     if not is_whole(count) or not 1 <= count <= len(exponents.spectrum):
         raise InputError("plot", [f"count = {count!r}; allowed is a whole number from 1 to {len(exponents.spectrum)}; type count=1"])

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
+from stickslip.dynamics.attractors.edge_states import EdgeState
 from stickslip.models.switching_flow import is_flow
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, named, scaled
 
@@ -37,7 +38,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     >>> ss.plot.edge_state(ss.edge_state(cubic, {"x": -1.0}, {"x": 1.0})).get_ylabel()
     'x on the strobe'
     """
-    if not hasattr(edge, "track"):
+    if not isinstance(edge, EdgeState):
         raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.edge_state gives"])
     told = [state_attrs(name, "on the strobe", is_flow(edge.model)) for name in edge.names]
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Kind
+from stickslip.analysis.energy import Energy
+from stickslip.basics.arguments import Ax
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
-
-Balance = Annotated[Any, Kind(lambda v: hasattr(v, "friction_of"), "what ss.energy returns; type ss.energy(ss.solve(robot))")]
 
 _COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "damping": COLOURS[5]}
 _NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
 
 
 @drawing
-def energy(found: Balance, ax: Ax = None) -> Any:
+def energy(found: Energy, ax: Ax = None) -> Any:
     """The energy balance of a run for each drive period: work supplied upwards, work dissipated downwards.
 
     The bars of a period add up to the change of kinetic and potential energy, which is drawn as a line; transient periods, left out of

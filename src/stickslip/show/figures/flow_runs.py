@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError, did_you_mean
+from stickslip.results.flow_run import FlowRun
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above
 
 _POINTS = 1200
@@ -74,7 +75,7 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
 
 
 def _check(run: Any, names: Any) -> None:
-    if not hasattr(run, "coefficients") or not hasattr(run, "names"):
+    if not isinstance(run, FlowRun):
         raise InputError(
             "plot",
             [f"run = {run!r}; allowed is a run of a SwitchingFlow; type ss.plot.states(ss.solve(flow, start=[1.0, 0.0], duration=5.0))"],

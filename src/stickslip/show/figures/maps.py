@@ -128,7 +128,9 @@ def velocity_map(
     V = V * factor
     top, bottom = np.nanmax(V, initial=0.0), np.nanmin(V, initial=0.0)
     both = bottom < -1e-3 * max(top, -bottom)
-    limits = {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
+    limits: dict[str, Any] = (
+        {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
+    )
     ax = axes(ax, 2.9)
     shown = ax.pcolormesh(edges(across.values), edges(up.values), V, rasterized=True, **limits)
     bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Grid, Kind
+from stickslip.basics.arguments import Ax, Grid
 from stickslip.basics.errors import InputError
 from stickslip.basics.number_names import numbers_meant
 from stickslip.basics.quantities import pretty_unit
 from stickslip.basics.variables import unit_of
+from stickslip.inverse.optimisation.optimum import Optimum
 from stickslip.inverse.optimisation.peaks import LIMITS
 from stickslip.models.drives.within import drives_within
 from stickslip.models.naming import axis_of
 from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, named, prefix, scaled
 
-Best = Annotated[Any, Kind(lambda v: hasattr(v, "cuts"), "what ss.optimise returns; type ss.optimise(robot, over=..., maximise=...)")]
 _MOST = 7  # largest number of lines: those with the largest effect
 _STAR: Any = {"marker": "*", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.7, "clip_on": False}
 _SHADED: Any = {"color": SHADE, "linewidth": 0, "zorder": 0}
@@ -25,7 +25,7 @@ _MOTION = {"relative_acceleration": "acceleration", "relative_velocity": "veloci
 
 
 @drawing
-def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
+def optimum(found: Optimum, of: str | None = None, ax: Ax = None) -> Any:
     """The effect of the varied numbers around the best machine, or its drive together with that of the given machine.
 
     For each number a line shows the result from its lower to its upper bound with the others fixed; the line is thin where a limit is

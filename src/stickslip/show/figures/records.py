@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Compared, Fitted, Measured
+from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError, is_whole
 from stickslip.basics.units import SI, quantity_of
+from stickslip.inverse.identification.comparing import Comparison
+from stickslip.inverse.identification.fit import Fit
+from stickslip.records.record import Record
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
 
 _DOTS = 3000  # largest number of samples drawn
@@ -31,7 +34,7 @@ def _words(kind: str, unit: str) -> str:
 
 
 @drawing
-def comparison(found: Compared, ax: Ax = None) -> Any:
+def comparison(found: Comparison, ax: Ax = None) -> Any:
     """A record and several laws over one drive period, as in Figs 7 to 10 of the paper.
 
     Parameters
@@ -66,7 +69,7 @@ def comparison(found: Compared, ax: Ax = None) -> Any:
 
 
 @drawing
-def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
+def fitted(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """One record and the fitted model: over the drive's phase, or force against position.
 
     Parameters
@@ -149,7 +152,7 @@ def _phase_mean(phase: Any, rest: Any) -> tuple[Any, Any, Any]:
 
 
 @drawing
-def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
+def autocorrelation(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """Autocorrelation of the residuals of one record; the band is that of white noise.
 
     Parameters
@@ -186,7 +189,7 @@ def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 
 
 @drawing
-def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
+def residuals(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     """Residuals of one record: noise if the law is right, structured if it is not.
 
     The line is the mean at each phase of the drive, with two standard errors on either side; it is zero if the law is right.
@@ -226,7 +229,7 @@ def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
 
 
 @drawing
-def record_spectrum(record: Measured, channel: str = "velocity", ax: Ax = None) -> Any:
+def record_spectrum(record: Record, channel: str = "velocity", ax: Ax = None) -> Any:
     """Amplitude spectrum of a channel.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
-from stickslip.basics.arguments import Ax, Run
+from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
 from stickslip.models.friction.law_adapter import law_of
@@ -19,6 +19,7 @@ from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow
 from stickslip.results.datasets import names_of
 from stickslip.results.summary import Summary
+from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
 from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix
 
@@ -29,7 +30,7 @@ _MANY = 6000  # points of an autonomous run, which is shown whole
 
 def _runs(run: Any, several: bool = False) -> list[Any]:
     runs = list(run) if isinstance(run, (list, tuple)) else [run]
-    if not runs or any(isinstance(r, Summary) or not hasattr(r, "pieces") for r in runs):
+    if not runs or any(not isinstance(r, Trajectory) for r in runs):
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
@@ -146,7 +147,7 @@ def time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit:
 
 @drawing
 def velocity(
-    run: Run | Sequence[Run],
+    run: Trajectory | Sequence[Trajectory],
     periods: float | None = None,
     ax: Ax = None,
     labels: Sequence[str] | None = None,
@@ -199,7 +200,7 @@ def velocity(
 
 @drawing
 def phase(
-    run: Run | Sequence[Run],
+    run: Trajectory | Sequence[Trajectory],
     periods: float | None = None,
     ax: Ax = None,
     labels: Sequence[str] | None = None,
@@ -254,7 +255,7 @@ def phase(
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
         ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
+        marker: dict[str, Any] = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
         ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
     ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
     ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
@@ -302,7 +303,7 @@ def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any
 
 
 @drawing
-def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
+def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the static friction limits if the law has them.
 
     Without a drive, only the friction force is drawn; for a machine of several contacts, that of each.
@@ -341,7 +342,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     ax = axes(ax)
     shaded = _shade(ax, rests(run, start, end), start, time)
     t, _ = next(iter(curves.values()))
-    dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
+    dashed: dict[str, Any] = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
     for i, limit in enumerate(limits(run, t)):
         ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
     for i, (name, (t, F)) in enumerate(curves.items()):

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
-from stickslip.basics.arguments import Ax, Kind
+from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.derivatives.sensitivity import Sensitivity
+from stickslip.inverse.optimisation.propagation import Indices
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, name_rows
-
-Slopes = Annotated[Any, Kind(lambda v: hasattr(v, "relative"), "what ss.sensitivity returns; type ss.sensitivity(robot)")]
-Parts = Annotated[
-    Any, Kind(lambda v: hasattr(v, "total_interval"), "Sobol indices; type ss.propagate(robot, uncertain=..., indices=True).indices")
-]
 
 
 @drawing
-def sensitivity(found: Slopes, ax: Ax = None) -> Any:
+def sensitivity(found: Sensitivity, ax: Ax = None) -> Any:
     """A bar for each number of a machine: the relative change of the mean velocity per relative change of the number.
 
     Numbers without a relative derivative, such as those that are zero, are left out.
@@ -63,7 +60,7 @@ def sensitivity(found: Slopes, ax: Ax = None) -> Any:
 
 
 @drawing
-def indices(found: Parts, ax: Ax = None) -> Any:
+def indices(found: Indices, ax: Ax = None) -> Any:
     """First and total Sobol index of each uncertain number, with the 95 % intervals of the sample.
 
     Parameters

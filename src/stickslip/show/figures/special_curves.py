@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.continuation.two_parameters import Curve
 from stickslip.show.figures.spacing import logarithmic
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, labelled, legend_above, scaled
@@ -40,7 +41,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     'amplitude of the inner mass $A$ (µm)'
     """
     several = list(curves) if isinstance(curves, (list, tuple)) else [curves]
-    if not several or any(not hasattr(curve, "parameters") or curve.parameters != several[0].parameters for curve in several):
+    if not several or any(not isinstance(curve, Curve) or curve.parameters != several[0].parameters for curve in several):
         raise InputError("plot", [f"{curves!r}: allowed are curves in the same two parameters; type for example ss.special_curve(...)"])
     points = [curve.points for curve in several]
     across, up = several[0].parameters

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
-from stickslip.basics.arguments import Ax, Kind
+from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
+from stickslip.inverse.optimisation.propagation import Propagated
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
-
-Bands = Annotated[Any, Kind(lambda v: hasattr(v, "swings"), "what ss.propagate returns; type ss.propagate(robot, uncertain=...)")]
 
 
 @drawing
-def tornado(found: Bands, ax: Ax = None) -> Any:
+def tornado(found: Propagated, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
     The grey band is the joint effect of all of them: the central 90 % of the sample. First and total Sobol indices are shown at the
@@ -38,14 +37,15 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['friction.mu_minus', 'friction.mu_plus']
     """
-    if not found.swings:
+    swings = found.swings
+    if not swings:
         raise InputError("plot", ["what was propagated has no swings; give what ss.propagate returns"])
-    order = sorted(found.swings, key=lambda name: abs(found.swings[name][1] - found.swings[name][0]))
+    order = sorted(swings, key=lambda name: abs(swings[name][1] - swings[name][0]))
     band = [found.quantile(q) for q in (0.05, 0.95)]
-    factor, letter = scaled([*band, found.nominal, *(v for pair in found.swings.values() for v in pair)], found.unit)
+    factor, letter = scaled([*band, found.nominal, *(v for pair in swings.values() for v in pair)], found.unit)
     ax = axes(ax, 0.95 + 0.26 * len(order))
     for i, name in enumerate(order):
-        for end, colour, word in zip(found.swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
+        for end, colour, word in zip(swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
             label = word if i == 0 else None
             ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
     ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
