@@ -235,7 +235,7 @@ def check(
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict, of)
 
 
-def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
+def _check_arguments(robot: Model, rk4_steps: Any, duration: Any) -> None:
     """Refuse arguments that no method accepts; all problems are reported at once."""
     problems, name = Problems("check"), type(robot).__name__
     if not is_machine(robot):
@@ -271,7 +271,7 @@ def _skipped(name: str, setting: str, why: str) -> Judge:
 class _Court:
     """Runs the judges one by one."""
 
-    def __init__(self, robot: Any, periods: int, start: dict[str, Any] | None, duration: float | None = None):
+    def __init__(self, robot: Model, periods: int, start: dict[str, Any] | None, duration: float | None = None):
         self.robot, self.periods, self.start, self.duration = robot, periods if duration is None else 0, start, duration
 
     def solved(self, periods: int, **options: Any) -> Any:

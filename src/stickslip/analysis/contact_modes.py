@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +13,17 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
 
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
+
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50
 _ROUNDING = 1e-12  # of a span: what is shorter is not a stretch
 
 
-def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]]:
+def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[Stretch]]:
     """Each contact's stretches of sticking, sliding and flying over a span of a run, in order, without gaps.
 
     Under a set-valued law they are the run's own. Under a law with inner states a contact sticks by the rule of `stickslip.motion`: while
@@ -37,7 +41,7 @@ def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]
     return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
 
 
-def watched_contacts(run: Any) -> dict[str, Watched]:
+def watched_contacts(run: Trajectory) -> dict[str, Watched]:
     """The contacts of a run, of one or of several, by name."""
     if machine_of(run.model).is_single:
         return {name: Watched(run) for name in run.contacts}
@@ -79,7 +83,7 @@ def _joined(edges: Array, signs: Array, start: float, end: float) -> list[Stretc
     return stretches
 
 
-def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
+def pressed_stops(run: Trajectory, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
     """From when to when each elastic stop of a machine is pressed within a span [s], by the names of the bodies that meet."""
     machine = machine_of(run.model)
     if machine.is_single:
@@ -119,7 +123,7 @@ def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, floa
     return hits
 
 
-def landings(run: Any, start: float, end: float) -> dict[str, list[float]]:
+def landings(run: Trajectory, start: float, end: float) -> dict[str, list[float]]:
     """When each contact lands within a span [s], of those that fly."""
     landings: dict[str, list[float]] = {}
     for _, event in run._flights:
@@ -128,7 +132,7 @@ def landings(run: Any, start: float, end: float) -> dict[str, list[float]]:
     return landings
 
 
-def stop_rows(run: Any, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:
+def stop_rows(run: Trajectory, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:
     """For each stop, by a name that no contact has, when it is pressed (sign 2) and when it is hit [s]."""
     pressed, struck = pressed_stops(run, start, end), hits(run, start, end)
     return {

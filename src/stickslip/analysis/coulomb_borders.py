@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from stickslip.basics.arguments import Grid, explains_arguments
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 _FINE = 601  # points of each axis of the field on which curves are traced
 
@@ -106,7 +110,7 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
     return borders
 
 
-def plane_of(grid: Any, x: str | None = None, y: str | None = None) -> tuple[str, str]:
+def plane_of(grid: xr.Dataset, x: str | None = None, y: str | None = None) -> tuple[str, str]:
     """Names of the two axes of a map; `InputError` if it has not two of numbers."""
     if "mean_velocity" not in grid:
         has = ", ".join(str(name) for name in grid.data_vars)
@@ -122,7 +126,7 @@ def plane_of(grid: Any, x: str | None = None, y: str | None = None) -> tuple[str
     return first, second
 
 
-def _field(grid: Any, name: str, x: str, y: str) -> tuple[Array, Array, Array]:
+def _field(grid: xr.Dataset, name: str, x: str, y: str) -> tuple[Array, Array, Array]:
     """A positive column on a fine grid: array over (y, x)."""
     from scipy.interpolate import RectBivariateSpline
 

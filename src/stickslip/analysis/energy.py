@@ -163,7 +163,7 @@ def energy(run: Trajectory) -> Energy:
     return Energy(**balance, residual=residual, settle=min(int(run.settle), count), **by_part)
 
 
-def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
+def _of_parts(run: Trajectory, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
     """Works of friction by contact, and of damping by link; parts with the same ends are added."""
     machine = machine_of(run.model)
     if machine.is_single:
@@ -176,7 +176,7 @@ def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, di
     return works_of
 
 
-def _borders(run: Any) -> tuple[Array, Array, Array]:
+def _borders(run: Trajectory) -> tuple[Array, Array, Array]:
     """Times between which energy is balanced, with x and v there: the strobe points and the end."""
     ends = run.pieces.t[[0, -1]]
     if run.model.period is None:
@@ -189,7 +189,7 @@ def _borders(run: Any) -> tuple[Array, Array, Array]:
     return np.append(t, ends[1]), np.append(x, last[0], axis=0), np.append(v, last[1], axis=0)
 
 
-def _cut(run: Any, borders: Array) -> tuple[Array, Array, Array]:
+def _cut(run: Trajectory, borders: Array) -> tuple[Array, Array, Array]:
     """The pieces cut at the borders: their ends, their numbers, and the row that each belongs to."""
     edges = np.unique(np.concatenate([run.pieces.t, borders]))
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -197,14 +197,14 @@ def _cut(run: Any, borders: Array) -> tuple[Array, Array, Array]:
     return edges, run._index(middle), np.minimum(owner, len(borders) - 2)
 
 
-def _rows(run: Any, borders: Array) -> Array:
+def _rows(run: Trajectory, borders: Array) -> Array:
     """The row of each impulse: on a border it belongs to what ends there."""
     times = np.array([t for t, _ in run._impulses])
     slack = 1e-9 * run.period_time if len(times) else 0.0
     return np.clip(np.searchsorted(borders, times - slack, side="right") - 1, 0, len(borders) - 2)
 
 
-def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
+def _powers(run: Trajectory, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run._states_at(t, index)
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
@@ -228,7 +228,7 @@ def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[st
     return {"drive": model.drive_power(t, x, v, R) + none, "damping": model.damping_power(t, x, v) + none}
 
 
-def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: Any, row: int) -> None:
+def _add_impulse(run: Trajectory, works: dict[str, Array], t: float, jump: Any, row: int) -> None:
     """Work of an impulse: its size times the mean of the velocities before and after."""
     model, several = run.model, not machine_of(run.model).is_single
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
@@ -244,7 +244,7 @@ def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: Any, row: in
         works["actuator"][row] += mass * (jump + thrown - xi_rate) * 0.5 * (xi_rate + thrown)
 
 
-def _kinetic(run: Any, v: Array) -> Array:
+def _kinetic(run: Trajectory, v: Array) -> Array:
     """Kinetic energy of all bodies [J]."""
     if machine_of(run.model).is_single:
         return 0.5 * run.model.total_mass * v**2
@@ -252,12 +252,12 @@ def _kinetic(run: Any, v: Array) -> Array:
     return kinetic
 
 
-def _potential(run: Any, t: Array, x: Array) -> Array:
+def _potential(run: Trajectory, t: Array, x: Array) -> Array:
     """Energy of the spring of a mechanism [J]."""
     return (run.model.potential(t, x) if hasattr(run.model, "potential") else 0.0) + np.zeros_like(t)
 
 
-def _residual(run: Any, works: dict[str, Array], gross: list[Array], kinetic: Array, owner: Array) -> Array:
+def _residual(run: Trajectory, works: dict[str, Array], gross: list[Array], kinetic: Array, owner: Array) -> Array:
     """Relative error of the energy balance; `kinetic` is the kinetic energy at the nodes of each piece, `owner` the row of the piece."""
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
     count, settle = len(missing), min(int(run.settle), len(missing))

@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
+from stickslip.basics.contracts import Law
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import everywhere
 from stickslip.basics.notebook_display import Drawn
@@ -25,6 +26,7 @@ from stickslip.results.segments import intervals_of, type_of
 from stickslip.results.summary import Summary
 
 if TYPE_CHECKING:
+    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
@@ -196,11 +198,11 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
     _check(run, slip_ratio, dwell)
     if hasattr(run, "model") and not machine_of(run.model).is_single:
         return _of_contacts(run.parted, slip_ratio, dwell)
-    run = needs_run("motion", run, "its types and patterns are those of one velocity")
-    return _motion(run, Watched(run), _One(run), slip_ratio, dwell)
+    single: Trajectory = needs_run("motion", run, "its types and patterns are those of one velocity")
+    return _motion(single, Watched(single), _One(single), slip_ratio, dwell)
 
 
-def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
+def _of_contacts(run: Trajectory, slip_ratio: float, dwell: float) -> Motions:
     """The motion of each contact of a machine."""
     period = period_number(run)
     watched = {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
@@ -213,7 +215,7 @@ def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
     return Motions(motions, still, period, int(np.sign(net)) if abs(net) > floor else 0, own)
 
 
-def _never_moves(run: Any, watched: Watched, motion: Motion) -> bool:
+def _never_moves(run: Trajectory, watched: Watched, motion: Motion) -> bool:
     """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
     if watched.law.has_slip_ratio:
         return motion.type in ("rest", "presliding")
@@ -225,7 +227,7 @@ class _One:
 
     column: Any = property(attrgetter("run.v"), doc="Velocity at the instants of the columns [m/s].")
 
-    def __init__(self, run: Any):
+    def __init__(self, run: Trajectory):
         self.run = run
 
     def net(self, count: int) -> float:
@@ -237,7 +239,7 @@ class _One:
 class _Slip(_One):
     """How far one contact of several slips in a motion period, and its slip velocity."""
 
-    def __init__(self, run: Any, number: int):
+    def __init__(self, run: Trajectory, number: int):
         self.run, self.number = run, number
 
     def net(self, count: int) -> float:
@@ -270,7 +272,7 @@ def _motion(run: Any, watched: Watched, moved: _One, slip_ratio: float, dwell: f
     )
 
 
-def _check(run: Any, slip_ratio: float, dwell: float) -> None:
+def _check(run: Trajectory | FlowRun, slip_ratio: float, dwell: float) -> None:
     problems = []
     if isinstance(run, Summary):
         problems.append("run is the summary of a batch, which holds its types already; type many.motion_type (many.pattern, many.margin)")
@@ -319,7 +321,7 @@ def coulomb_twin(model: Any, static: bool = False) -> Any:
     return dataclasses.replace(model, friction=friction)
 
 
-def _has_kinetic(law: Any) -> bool:
+def _has_kinetic(law: Law) -> bool:
     """Whether a law names one kinetic coefficient for each direction; a set-valued one is asked whether it slides so at speed."""
     named: list[Any] = [getattr(law, name, None) for name in ("mu_plus", "mu_minus")]
     if any(mu is None or isinstance(mu, tuple) for mu in named):
@@ -330,7 +332,7 @@ def _has_kinetic(law: Any) -> bool:
     return all(everywhere(abs(adapted(law).sliding(v, 2.0) - adapted(law).sliding(v, 1.0) - mu) <= _KINETIC) for v, mu in sides)
 
 
-def _twin_type(run: Any) -> str | None:
+def _twin_type(run: Trajectory | FlowRun) -> str | None:
     """The twin's type, from the exact borders where they apply; else it is solved."""
     from stickslip.analysis.closed_form import coulomb_type
     from stickslip.solvers import solve
@@ -347,7 +349,7 @@ def _twin_type(run: Any) -> str | None:
 
 
 def threshold_table(
-    run: Any,
+    run: Trajectory,
     slip_ratios: tuple[float, ...] = (0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 0.95),
     dwells: tuple[float, ...] = (0.01, 0.02, 0.03, 0.05, 0.08),
 ) -> list[dict[str, Any]]:

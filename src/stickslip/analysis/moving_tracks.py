@@ -12,6 +12,7 @@ from stickslip.analysis.contact_modes import FLIGHT, contact_modes
 from stickslip.analysis.steady import is_run, mean_velocity
 from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.batch import flat, labels_of
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.machine_adapter import machine_of
 
@@ -76,7 +77,7 @@ def throw_index(machine: Model) -> Any:
     labels = labels_of(machine)
     T = np.broadcast_to(np.asarray(batch.model.period, float), (labels.cases,))
 
-    def load(phase: Any) -> Any:
+    def load(phase: Numeric) -> Any:
         return np.broadcast_to(np.asarray(mechanics.loads(phase * T, mechanics.start)[number], float), T.shape)
 
     looks = np.array([load(k / _LOOKS) for k in range(_LOOKS)])
@@ -168,7 +169,7 @@ def hops(run: Trajectory, contact: str | None = None) -> Hops:
     )
 
 
-def _span(run: Any) -> tuple[float, float]:
+def _span(run: Trajectory) -> tuple[float, float]:
     """The last motion period, or the last drive period where none was found, with a moment before: what lands at its end lands once."""
     from stickslip.analysis.steady import period_number
 
@@ -176,13 +177,13 @@ def _span(run: Any) -> tuple[float, float]:
     return end - T * min(period_number(run) or 1, len(run.strobe_times) - 1), end
 
 
-def gaps(run: Any, at: dict[str, Any]) -> dict[str, Any]:
+def gaps(run: Trajectory, at: dict[str, Any]) -> dict[str, Any]:
     """How high each contact that can fly is above what it rubs on [m], at the instants of ``run.parted.at``."""
     flying = [(i, name) for i, (name, law) in enumerate(zip(run.contacts, machine_of(run.model).laws, strict=True)) if law.flies]
     return {name: at["z"].reshape(len(at["t"]), len(run.contacts), -1)[:, i, 0] for i, name in flying}
 
 
-def _height(run: Any, name: str, start: float, end: float) -> float:
+def _height(run: Trajectory, name: str, start: float, end: float) -> float:
     """The largest gap within a stretch [m]: at its samples, and at the top of the parabola through the largest of them."""
     t = np.linspace(start, end, 1025)
     gap = gaps(run, run.parted.at(t))[name]

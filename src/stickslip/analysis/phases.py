@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives import ThreePhase, TwoPhase
 
 _ROUNDING = 1 + 1e-12  # a body that is held exactly at its break-away is held
 
 
-def two_phase(drive: TwoPhase, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: Any = 9.81) -> Any:
+def two_phase(drive: TwoPhase, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: Numeric = 9.81) -> Any:
     r"""Mean velocity with a two-phase drive; J = mu (u1 + u2) is the jump of the body's velocity.
 
     .. math:: V = \frac{J^2}{2g(t_1+t_2)}\Bigl(\frac{1}{\mu_+}-\frac{1}{\mu_-}\Bigr), \qquad
@@ -58,7 +59,7 @@ def two_phase(drive: TwoPhase, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gra
     return (way / (t1 + t2))[()]
 
 
-def three_phase(drive: ThreePhase, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: Any = 9.81) -> Any:
+def three_phase(drive: ThreePhase, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: Numeric = 9.81) -> Any:
     r"""Mean velocity with a three-phase drive that holds the body back in its phases of +w1 and +w3 and throws it forwards in that of -w2.
 
     .. math:: V = \frac{v_2^2}{2T}\Bigl(\frac{1}{a_2}+\frac{1}{a_3}\Bigr), \quad a_2 = \mu w_2-\mu_+g, \quad a_3 = \mu w_3+\mu_+g, \quad

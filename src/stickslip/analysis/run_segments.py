@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from stickslip.models.friction.law_adapter import LawAdapter, law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.state_layout import of_one_contact
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
 
@@ -36,7 +40,7 @@ class Segments:
 class Watched:
     """The only contact of a run, as its segments are told from it."""
 
-    def __init__(self, run: Any):
+    def __init__(self, run: Trajectory):
         self.run, self.modes = run, run._modes
 
     @property
@@ -67,7 +71,7 @@ class Watched:
 class WatchedOf(Watched):
     """One contact of several, by its number."""
 
-    def __init__(self, run: Any, number: int):
+    def __init__(self, run: Trajectory, number: int):
         self.run, self.number, self.modes = run, number, run._modes[:, number]
         self.mechanics = machine_of(run.model).mechanics
 
@@ -116,7 +120,7 @@ def raw_segments(run: Any, period: int, slip_ratio: float, watched: Watched | No
     return Segments(np.diff(edges) / run.period_time, 2 * watched.modes[index].astype(int), margin)
 
 
-def shares(run: Any) -> dict[str, float]:
+def shares(run: Trajectory) -> dict[str, float]:
     """Parts of a whole run's time in which the contact slides forwards and backwards, and in which it sticks."""
     run = of_one_contact("shares", run, "they are the parts of one contact's time")
     lengths, modes = np.diff(run.pieces.t), run._modes

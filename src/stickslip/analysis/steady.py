@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stickslip.records import Record
+    from stickslip.results.flow_run import FlowRun
     from stickslip.results.trajectory import Trajectory
 
 #: Largest period number that is looked for.
@@ -97,7 +98,7 @@ def _of_body(run: Any, body: int | str) -> float:
     return float((x[-1] - x[0]) / (t[-1] - t[0]))
 
 
-def is_run(what: str, run: Any) -> None:
+def is_run(what: str, run: Trajectory | FlowRun) -> None:
     """Say what to type where something else than a run was given."""
     if is_flow(getattr(run, "model", None)):
         mistake = "the run is that of a flow, which has states of its own and no bodies"
@@ -116,7 +117,7 @@ def _too_short(run: Any) -> str:
     return f"{reason}, so it has no mean velocity; type run.x and run.v for the motion until then, or give more load or a smaller drive"
 
 
-def velocity_range(run: Any) -> tuple[float, float]:
+def velocity_range(run: Trajectory) -> tuple[float, float]:
     """Smallest and largest velocity of the steady motion: over its last motion period, or over the window of the mean where none is known.
 
     Parameters
@@ -143,18 +144,18 @@ def velocity_range(run: Any) -> tuple[float, float]:
     return _extremes(run, run.pieces.t[-1] - count * run.period_time * (1 + 1e-12))
 
 
-def _extremes(run: Any, since: float) -> tuple[float, float]:
+def _extremes(run: Trajectory, since: float) -> tuple[float, float]:
     v = run.v[run.t >= since]
     return float(v.min()), float(v.max())
 
 
-def needs_run(what: str, run: Any, why: str) -> Any:
+def needs_run(what: str, run: Trajectory, why: str) -> Any:
     """A run of one body on one contact; what to type where something else was given, and `why` one of several cannot be taken."""
     is_run(what, run)
     return of_one_contact(what, run, why)
 
 
-def _settled_count(run: Any) -> int:
+def _settled_count(run: Trajectory) -> int:
     """Drive periods in the window after settling."""
     return max(len(run.strobe_times) - 1 - int(run.settle), min(1, len(run.strobe_times) - 1))
 
@@ -232,7 +233,7 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     return means.reshape(shape)[()]
 
 
-def closed_mean_velocity(model: Any) -> Any:
+def closed_mean_velocity(model: Model) -> Any:
     """V = A mu omega times the closed mean of w [m/s]; None where a case has no closed formula (it may slide down by itself).
 
     Parameters

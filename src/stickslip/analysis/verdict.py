@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import UNSETTLED
 
@@ -49,13 +50,13 @@ def transient(steadiness: Any, uncertainty: float) -> str:
     return ""
 
 
-def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any, of: str = "") -> str:
+def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Model, of: str = "") -> str:
     """The finding of the judges that count for this answer; `of` says of what transient it is the mean."""
     finding = _finding(answer, uncertainty, digits, period, counted, robot)
     return f"{of[0].upper()}{of[1:]}. {finding}" if of else finding
 
 
-def _finding(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Any) -> str:
+def _finding(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Model) -> str:
     late = " No motion period was found, so the mean still depends on the length of the run." if period is None else ""
     if math.isnan(uncertainty):
         return f"The mean velocity is {answer:.6e} m/s, but no other method could confirm it: no digit is certain.{late}"
@@ -72,11 +73,11 @@ def _finding(answer: float, uncertainty: float, digits: int, period: int | None,
     return f"{count} of the mean velocity {shown} {'are' if digits > 1 else 'is'} certain: {who} agree to {uncertainty:.1e} m/s."
 
 
-def _small(robot: Any) -> float:
+def _small(robot: Model) -> float:
     return 1e-9 * float(machine_of(robot).velocity_scale)
 
 
-def naive(answer: float, judges: list[Any], robot: Any) -> str:
+def naive(answer: float, judges: list[Any], robot: Model) -> str:
     """The wrong answer that a script with fixed steps would have given, if it is wrong."""
     wrong = [j for j in judges if j.name == RK4 and abs(j.difference) > 0.01 * abs(answer) > _small(robot)]
     if not wrong:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.models.contact_forces import held_by_controllers
+
+if TYPE_CHECKING:
+    from stickslip.models.mechanics import Mechanics
+    from stickslip.results.trajectory import Trajectory
 
 
 def kinetic(mechanics: Any, v: Array) -> Array:
@@ -42,13 +46,13 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}
 
 
-def names_of_links(mechanics: Any) -> list[str]:
+def names_of_links(mechanics: Mechanics) -> list[str]:
     """The links and elastic stops by the bodies that they join, in the order of their columns."""
     stops = [label_of_stop(mechanics, name) for name, stop in mechanics.named_stops if stop.part.restitution is None]
     return [*_links(mechanics), *stops]
 
 
-def label_of_stop(mechanics: Any, name: str) -> str:
+def label_of_stop(mechanics: Mechanics, name: str) -> str:
     """A stop by its name; with a word where a link has the same."""
     return f"{name} (stop)" if name in _links(mechanics) else name
 
@@ -88,7 +92,7 @@ def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:
     return total
 
 
-def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float, str]]:
+def lost_at_hits(run: Trajectory, mechanics: Mechanics) -> list[tuple[float, float, str]]:
     """Instants at which stops throw bodies back, the kinetic energy that is lost there [J], and the stops' names."""
     if not mechanics.stops or len(run.pieces.mode) < 2:
         return []

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import describe, is_array, leaves, replace_leaf, same
 
@@ -30,7 +31,7 @@ def shape_of(model: Any) -> tuple[int, ...]:
     return labels_of(model).shape
 
 
-def check_shape(model: Any, problems: Problems) -> None:
+def check_shape(model: Model, problems: Problems) -> None:
     """Add the problems with the shapes of a model's arrays, if its fields have none."""
     if not problems.mistakes:
         try:
@@ -39,7 +40,7 @@ def check_shape(model: Any, problems: Problems) -> None:
             problems.include(error)
 
 
-def labels_of(model: Any) -> Labels:
+def labels_of(model: Model) -> Labels:
     """Shape and labels of the batch; `InputError` if the arrays do not fit together."""
     return labels_together(dict(leaves(model)), type(model).__name__)
 
@@ -87,7 +88,7 @@ def _labels_by_name(arrays: dict[str, Any], labelled: dict[str, Any], what: str)
     return Labels(whole.shape, tuple(str(d) for d in whole.dims), coords)
 
 
-def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> Any:
+def rows_of(model: Model, names: tuple[str, ...], cases: slice = slice(None)) -> Any:
     """The named numbers as a table (cases, names), with a row for each selected case in C order of the batch."""
     import numpy as np
 
@@ -99,7 +100,7 @@ def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> A
     return table
 
 
-def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
+def numbers_by_name(model: Model, cases: slice = slice(None)) -> dict[str, Any]:
     """Every number of a model by its name: a flat array over the selected cases if it is an array, else a single float.
 
     Examples
@@ -117,7 +118,7 @@ def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
     return {name: _on_batch(value, labels).flat[cases] if is_array(value) else value for name, value in values.items()}
 
 
-def some_of(model: Any, at: Any) -> Any:
+def some_of(model: Model, at: Any) -> Any:
     """Some cases of a batch, selected by their numbers in C order, as a flat batch; a single case is returned unchanged.
 
     Examples
@@ -135,12 +136,12 @@ def some_of(model: Any, at: Any) -> Any:
     return replace_leaf(model, {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(names)})
 
 
-def with_row(model: Any, names: tuple[str, ...], row: Any) -> Any:
+def with_row(model: Model, names: tuple[str, ...], row: Any) -> Any:
     """One case: the model with a row of plain floats for its named numbers."""
     return replace_leaf(model, dict(zip(names, map(float, row), strict=True)))
 
 
-def cases_of(model: Any, cases: slice = slice(None)) -> list[Any]:
+def cases_of(model: Model, cases: slice = slice(None)) -> list[Any]:
     """The selected cases of a batch, each as a model with plain floats; a single case gives a list of one."""
     names = tuple(name for name, _ in leaves(model))
     return [with_row(model, names, row) for row in rows_of(model, names, cases)]

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
+
 #: Allowed notation for an uncertain number.
 ALLOWED = '("normal", mean, standard deviation), ("uniform", low, high) or (value, "1%")'
 _WIDE = 8.0  # half width of the search range of a normal distribution, in standard deviations
@@ -55,7 +57,7 @@ class Distribution:
         low, high = self.a - _WIDE * self.b, self.a + _WIDE * self.b
         return (max(low, 1e-3 * self.a) if self.a > 0 else low), (min(high, 1e-3 * self.a) if self.a < 0 else high)
 
-    def at(self, u: Any) -> Any:
+    def at(self, u: ArrayLike) -> Any:
         """Quantiles of the distribution at the probabilities u."""
         from scipy.special import ndtri
 

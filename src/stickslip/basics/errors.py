@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeGuard
 
+from stickslip.basics.contracts import Model
+
 
 class StickslipError(Exception):
     """Base class of the errors of this package."""
@@ -60,7 +62,7 @@ class OneContactNeeded(InputError, AttributeError):
     """
 
     @classmethod
-    def of(cls, model: Any, name: str) -> OneContactNeeded:
+    def of(cls, model: Model, name: str) -> OneContactNeeded:
         """The error for a request of `name` from the only body or contact of a model that has several."""
         kind = type(model).__name__
         why = f"{kind} has no {name} of its own, because it lists its bodies and contacts"

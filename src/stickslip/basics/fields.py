@@ -14,6 +14,7 @@ import functools
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.maths import is_symbol
 from stickslip.basics.number_names import numbers_meant
@@ -195,7 +196,7 @@ def checked_number(
         problems.add(f"{name}: {error}; allowed is {allowed}; type for example {typed}")
         return value
 
-    def allows(x: Any) -> Any:
+    def allows(x: Array) -> Any:
         return (abs(x) < LARGEST) & (rule is None or rule(x))
 
     if is_array(value) and value.size == 0:

@@ -14,6 +14,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
+
 __all__ = [
     "asinh", "atan", "cos", "cosh", "exp", "hypot", "is_symbol",
     "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
@@ -54,7 +56,7 @@ def _beyond(name: str, x: float) -> float:
     return float(function_value(name, np.float64(x).reshape(1))[0])
 
 
-def exp(x: Any) -> Any:
+def exp(x: Numeric) -> Any:
     """e to the power x; constant at 5e299 for x above 690.
 
     Examples
@@ -70,42 +72,42 @@ def log(x: Any) -> Any:
     return function_value("log", x)
 
 
-def sqrt(x: Any) -> Any:
+def sqrt(x: Numeric) -> Any:
     """Square root; NaN for a negative number."""
     return function_value("sqrt", x)
 
 
-def sin(x: Any) -> Any:
+def sin(x: Numeric) -> Any:
     """Sine of an angle [rad]."""
     return function_value("sin", x)
 
 
-def cos(x: Any) -> Any:
+def cos(x: Numeric) -> Any:
     """Cosine of an angle [rad]."""
     return function_value("cos", x)
 
 
-def atan(x: Any) -> Any:
+def atan(x: Numeric) -> Any:
     """The angle between -pi/2 and pi/2 whose tangent is x [rad]."""
     return function_value("atan", x)
 
 
-def sinh(x: Any) -> Any:
+def sinh(x: Numeric) -> Any:
     """Hyperbolic sine; constant at 2e299, with the sign of x, for abs(x) above 690."""
     return function_value("sinh", x)
 
 
-def cosh(x: Any) -> Any:
+def cosh(x: Numeric) -> Any:
     """Hyperbolic cosine; constant at 2e299 for abs(x) above 690."""
     return function_value("cosh", x)
 
 
-def tanh(x: Any) -> Any:
+def tanh(x: Numeric) -> Any:
     """Hyperbolic tangent."""
     return function_value("tanh", x)
 
 
-def asinh(x: Any) -> Any:
+def asinh(x: Numeric) -> Any:
     """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)); used in rate-and-state friction instead of a logarithm."""
     return function_value("asinh", x)
 
@@ -128,7 +130,7 @@ def hypot(a: Any, b: Any) -> Any:
         return np.hypot(a, b)
 
 
-def is_symbol(value: Any) -> bool:
+def is_symbol(value: Numeric) -> bool:
     """Whether a value is a symbol, as in equations that are being traced.
 
     Examples
@@ -157,17 +159,17 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
     return np.where(condition, yes, no)
 
 
-def maximum(a: Any, b: Any) -> Any:
+def maximum(a: Numeric, b: Numeric) -> Any:
     """The larger of two values."""
     return where(a > b, a, b)
 
 
-def minimum(a: Any, b: Any) -> Any:
+def minimum(a: Numeric, b: Numeric) -> Any:
     """The smaller of two values."""
     return where(a < b, a, b)
 
 
-def within(t: Any, period: Any) -> Any:
+def within(t: Numeric, period: Numeric) -> Any:
     """Time since the period began [s], by which a piecewise drive selects its piece.
 
     The engine's own time restarts with each period and is returned unchanged; for shifted times see `wrapped`. An instant that
@@ -191,7 +193,7 @@ def within(t: Any, period: Any) -> Any:
     return np.maximum(t - period * np.floor(whole), 0.0)
 
 
-def wrapped(t: Any, period: Any) -> Any:
+def wrapped(t: Numeric, period: Numeric) -> Any:
     """A time less than two periods outside [0, period), reduced to that interval [s], as needed after shifts.
 
     Examples
@@ -204,7 +206,7 @@ def wrapped(t: Any, period: Any) -> Any:
     return where(t < 0.0, before, where(t < period, t, after))
 
 
-def bisected(lies_beyond: Callable[[Any], Any], low: Any, high: Any, halvings: int) -> tuple[Any, Any]:
+def bisected(lies_beyond: Callable[[Any], Any], low: Numeric, high: Numeric, halvings: int) -> tuple[Any, Any]:
     """The interval from `low` to `high` after bisection by `lies_beyond`.
 
     Examples

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 
 
@@ -29,7 +30,7 @@ class Rule:
     holds: Callable[[Any], Any]
     words: str
 
-    def __call__(self, value: Any) -> Any:
+    def __call__(self, value: Numeric) -> Any:
         """Whether value(s) are allowed."""
         return self.holds(value)
 
@@ -134,7 +135,7 @@ def _check(label: Any, unit: Any, symbol: Any, example: Any, rule: Any, allowed:
     problems.check()
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Numeric) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
@@ -297,7 +298,7 @@ TILT_DEG = quantity(
 VOLTAGE = quantity("voltage on the patches", "V", "V", example=20.0, rule=at_least(0.0), range=(0.0, 60.0))
 
 
-def remarks_on_gravity(gravity: Any) -> list[str]:
+def remarks_on_gravity(gravity: Numeric) -> list[str]:
     """A remark on a gravity that nobody has, such as one typed in mm/s^2.
 
     Examples

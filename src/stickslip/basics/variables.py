@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+
+from stickslip.basics.contracts import Model
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ VARIABLES: dict[str, Variable] = {
 _ABOUT_AN_AXIS = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m", "N s": "N m s"}
 
 
-def unit_of(name: str, model: Any) -> str:
+def unit_of(name: str, model: Model) -> str:
     """Unit of a column of a machine: angles and torques for a rotary machine.
 
     Examples
@@ -110,6 +111,6 @@ def unit_of(name: str, model: Any) -> str:
     return in_units_of(model, VARIABLES[name].unit)
 
 
-def in_units_of(model: Any, unit: str) -> str:
+def in_units_of(model: Model, unit: str) -> str:
     """A unit of displacement or force for a machine, translational or rotary."""
     return _ABOUT_AN_AXIS.get(unit, unit) if getattr(model, "rotary", False) else unit

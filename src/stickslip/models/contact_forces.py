@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
 
@@ -90,7 +90,7 @@ def held_by_controllers(mechanics: Mechanics, z: Any) -> tuple[Array, ...]:
     return tuple(z[:, first + i, k] for i, count in enumerate(mechanics.controllers.counts) for k in range(count))
 
 
-def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
+def _closed(mechanics: Mechanics, t: Array, q: ArrayLike, u: ArrayLike) -> Array:
     """Whether each stop with restitution is closed at each instant: its gap and the gap's rate are zero within a tolerance."""
     if not mechanics.stops:
         return np.zeros((len(t), 0), bool)

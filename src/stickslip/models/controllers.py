@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate, pairwise
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
+
 Named = Mapping[str, Any]
 #: Attributes of a controller. The positions x and velocities v are given by the names of the bodies, z are its own states; all may
 #: be floats, arrays of cases, or symbols while equations are traced. ``states`` are the names of its states, ``scales`` a typical size of
@@ -44,19 +46,19 @@ class Controllers:
         """A typical size of each state."""
         return tuple(size for part in self.parts.values() for size in part.scales)
 
-    def start(self, t: Any, x: Named, v: Named) -> tuple[Any, ...]:
+    def start(self, t: Numeric, x: Named, v: Named) -> tuple[Any, ...]:
         """Their states when they are switched on."""
         return tuple(value for part in self.parts.values() for value in part.start(t, x, v))
 
-    def rates(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+    def rates(self, t: Numeric, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
         """Rates of their states between samples."""
         return tuple(rate for part, own in self._owned(z) for rate in part.rates(t, x, v, own))
 
-    def sampled(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+    def sampled(self, t: Numeric, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
         """Their states after a sample; those of a continuous controller are unchanged."""
         return tuple(value for part, own in self._owned(z) for value in (own if part.sample is None else part.sampled(t, x, v, own)))
 
-    def forces(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Any]]:
+    def forces(self, t: Numeric, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Any]]:
         """Each force with the body that it acts on."""
         return [pair for part, own in self._owned(z) for pair in part.forces(t, x, v, own).items()]
 

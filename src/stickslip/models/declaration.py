@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import fresh_mechanics, machine_of
@@ -80,7 +81,9 @@ def calls(m: Mechanics, at: Arguments) -> Calls:
     return functions
 
 
-def _of_law(law: LawAdapter, of: str, w: Any, load: Any, z: tuple[Any, ...], memory: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
+def _of_law(
+    law: LawAdapter, of: str, w: Numeric, load: Numeric, z: tuple[Any, ...], memory: tuple[Any, ...]
+) -> dict[str, Callable[[], Any]]:
     """The functions of the law of a contact."""
     if not law.dynamic:
         return {f"sliding{of}": lambda: (law.sliding(w, load),), f"breakaway{of}": lambda: law.breakaway(load)}
@@ -99,7 +102,7 @@ def _flat(switches: Any) -> tuple[Any, ...]:
     return tuple(value for guard, modes, z in switches for value in (guard, *modes, *(z or ())))
 
 
-def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
+def instants(model: Model, m: Mechanics, count: int) -> list[Arguments]:
     """So many sets of arguments in plain floats, of the sizes of a machine's motion and smaller, on both sides of zero; always the same."""
     draw, machine = random.Random(20261128), machine_of(model)
     speed, time, start = _size(machine.velocity_scale), _size(machine.time_scale), tuple(map(float, m.start))
@@ -121,7 +124,7 @@ def instants(model: Any, m: Mechanics, count: int) -> list[Arguments]:
     return points
 
 
-def _inner(law: Any, load: float, parts: tuple[float, ...], size: float) -> tuple[float, ...]:
+def _inner(law: LawAdapter, load: float, parts: tuple[float, ...], size: float) -> tuple[float, ...]:
     typical = law.scale(load)
     scales = [size] * law.states if typical is None else [float(s) or size for s in typical]
     return tuple(scale * part for scale, part in zip(scales, parts, strict=True))
@@ -172,7 +175,7 @@ def same_answers(a: tuple[Any, ...] | str, b: tuple[Any, ...] | str) -> bool:
     return len(a) == len(b) and all(type(x) is type(y) and _bits(x) == _bits(y) for x, y in zip(a, b, strict=True))
 
 
-def _bits(value: Any) -> Any:
+def _bits(value: Numeric) -> Any:
     return float(value).hex() if isinstance(value, (int, float)) else repr(value)
 
 
@@ -182,7 +185,7 @@ def _shown(answer: tuple[Any, ...] | str) -> str:
     return ", ".join(f"{x:.9g}" if isinstance(x, float) else repr(x) for x in answer)
 
 
-def answers_of(model: Any) -> dict[str, tuple[Any, ...] | str]:
+def answers_of(model: Model) -> dict[str, tuple[Any, ...] | str]:
     """What a machine of single numbers answers at one instant, its equations made anew; `InputError` if not the same when asked again.
 
     Examples

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.batch import flat, labels_of
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import is_array, leaves
 from stickslip.models.contact_forces import contact_columns
 from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
+
+if TYPE_CHECKING:
+    from stickslip.models.friction.law_adapter import LawAdapter
+
 
 _SLOW = 1e-12  # velocity [m/s] of very slow sliding
 _ORDINARY = 1e-3  # velocity [m/s] of ordinary sliding
@@ -44,7 +49,7 @@ def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(
             _check_breakaway(law, problems)
 
 
-def _check_switches(law: Any, problems: Problems) -> None:
+def _check_switches(law: LawAdapter, problems: Problems) -> None:
     """Note a law with whole-number memories but no switches: neither its rate nor its force would receive them."""
     if getattr(law, "modes", 0) and not adapted(law).switching:
         problems.add(
@@ -53,7 +58,7 @@ def _check_switches(law: Any, problems: Problems) -> None:
         )
 
 
-def _check_breakaway(law: Any, problems: Problems) -> None:
+def _check_breakaway(law: LawAdapter, problems: Problems) -> None:
     """Note a set-valued law whose breakaway does not give two limits, in the right order and at least as large as sliding friction."""
     try:
         limits = law.breakaway(1.0)
@@ -89,7 +94,7 @@ def _any(condition: Any) -> bool:
     return condition if type(condition) is bool else bool(np.any(condition))
 
 
-def inner_start(model: Any, x: Any = 0.0) -> Any:
+def inner_start(model: Model, x: Numeric = 0.0) -> Any:
     """Initial inner states of a run from rest, given by the law's `start` if it has one, else zeros: array (cases, states).
 
     Parameters
@@ -129,7 +134,7 @@ def offered_force(model: Any, t: Any, x: Any) -> Any:
     return model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0)
 
 
-def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
+def impulses_until(model: Model, end: float) -> list[tuple[float, Any]]:
     """The impulses of a run up to and including `end`, in order: (time [s], jump of v [m/s]); none at t = 0.
 
     For a machine of several bodies a jump is an array with a number for each body.
@@ -149,12 +154,12 @@ def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
     return together
 
 
-def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:
+def held_velocity(v: Numeric, mode: Any, least: Any = TINY) -> Any:
     """The velocity on the side given by `mode`, at least `least` in magnitude, so that laws are evaluated inside one branch."""
     return mode * np.maximum(mode * v, least)
 
 
-def slip_ratio_of(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, memory: Any = ()) -> Any:
+def slip_ratio_of(model: Any, mode: Any, t: Numeric, x: Numeric, v: Numeric, z: Any, memory: Any = ()) -> Any:
     """Slip ratio 1 - (dz/dt)/v of the first inner state on the side given by `mode`: 0 in elastic deflection, 1 in steady sliding.
 
     It is the ratio of the elastic part of the friction to its steady sliding value; z is an array (n, states).
@@ -163,7 +168,7 @@ def slip_ratio_of(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, memory:
     return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
 
 
-def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> Any:
+def friction_force(model: Any, mode: Any, t: Numeric, x: Numeric, v: Numeric, z: Any, zdot: Any, memory: Any = ()) -> Any:
     """Friction force R [N], equal to the net applied force on stuck bodies; z and its rate are one array for each state."""
     law, load = law_of(model), normal_load(model, t, x)
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
@@ -173,7 +178,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
     return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
 
 
-def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
+def columns(model: Any, mode: Any, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
     """Acceleration and forces, with the motion of the inner mass if there is one, by the names in `stickslip.variables`."""
     if not machine_of(model).is_single:
         return contact_columns(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
@@ -184,7 +189,7 @@ def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, me
     return forces | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else forces
 
 
-def _of_the_drive(model: Any, t: Any, acceleration: Any, ones: Any) -> dict[str, Any]:
+def _of_the_drive(model: Any, t: Numeric, acceleration: Numeric, ones: Any) -> dict[str, Any]:
     machine = machine_of(model)
     drive: Any = machine.drive
     xi_acceleration, xi_rate = drive.acceleration(t) * ones, drive.velocity(t) * ones

@@ -227,7 +227,7 @@ _KEPT = 8  # machines whose equations are cached, because an analysis needs thos
 _kept: OrderedDict[int, tuple[Any, Mechanics]] = OrderedDict()
 
 
-def _mechanics_of_parts(model: Any) -> Mechanics:
+def _mechanics_of_parts(model: Model) -> Mechanics:
     """The equations of a machine of several bodies; cached for frozen dataclasses, which do not change."""
     declared = getattr(type(model), "__dataclass_params__", None)
     if declared is None or not declared.frozen:
@@ -243,7 +243,7 @@ def _mechanics_of_parts(model: Any) -> Mechanics:
     return made
 
 
-def fresh_mechanics(model: Any) -> Mechanics:
+def fresh_mechanics(model: Model) -> Mechanics:
     """The equations of a machine, made now: its bodies and contacts are asked again."""
     if not declares_parts(model):
         return OneBody(model)

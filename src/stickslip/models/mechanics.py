@@ -10,6 +10,7 @@ from functools import reduce
 from operator import add
 from typing import Any, Protocol
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.models.controllers import NO_CONTROLLERS, Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, law_of
 
@@ -76,44 +77,44 @@ class Mechanics(Protocol):
         """Number of inner states of the law of each contact, and then of each controller."""
         return (*(law.states for law in self.laws), *self.controllers.counts)
 
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N].
 
         z are the states of the controllers; if not given, the controllers are switched on at this instant.
         """
 
-    def offsets(self, t: Any) -> tuple[Any, ...]:
+    def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """Slip velocity of each contact while no coordinate moves [m/s]."""
 
-    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Normal force on each contact [N]."""
 
-    def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+    def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
         return tuple(q)
 
-    def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+    def velocities(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(u)
 
-    def control_start(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+    def control_start(self, t: Numeric, q: Numbers, u: Numbers) -> tuple[Any, ...]:
         """States of the controllers when they are switched on."""
         return self.controllers.start(t, *self._named(t, q, u))
 
-    def control_rates(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+    def control_rates(self, t: Numeric, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
         """Rates of the controllers' states between samples."""
         return self.controllers.rates(t, *self._named(t, q, u), z)
 
-    def control_sampled(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+    def control_sampled(self, t: Numeric, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
         """The controllers' states after a sample."""
         return self.controllers.sampled(t, *self._named(t, q, u), z)
 
-    def control_answers(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+    def control_answers(self, t: Numeric, q: Numbers, u: Numbers) -> tuple[Any, ...]:
         """Rates of the controllers' states and the states themselves, for controllers switched on at these positions and velocities."""
         z = self.control_start(t, q, u)
         return (*self.control_rates(t, q, u, z), *z)
 
-    def _named(self, t: Any, q: Numbers, u: Numbers) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _named(self, t: Numeric, q: Numbers, u: Numbers) -> tuple[dict[str, Any], dict[str, Any]]:
         """Positions and velocities of the bodies by their names."""
         return (
             dict(zip(self.bodies, self.positions(t, q), strict=True)),
@@ -128,11 +129,11 @@ class Mechanics(Protocol):
         """Coordinates from the positions of the bodies, or their velocities from those of the bodies."""
         return tuple(values)
 
-    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+    def accelerations_of_bodies(self, t: Numeric, a: Numbers) -> tuple[Any, ...]:
         """Acceleration of each body [m/s^2] from those of the coordinates."""
         return tuple(a)
 
-    def offset_rates(self, t: Any) -> tuple[Any, ...]:
+    def offset_rates(self, t: Numeric) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""
         return (0.0,) * len(self.contacts)
 
@@ -140,7 +141,7 @@ class Mechanics(Protocol):
         """Whether the slip of a contact is a difference of varying velocities, so that a small slip suffers from cancellation."""
         return False
 
-    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         return tuple(_dot(g, u) + b for g, b in zip(self.directions, self.offsets(t), strict=True))
 
@@ -176,19 +177,19 @@ class OneBody(Mechanics):
         """The model's impulses."""
         return tuple((instant, (jump,)) for instant, jump in getattr(self.model, "impulses", None) or ())
 
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """The accelerations of the model."""
         return (self.model.acceleration(t, q[0], u[0], R[0]),)
 
-    def offsets(self, t: Any) -> tuple[Any, ...]:
+    def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """Velocity at the contact of a body at rest."""
         return (self.model.contact_velocity(0.0),)
 
-    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Velocity at the contact."""
         return (self.model.contact_velocity(u[0]),)
 
-    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Normal force [N]."""
         return (normal_load(self.model, t, q[0]),)
 
@@ -208,7 +209,7 @@ def declares_parts(model: Any) -> bool:
     return lists_parts(model) or _by_drive(model) is not None
 
 
-def parts_of(model: Any) -> Any:
+def parts_of(model: Model) -> Any:
     """The object that lists a model's bodies and contacts: the machine into which its drive turns it, else the model itself.
 
     Examples
@@ -222,7 +223,7 @@ def parts_of(model: Any) -> Any:
     return model if make is None else make(model)
 
 
-def _by_drive(model: Any) -> Any:
+def _by_drive(model: Model) -> Any:
     """The function by which a drive turns a model with a freely moving inner mass into a machine of several bodies, or None."""
     make = getattr(getattr(model, "drive", None), "machine", None)
     return make if callable(make) else None
@@ -236,6 +237,6 @@ def _dot(g: Numbers, u: Numbers) -> Any:
     return total
 
 
-def signed_less(total: Any, factor: float, value: Any) -> Any:
+def signed_less(total: Any, factor: float, value: Numeric) -> Any:
     """A sum minus a factor of 1, -1 or 0 times a value."""
     return total if factor == 0.0 else total - value if factor == 1.0 else total + value

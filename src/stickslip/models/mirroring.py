@@ -6,6 +6,7 @@ import dataclasses
 from typing import Any
 
 from stickslip.basics.arguments import Model, explains_arguments
+from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.friction.law_adapter import law_of, mirrored as mirrored_law
@@ -71,7 +72,7 @@ def _image(model: Any) -> Any:
     return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=mirrored_track(model.track))
 
 
-def _turned(drive: Any) -> Any:
+def _turned(drive: Drive) -> Any:
     """A drive in the opposite direction."""
     own = getattr(drive, "mirrored", None)
     return own() if callable(own) else drive.drive if isinstance(drive, Reversed) else Reversed(drive)
@@ -95,6 +96,6 @@ def _unmirrored(model: Any, image: Any) -> str:
     return ""
 
 
-def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
+def _opposite(a: Any, b: Numeric, size: Any = 0.0) -> bool:
     apart = abs(a + b) > 1e-9 * (abs(a) + size)
     return not (apart.any() if hasattr(apart, "any") else apart)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stickslip.basics.arguments import described_arguments
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import field_description, is_record, leaves
 from stickslip.basics.number_names import numbers_meant
@@ -75,7 +76,7 @@ def unit_in(name: str, make: Any = None) -> str:
     return "" if unit == "1" else pretty_unit(unit)
 
 
-def in_its_unit(name: str, value: Any, make: Any, problems: Problems, label: str = "") -> Any:
+def in_its_unit(name: str, value: Numeric, make: Any, problems: Problems, label: str = "") -> Any:
     """One or several numbers, converted to the unit of the maker's argument; words and percentages are unchanged.
 
     Parameters

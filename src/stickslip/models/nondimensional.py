@@ -8,6 +8,7 @@ from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, everywhere
 from stickslip.basics.maths import cos, exp, sin
@@ -55,20 +56,20 @@ class DimensionlessLuGre(Frozen):
     k3: float = field(metadata=quantity("friction backwards over forwards", "1", "k_{3}", example=1.4, rule=positive))
     v_s: float = field(metadata=quantity("Stribeck velocity", "1", "v_{s}", example=0.02, rule=positive))
 
-    def coefficient(self, v: Any) -> Any:
+    def coefficient(self, v: Numeric) -> Any:
         """Steady friction over mu_plus N (the denominators of Eq. 5.1)."""
         fade = exp(-((v / self.v_s) ** 2))
         return by_side(v, 1 + (self.k1 - 1) * fade, self.k3 * (1 + (self.k2 - 1) * fade))
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric) -> Any:
         """dz/dt of Eq. 5.1; the load is 1."""
         return v - self.d * abs(v) * z / (load * self.coefficient(v))
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric) -> Any:
         """The friction term that Eq. 5.1 subtracts from mu sin t."""
         return self.a * z + self.b * zdot + self.c * v
 
-    def scale(self, load: Any) -> Any:
+    def scale(self, load: Numeric) -> Any:
         """A typical deflection."""
         return 0.5 * (1 + self.k3) * load / self.d
 
@@ -85,15 +86,15 @@ class UnitDrive(Frozen):
     omega: ClassVar[float] = 1.0
     period: ClassVar[float] = 2 * math.pi
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position over A."""
         return sin(t)
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity over A omega."""
         return cos(t)
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration over A omega^2."""
         return -sin(t)
 
@@ -128,19 +129,19 @@ class DimensionlessRobot(Frozen):
     notes: ClassVar[tuple[str, ...]] = ()
     inner_mass = free_velocity = property(attrgetter("mu"), doc="The mass ratio: also the inner mass and its free velocity.")
 
-    def contact_velocity(self, v: Any) -> Any:
+    def contact_velocity(self, v: Numeric) -> Any:
         """Velocity at the contact."""
         return v
 
-    def load(self, t: Any, x: Any) -> Any:
+    def load(self, t: Numeric, x: Numeric) -> Any:
         """1, as the unit of load, mu_plus (M+m) g, is contained in d."""
         return 1.0
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Second line of Eq. 5.1."""
         return -self.mu * self.drive.acceleration(t) - R
 
-    def actuator_force(self, t: Any, acceleration: Any) -> Any:
+    def actuator_force(self, t: Numeric, acceleration: Numeric) -> Any:
         """Second line of Eq. 2.1 in these units."""
         return -self.mu * (acceleration + self.drive.acceleration(t))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.models.mechanics import normal_load
 
@@ -28,11 +29,11 @@ class _Mark:
         raise TypeError("`if` on a mark")
 
 
-def _names(value: Any) -> frozenset[str]:
+def _names(value: Numeric) -> frozenset[str]:
     return value.names if isinstance(value, _Mark) else frozenset()
 
 
-def knows_position(model: Any) -> bool:
+def knows_position(model: Model) -> bool:
     """Whether x appears in the load or in the acceleration of a model; where it does not, x is a quadrature and no state.
 
     Examples
@@ -60,6 +61,6 @@ def _appears(model: Any, t: Any, v: Any, R: Any) -> bool:
     return any("x" in _names(value) or _of_objects(value) for value in values)
 
 
-def _of_objects(value: Any) -> bool:
+def _of_objects(value: Numeric) -> bool:
     """Whether a value is an array of marks."""
     return getattr(getattr(value, "dtype", None), "kind", "") == "O"

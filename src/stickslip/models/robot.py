@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.basics.arguments import ROBOT, described_as, explains_arguments
 from stickslip.basics.batch import check_shape, shape_of
+from stickslip.basics.contracts import Drive, Law, Numeric, Track
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, describe, leaves
 from stickslip.basics.maths import is_symbol
@@ -171,11 +172,11 @@ class Robot(Frozen):
         """Jumps of the body's velocity: (instant in [0, period) [s], jump [m/s])."""
         return tuple((instant, -self.mass_ratio * jump) for instant, jump in drive_of(self.whole_drive).jumps)
 
-    def contact_velocity(self, v: Any) -> Any:
+    def contact_velocity(self, v: Numeric) -> Any:
         """Velocity at the contact [m/s]."""
         return v
 
-    def load(self, t: Any, x: Any) -> Any:
+    def load(self, t: Numeric, x: Numeric) -> Any:
         """Normal force N on the track [N], as the law sees it.
 
         The weight (M + m) g, on an incline times cos(tilt); plus what a vertical vibration adds; times the factor of a track whose
@@ -187,15 +188,15 @@ class Robot(Frozen):
         force = force if grip is None else force * grip(t, self.period)
         return force if local is None else force * local(x)
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Acceleration of the body [m/s^2] (Eq. 2.3)."""
         return -self.mass_ratio * self.whole_drive.acceleration(t) + self.track.along(self.gravity) - R / self.total_mass
 
-    def actuator_force(self, t: Any, acceleration: Any) -> Any:
+    def actuator_force(self, t: Numeric, acceleration: Numeric) -> Any:
         """Force F of the actuator on the body [N] (second line of Eq. 2.1, with gravity along the track)."""
         return -self.whole_inner_mass * (acceleration + self.whole_drive.acceleration(t) - self.track.along(self.gravity))
 
-    def actuator_power(self, t: Any, acceleration: Any) -> Any:
+    def actuator_power(self, t: Numeric, acceleration: Numeric) -> Any:
         """Power of the actuators between the body and each inner mass [W]."""
         free = acceleration - self.track.along(self.gravity)
         return sum(m * (free + drive.acceleration(t)) * drive.velocity(t) for m, drive in self.inner_masses)
@@ -231,7 +232,7 @@ _PARTS = {
 }
 
 
-def _check_masses(drive: Any, mass: Any, problems: Problems) -> None:
+def _check_masses(drive: Drive, mass: Any, problems: Problems) -> None:
     """Note inner masses that are not as many as their drives; a list was told already."""
     counts = [len(part) if isinstance(part, tuple) else None for part in (mass, drive)]
     if isinstance(mass, list) or isinstance(drive, list) or (counts[0] == counts[1] and counts[0]):
@@ -241,7 +242,7 @@ def _check_masses(drive: Any, mass: Any, problems: Problems) -> None:
     problems.add(f"inner_mass is {masses} and drive is {drives}; {allowed}")
 
 
-def _refuse_two_inclines(robot: Robot, track: Any) -> None:
+def _refuse_two_inclines(robot: Robot, track: Track) -> None:
     """An error if a track with an incline is given to a robot whose friction law contains one."""
     tilt = folded_tilt(robot.track)
     if not _any(tilt != 0) or law_was_replaced(robot.track):
@@ -254,7 +255,7 @@ def _refuse_two_inclines(robot: Robot, track: Any) -> None:
     raise InputError("Robot", [f"{folded}; {allowed}; {typed}"])
 
 
-def _beyond_friction(law: Any) -> list[str]:
+def _beyond_friction(law: Law) -> list[str]:
     """A remark on friction coefficients that no two materials have, such as those typed as per cent."""
     coefficients = [(name, value) for name, value in leaves(law) if name.rpartition(".")[2] in _COEFFICIENTS and not is_symbol(value)]
     return [
@@ -283,7 +284,7 @@ def _steepest(tilt: Any) -> str:
     return f"{np.max(abs(np.degrees(np.asarray(tilt)))):.4g}"
 
 
-def _same_both_ways(law: Any) -> bool:
+def _same_both_ways(law: Law) -> bool:
     """Whether the numbers of a law are the same forwards and backwards."""
     numbers = dict(leaves(law))
     for name, backward in numbers.items():

@@ -7,6 +7,7 @@ from functools import cached_property, reduce
 from operator import add, attrgetter
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, sqrt
 from stickslip.models.controllers import Controllers
@@ -29,11 +30,11 @@ class Stopper:
         row = mechanics.row(*ends)
         self.direction = tuple(-part.side * g for g in row)  # of the gap
 
-    def gap(self, t: Any, q: Numbers) -> Any:
+    def gap(self, t: Numeric, q: Numbers) -> Any:
         """The distance left until they touch [m]."""
         return self.part.gap_left(self.mechanics.distance(self.ends, self.mechanics.positions(t, q)))
 
-    def rate(self, t: Any, u: Numbers) -> Any:
+    def rate(self, t: Numeric, u: Numbers) -> Any:
         """How fast the gap opens [m/s]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
 
@@ -41,7 +42,7 @@ class Stopper:
         """How strongly an elastic stop pushes its ends apart [N], from the positions and velocities of the bodies."""
         return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v))
 
-    def offset_rate(self, t: Any) -> Any:
+    def offset_rate(self, t: Numeric) -> Any:
         """The contribution of prescribed distances to the acceleration of the gap [m/s^2]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
 
@@ -185,7 +186,7 @@ class SeveralBodies(Mechanics):
         return _sum(self.parts[name].mass * values[name] for name in group) / self.masses[self.coordinate[group[0]]]
 
     # ---- motion ----
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+    def accelerations(self, t: Numeric, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """Newton's law for each coordinate."""
         x, v = self._named(t, q, u)
         total: list[Any] = [0.0] * len(self.groups)
@@ -208,19 +209,19 @@ class SeveralBodies(Mechanics):
         first = values[self.bodies.index(ends[0])]
         return first if ends[1] is None else first - values[self.bodies.index(ends[1])]
 
-    def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+    def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Normal force on each contact [N]."""
         x = dict(zip(self.bodies, self.positions(t, q), strict=True))
         gravity = getattr(self.model, "gravity", GRAVITY)
         given = [(c, c.normal(t, x[c.body])) for c in self.joints.values()]
         return tuple(self.parts[c.body].mass * gravity if load is None else load for c, load in given)
 
-    def offsets(self, t: Any) -> tuple[Any, ...]:
+    def offsets(self, t: Numeric) -> tuple[Any, ...]:
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
         velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
         return tuple(_offset(velocities, c) - _velocity(c.on, t) for c in self.joints.values())
 
-    def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+    def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
         start, own = self.start, self.parts
         arms = self._arms("position", t)
@@ -230,7 +231,7 @@ class SeveralBodies(Mechanics):
             for name, arm, alone in zip(self.bodies, arms, single, strict=True)
         )
 
-    def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+    def velocities(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
 
@@ -249,16 +250,16 @@ class SeveralBodies(Mechanics):
         named = dict(zip(self.bodies, values, strict=True))
         return tuple(self._middle(group, named) for group in self.groups)
 
-    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+    def accelerations_of_bodies(self, t: Numeric, a: Numbers) -> tuple[Any, ...]:
         """Acceleration of each body [m/s^2]."""
         return tuple(_plus(a[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("acceleration", t), strict=True))
 
-    def offset_rates(self, t: Any) -> tuple[Any, ...]:
+    def offset_rates(self, t: Numeric) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""
         accelerations = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
         return tuple(_offset(accelerations, c) - _acceleration(c.on, t) for c in self.joints.values())
 
-    def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
+    def _arms(self, what: str, t: Numeric) -> tuple[Any, ...]:
         """The contribution of prescribed distances to each body's position, velocity or acceleration, beyond its coordinate's."""
         if not self.prescribed:
             return (0.0,) * len(self.bodies)
@@ -315,12 +316,12 @@ def _offset(arms: dict[str, Any], contact: Any) -> Any:
     return arms[contact.body] - other
 
 
-def _velocity(on: Any, t: Any) -> Any:
+def _velocity(on: Any, t: Numeric) -> Any:
     """Velocity of what a contact rubs on, where that is not a body [m/s]."""
     return 0.0 if on is None or isinstance(on, str) else on.velocity(t) if callable(getattr(on, "velocity", None)) else on
 
 
-def _acceleration(on: Any, t: Any) -> Any:
+def _acceleration(on: Any, t: Numeric) -> Any:
     return on.acceleration(t) if callable(getattr(on, "acceleration", None)) else 0.0
 
 
@@ -328,5 +329,5 @@ def _sum(terms: Iterable[Any]) -> Any:
     return reduce(add, terms, 0.0)
 
 
-def _plus(value: Any, arm: Any) -> Any:
+def _plus(value: Numeric, arm: Any) -> Any:
     return value if isinstance(arm, float) and arm == 0.0 else value + arm

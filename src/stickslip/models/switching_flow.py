@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import checked_number, floats, is_array
 from stickslip.basics.maths import cos, pi
@@ -153,7 +154,7 @@ class SwitchingFlow:
                 "SwitchingFlow.of_map", [f"f = {f!r}; allowed is a function; type for example lambda y, n: (n.r * y[0] * (1 - y[0]),)"]
             )
 
-        def still(t: Any, y: Any, *n: Any) -> Any:
+        def still(t: Array, y: Array, *n: Any) -> Any:
             return tuple(0.0 * value for value in y)
 
         def clock(sign: float) -> Callable[..., Any]:

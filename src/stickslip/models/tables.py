@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, other_words
 from stickslip.basics.fields import arguments_of, describe, is_array, is_number_field, is_record, is_tuple_field
 from stickslip.basics.quantities import example_of, pretty_unit, with_unit
@@ -99,7 +100,7 @@ def part_to_table(part: str, record: Any) -> dict[str, Any]:
     return _table_of_part(part, record, PARTS[part])
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Numeric) -> Any:
     """A value of a tuple as a file keeps it."""
     if not is_array(value):
         return value
@@ -261,7 +262,7 @@ def _html_rows(record: Any, prefix: str = "") -> list[str]:
     return rows
 
 
-def _with_unit(value: Any, field: dataclasses.Field[Any]) -> str:
+def _with_unit(value: Numeric, field: dataclasses.Field[Any]) -> str:
     """A number, or many, as a table shows it."""
     unit = str(field.metadata.get("unit", "1"))
     shown = describe(value) if is_array(value) else str(value)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 import re
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.units import quantity_of
 from stickslip.records.raw import Column, Raw
 
@@ -74,6 +74,6 @@ def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
     return None
 
 
-def _rises(values: Any) -> bool:
+def _rises(values: ArrayLike) -> bool:
     steps = np.diff(values)
     return bool(len(steps)) and bool(np.mean(steps > 0) > 0.99)

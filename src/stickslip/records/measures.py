@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.records.given import given_frequency
 from stickslip.records.overview import noise
 from stickslip.records.tones import measured_samples
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4
@@ -52,7 +57,7 @@ class Cycle:
     noise: float
 
 
-def velocity_of(rec: Any) -> tuple[Any, Any]:
+def velocity_of(rec: Record) -> tuple[Any, Any]:
     """Times [s] and velocity [m/s]; from the position where there is no velocity."""
     if "velocity" in rec or "position" not in rec:
         return measured_samples(rec["velocity"])
@@ -60,12 +65,12 @@ def velocity_of(rec: Any) -> tuple[Any, Any]:
     return t, np.gradient(x, t)
 
 
-def frequency_of(rec: Any, frequency: float | None) -> float:
+def frequency_of(rec: Record, frequency: float | None) -> float:
     """The drive frequency [Hz] that is given, or that of the drive's record."""
     return rec.drive_frequency().value if frequency is None else given_frequency(frequency)
 
 
-def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, period: int = 1) -> Cycle:
+def cycle(rec: Record, frequency: float | None = None, bins: int | None = None, period: int = 1) -> Cycle:
     """The mean cycle over `period` drive periods.
 
     Examples
@@ -99,7 +104,7 @@ def _scatter(rest: Any, count: Any) -> float:
     return float(np.sqrt(rest @ rest / free)) if free > 0.25 * len(rest) else np.nan
 
 
-def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
+def mean_velocity(rec: Record, frequency: float | None = None) -> Value:
     """Mean velocity over whole drive periods [m/s], with its standard error.
 
     From a position channel it is the displacement over the time, else the mean of the velocity. The error holds the noise and what differs
@@ -126,13 +131,13 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
     return Value(float(each.mean()), float(np.hypot(level, spread)))
 
 
-def period(rec: Any, frequency: float | None = None) -> int | None:
+def period(rec: Record, frequency: float | None = None) -> int | None:
     """After how many drive periods the motion repeats, 1 to 4; None if it does not, or not in a record this short."""
     t, v = velocity_of(rec)
     return period_number_of((t - t[0]) * frequency_of(rec, frequency), v)
 
 
-def scaled(v: Any) -> Any:
+def scaled(v: Array) -> Any:
     """The same curve with values of up to 1: by a power of two, which changes no digit, so that the squares of all numbers are numbers.
 
     Examples
@@ -143,7 +148,7 @@ def scaled(v: Any) -> Any:
     return np.ldexp(v, -int(np.frexp(np.fmax.reduce(abs(v), initial=0.0))[1]))
 
 
-def period_number_of(place: Any, v: Any) -> int | None:
+def period_number_of(place: Any, v: Array) -> int | None:
     """The period number of a velocity at these places, counted in drive periods."""
     v = scaled(v)
     longest = min(LONGEST, int((place[-1] - place[0]) // 2))
@@ -156,7 +161,7 @@ def period_number_of(place: Any, v: Any) -> int | None:
     return best if left[best] <= 3 * floor + 0.02 * float(np.var(v)) else None
 
 
-def loop_friction(rec: Any, between: tuple[float, float], least_speed: float = 0.0, start: float = -np.inf) -> Value:
+def loop_friction(rec: Record, between: tuple[float, float], least_speed: float = 0.0, start: float = -np.inf) -> Value:
     """Friction of a machine that strokes to and fro: half the difference of the mean force on the way out and on the way back [N].
 
     Whatever does not depend on the direction, such as a pressure on a piston, drops out.
@@ -192,7 +197,7 @@ def loop_friction(rec: Any, between: tuple[float, float], least_speed: float = 0
     return Value(float(0.5 * (F[up].mean() - F[down].mean())), float(0.5 * np.hypot(errors[0], errors[1])))
 
 
-def _speed(t: Any, x: Any, half: int = 5) -> Any:
+def _speed(t: Array, x: Array, half: int = 5) -> Any:
     """Slopes of straight lines through 2 half + 1 neighbouring samples."""
     kernel = np.ones(2 * half + 1)
 
@@ -203,7 +208,7 @@ def _speed(t: Any, x: Any, half: int = 5) -> Any:
     return (n * total(T * X) - total(T) * total(X)) / (n * total(T * T) - total(T) ** 2)
 
 
-def _left(place: Any, v: Any, p: int) -> float:
+def _left(place: Any, v: Array, p: int) -> float:
     """Mean square of what differs between motion periods of p drive periods."""
     shifted = place + p
     inside = shifted <= place[-1]

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.information import Information
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 _BAND = 12  # lines on either side of a peak
 _UNKNOWN = 8  # numbers of a mode: frequency and damping, and a, b and c, which are complex
@@ -26,7 +31,7 @@ class Mode:
     damping_error: float
 
 
-def modes(rec: Any, channel: str | None = None, count: int = 1) -> tuple[Mode, ...]:
+def modes(rec: Record, channel: str | None = None, count: int = 1) -> tuple[Mode, ...]:
     r"""The strongest modes in a frequency response.
 
     Around each peak the response is :math:`a/(f_n^2-f^2+2i\zeta f_n f) + b + c f` with complex a, b, c.
@@ -54,7 +59,7 @@ def modes(rec: Any, channel: str | None = None, count: int = 1) -> tuple[Mode, .
     return tuple(found)
 
 
-def _response(rec: Any, channel: str | None) -> Any:
+def _response(rec: Record, channel: str | None) -> Any:
     if channel is not None:
         return rec[channel]
     found = [c for c in rec.channels.values() if np.iscomplexobj(c.values) and not c.over_time]
@@ -70,7 +75,7 @@ def _fitted(f: Any, H: Any, peak: int) -> tuple[Mode, Any]:
     band = slice(max(peak - _BAND, 1), peak + _BAND + 1)
     x, y = f[band], H[band] / abs(H[peak])
 
-    def pole(p: Any, x: Any) -> Any:
+    def pole(p: Any, x: Numeric) -> Any:
         return p[0] ** 2 / (p[0] ** 2 - x**2 + 2j * np.exp(p[1]) * p[0] * x)
 
     def parts(p: Any) -> tuple[Any, Any]:

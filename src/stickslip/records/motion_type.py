@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.records.measures import cycle, frequency_of, period
 from stickslip.records.rests import Rest, rest_at
 from stickslip.results.segments import intervals_of, type_of
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 #: A place counts as slow below this many standard errors of the mean cycle, and below this part of its range.
 ERRORS, RANGE = 4.0, 0.01
@@ -91,7 +95,7 @@ class MeasuredMotion:
         return f"undecided between {' and '.join(self.candidates)}: the noise is {self.noise:.2g} m/s; {' and '.join(why)} ({rule})"
 
 
-def motion(rec: Any, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
+def motion(rec: Record, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
     """Motion type and intervals of the mean cycle, and what the noise leaves open.
 
     Where the mean cycle passes zero, a curve with a plateau is fitted. The body rests there if the plateau lasts at least `dwell` with
@@ -187,7 +191,7 @@ def _with(signs: Any, run: Any, sign: int) -> Any:
     return changed
 
 
-def _bins(rec: Any, periods: int) -> int:
+def _bins(rec: Record, periods: int) -> int:
     """Bins of the fine cycle: eight samples or more in each."""
     count = len(rec["velocity"] if "velocity" in rec or "position" not in rec else rec["position"])
     return int(np.clip(count / 8, 48 * periods, 400 * periods))

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import unit_of
 from stickslip.records.tones import NotPeriodic
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ class Overview:
         return "\n".join([*rows, *(f"note: {note}" for note in self.notes)])
 
 
-def overview(rec: Any) -> Overview:
+def overview(rec: Record) -> Overview:
     """The summary of a record."""
     found, why = None, None
     with np.errstate(all="ignore"):  # a damaged record holds any number
@@ -102,7 +106,7 @@ def _line(c: Any) -> Line:
     )  # fmt: skip
 
 
-def noise(y: Any) -> float:
+def noise(y: ArrayLike) -> float:
     """Standard deviation of the noise of a channel, in its unit: from third differences, which a smooth signal hardly has.
 
     Examples

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
+
 _RISE = 4.0  # of chi squared at the ends of an interval: 95 % for one number
 
 
@@ -38,7 +40,7 @@ class Rest:
         return False if self.most < dwell else None
 
 
-def rest_at(phase: Any, v: Any, error: Any, start: float, end: float, window: float, signs: tuple[int, int]) -> Rest:
+def rest_at(phase: Any, v: Array, error: Any, start: float, end: float, window: float, signs: tuple[int, int]) -> Rest:
     r"""Fit a curve with a plateau at zero to the mean cycle about one place.
 
     Left of a and right of b the velocity is a polynomial of third degree through zero; between them it is zero. Both ends go over a
@@ -82,7 +84,7 @@ def rest_at(phase: Any, v: Any, error: Any, start: float, end: float, window: fl
     return Rest(float(a[where]), float(lengths[best]), float(ends[0]), float(ends[1]), *signs)
 
 
-def _branch(x: Any, y: Any, e: Any, knots: Any, before: bool) -> Any:
+def _branch(x: Array, y: Array, e: Any, knots: Any, before: bool) -> Any:
     """Least sum of squares of a polynomial without constant term on one side of each knot."""
     found = np.empty(len(knots))
     for i, knot in enumerate(knots):

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,13 +14,17 @@ from stickslip.basics.errors import Problems, as_path
 from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.records.channel import ROLES
 
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
+
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
 #: A line with the role of a channel, where its name and unit do not tell it.
 _ROLE = "# stickslip: the role of "
 
 
-def save(rec: Any, path: str | Path) -> Path:
+def save(rec: Record, path: str | Path) -> Path:
     """Write the channels to a CSV file that `ss.read` reads back without options: units in the headings, all digits.
 
     A synthetic record is labelled in its first line, and remains labelled when it is read. If the roles of the channels do not follow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,13 +12,17 @@ from stickslip.records.given import given_frequency
 from stickslip.records.measures import period_number_of, scaled, velocity_of
 from stickslip.records.tones import Frequency
 
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
+
 _FEWEST = 6  # drive periods in a record that can be judged
 _TWICE = 2.5  # mean square in a period over the usual one
 _SURE = 4.0  # standard errors of the mean over a period
 _FAINT = 1e-3  # part of the range below which a difference is none
 
 
-def settling_periods(rec: Any, frequency: float) -> int:
+def settling_periods(rec: Record, frequency: float) -> int:
     """How many drive periods at the start of a record differ from the mean cycle of its second half by more than its noise.
 
     Examples
@@ -55,7 +59,7 @@ def settling_periods(rec: Any, frequency: float) -> int:
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
 
 
-def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
+def drive_frequency(rec: Record, about: float | None = None) -> Frequency:
     """Drive frequency with its standard error [Hz], refined from the data; give an estimate `about` if it is not the strongest line.
 
     Drive periods at the start of a velocity or a position that differ from the later ones are left out: a transient shifts phases, as
@@ -77,7 +81,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     return tones.drive_frequency(kept, found.value) if count else found
 
 
-def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:
+def settled(rec: Record, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:
     """The record from where its motion is steady, how many drive periods were left out, and a sentence on that.
 
     Parameters

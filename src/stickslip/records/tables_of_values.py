@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.units import heading
 from stickslip.basics.unpacking import Allowance
@@ -336,7 +337,7 @@ def _says_times(index: Any) -> bool:
     return np.asarray(index).dtype.kind in "mM" or (index.name is not None and np.asarray(index).dtype.kind in "iuf")
 
 
-def _of_series(name: str, unit: str | None, values: Any, notes: list[str]) -> Column:
+def _of_series(name: str, unit: str | None, values: Array, notes: list[str]) -> Column:
     if values.dtype.kind == "M":
         notes.append(f"times are counted from the first timestamp, {values[0]}")
         values = values - values[0]

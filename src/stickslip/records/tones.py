@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.interruption import looking
 from stickslip.basics.notebook_display import rounded, sure
 from stickslip.basics.one_thread import in_one_thread
 from stickslip.records.given import given_frequency
+
+if TYPE_CHECKING:
+    pass
+
 
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
@@ -56,7 +61,7 @@ def spectrum(c: Any) -> tuple[Any, Any]:
     return amplitudes(*measured_samples(c))
 
 
-def amplitudes(t: Any, y: Any) -> tuple[Any, Any]:
+def amplitudes(t: Array, y: Array) -> tuple[Any, Any]:
     """The same of samples at rising times."""
     step = (t[-1] - t[0]) / (len(t) - 1)
     even = np.interp(t[0] + step * np.arange(len(t)), t, y)
@@ -82,13 +87,13 @@ def measured_samples(c: Any) -> tuple[Any, Any]:
     return t[rises], y[rises]
 
 
-def _without_drift(t: Any, y: Any) -> Any:
+def _without_drift(t: Array, y: Array) -> Any:
     """Values less the straight line through them."""
     T, Y = (t - t.mean()) / np.ptp(t), y - y.mean()
     return Y - T * ((T @ Y) / (T @ T))
 
 
-def harmonics(t: Any, y: Any, frequency: float, count: int = _HARMONICS) -> tuple[Any, Any]:
+def harmonics(t: Array, y: Array, frequency: float, count: int = _HARMONICS) -> tuple[Any, Any]:
     """Least-squares mean, drift and harmonics of a frequency, and what they leave over."""
     turn = np.exp(2j * np.pi * frequency * (t - t[0]))
     rows, power = [np.ones_like(t), (t - t.mean()) / max(np.ptp(t), 1e-300)], np.ones_like(turn)
@@ -132,7 +137,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
         return _strongest(c.name, t, y, about)
 
 
-def _strongest(name: str, t: Any, y: Any, about: float | None) -> Frequency:
+def _strongest(name: str, t: Array, y: Array, about: float | None) -> Frequency:
     """The strongest line of these samples, refined."""
     about = None if about is None else given_frequency(about, "about")
     drifting = _without_drift(t, y)
@@ -160,7 +165,7 @@ def _check_line(name: str, value: float, periods: float, amplitude: Any, line: i
         raise NotPeriodic("record", [f"{name!r} is not periodic: {why}; if it is, type frequency=... [Hz]"])
 
 
-def _refined(t: Any, y: Any, start: float) -> tuple[float, float, float]:
+def _refined(t: Array, y: Array, start: float) -> tuple[float, float, float]:
     """The frequency at which the harmonics leave least over, its standard error from the curvature there, and what they leave."""
     from scipy.optimize import minimize_scalar
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.records.raw import Column, Raw, unmarked
 from stickslip.records.text_lines import MOST_NUMBER, check_columns
@@ -178,7 +179,7 @@ _PLAIN = b"0123456789.eE+- \t\r\n"
 _EXPONENTS = bytes.maketrans(b"Dd", b"Ee")
 
 
-def _counted(values: Any, head: _Head, number: int, notes: list[str]) -> Any:
+def _counted(values: Array, head: _Head, number: int, notes: list[str]) -> Any:
     """The numbers as many as the head says; what is missing or too much is noted."""
     wanted = _numbers(head)
     if len(values) < wanted:
@@ -233,7 +234,7 @@ def _as_numbers(block: bytes, size: int, order: str, number: int, checked: bool)
     return here
 
 
-def _senseless(values: Any) -> float:
+def _senseless(values: Array) -> float:
     """The fraction of numbers that no sensor gives."""
     with np.errstate(invalid="ignore"):
         size = abs(values)

@@ -6,7 +6,7 @@ import csv
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
@@ -18,10 +18,15 @@ from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import STEADINESS
 
+if TYPE_CHECKING:
+    from stickslip.results.flow_run import FlowRun
+    from stickslip.results.trajectory import Trajectory
+
+
 COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1] == ("time",))
 
 
-def trajectory_columns(run: Any) -> dict[str, Any]:
+def trajectory_columns(run: Trajectory | FlowRun) -> dict[str, Any]:
     """Every column of a run by name; columns that it does not have are left out, such as z under a set-valued law."""
     columns = {name: getattr(run, name, None) for name in COLUMNS}
     return {name: column for name, column in columns.items() if column is not None}
@@ -138,7 +143,7 @@ def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tupl
         yield name + "".join(f".{names[dim][i]}" if dim in names else f"_{i}" for dim, i in zip(dims, index, strict=True)), values
 
 
-def attributes(run: Any) -> dict[str, Any]:
+def attributes(run: Trajectory | FlowRun) -> dict[str, Any]:
     """Metadata of a run besides its columns."""
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
+
+if TYPE_CHECKING:
+    from stickslip.models.mechanics import Mechanics
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,7 @@ def _kind(before: int, after: int, thrown: bool) -> str:
     return "switch" if before == after else "stick" if after == 0 else "slip" if before == 0 else "reversal"
 
 
-def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tuple[int, Event]]:
+def hits_of(pieces: Any, mechanics: Mechanics, speed: float, time: float) -> list[tuple[int, Event]]:
     """Hits on stops with restitution, each with the number of its node, where the gap is closed and its rate jumps.
 
     `speed` [m/s] and `time` [s] are typical values of the machine.
@@ -119,7 +122,7 @@ def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
     return flights
 
 
-def nodes_at(pieces: Any, times: Any) -> Array:
+def nodes_at(pieces: Any, times: ArrayLike) -> Array:
     """Numbers of the inner nodes that lie at given times, within rounding."""
     inner, times = pieces.t[1:-1], np.asarray(times, float)
     if not len(times) or not len(inner):

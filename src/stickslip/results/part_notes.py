@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.status import Status
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 APART = 1e-3  # of the free velocity: bodies whose mean velocities differ by more may drift apart
 _LOOKS = (0.137, 0.618, 0.911)  # instants of a period at which contacts are asked whether they move alike
@@ -19,7 +24,7 @@ _MOVED_APART = (
 )
 
 
-def shared_at_rest(run: Any) -> str:
+def shared_at_rest(run: Trajectory) -> str:
     """A sentence on contacts that rest at once and whose friction forces do not follow from the equations; or ""."""
     machine = machine_of(run.model)
     if machine.is_single or not len(run.parted.pieces.mode):
@@ -32,7 +37,7 @@ def shared_at_rest(run: Any) -> str:
     return ""
 
 
-def notes_of_cases(model: Any, columns: Mapping[str, Any]) -> dict[str, int]:
+def notes_of_cases(model: Model, columns: Mapping[str, Any]) -> dict[str, int]:
     """Sentences on cases of a batch, each with how many it is about."""
     if machine_of(model).is_single or "status" not in columns:
         return {}
@@ -51,7 +56,7 @@ def _text(names: list[str]) -> str:
     )
 
 
-def _groups(model: Any) -> list[tuple[int, ...]]:
+def _groups(model: Model) -> list[tuple[int, ...]]:
     """Contacts under laws that rest exactly which act on the same coordinates."""
     machine = machine_of(model)
     rows = [tuple(map(abs, row)) for row in machine.mechanics.directions]
@@ -68,7 +73,7 @@ def _undetermined(rows: Any, held: Any) -> list[int]:
     return [int(i) for i in held if rank(rows[[k for k in held if k != i]]) == rank(rows[held])]
 
 
-def _moved_apart(model: Any, columns: Mapping[str, Any]) -> Any:
+def _moved_apart(model: Model, columns: Mapping[str, Any]) -> Any:
     if "body_velocity" not in columns or model.period is None:
         return False
     velocities = np.asarray(columns["body_velocity"])
@@ -76,13 +81,13 @@ def _moved_apart(model: Any, columns: Mapping[str, Any]) -> Any:
     return np.ravel(np.ptp(velocities, axis=-1) > APART * free)
 
 
-def _rested_at_once(model: Any, group: tuple[int, ...], fraction: Any) -> Any:
+def _rested_at_once(model: Model, group: tuple[int, ...], fraction: Any) -> Any:
     """Which cases had several of a group at rest at once: those that move alike, or rest for more than all the time together."""
     own = fraction[..., list(group)].reshape(-1, len(group))
     return np.any(own > 0, axis=1) & _move_alike(model, group) | (own.sum(axis=1) > 1.0)
 
 
-def _move_alike(model: Any, group: tuple[int, ...]) -> Any:
+def _move_alike(model: Model, group: tuple[int, ...]) -> Any:
     """Whether the slips of some contacts differ by a constant, in each case."""
     period = 1.0 if model.period is None else model.period
     rates = [[np.ravel(machine_of(model).mechanics.offset_rates(look * period)[i]) for i in group] for look in _LOOKS]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.variables import VARIABLES
 
@@ -90,7 +91,7 @@ class ContactRun(_PartRun):
         """Inner states at the strobe times."""
         return self._inner(self.run.strobe_z)
 
-    def _inner(self, z: Any) -> Any:
+    def _inner(self, z: Numeric) -> Any:
         """Its own inner states, without those that only other laws have."""
         count = len(self._states.inner)
         if z is None or not count:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
@@ -14,6 +15,10 @@ from stickslip.models.position_dependence import knows_position
 from stickslip.models.state_layout import of_one_contact
 from stickslip.results import recurrence
 from stickslip.results.part_notes import APART
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
 #: What a code of steadiness says.
@@ -125,7 +130,7 @@ def mean_tolerance(method: str, rtol: float) -> float:
     return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
 
 
-def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, float]:
+def outcome_of(model: Model, strobe: Any, method: str, rtol: float) -> tuple[int, float]:
     """Period number of a run (0: none) and the displacement in a drive period that it approaches [m]; see `recurrence.outcome`.
 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
@@ -133,13 +138,13 @@ def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, 
     return _outcome(*_with_position(model, strobe), strobe_tolerance(method, rtol))
 
 
-def repetition_of(run: Any) -> tuple[Any, int, float]:
+def repetition_of(run: Trajectory) -> tuple[Any, int, float]:
     """Position at the strobe points, of several bodies that of their centre of mass; period number and displacement approached."""
     way, strobe, scales = _strobe_of(run)
     return way, *_outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
 
 
-def _with_position(model: Any, strobe: Any) -> tuple[Any, Any]:
+def _with_position(model: Model, strobe: Any) -> tuple[Any, Any]:
     """Strobe points with the position once more at their end, where the motion depends on it; and the scales of all but the first."""
     matters = _position_matters(model, strobe[:, 0])
     points = np.column_stack([strobe, *([strobe[:, 0]] if matters else [])])
@@ -155,7 +160,7 @@ def _outcome(strobe: Any, scales: Any, tolerance: float) -> tuple[int, float]:
     return recurrence.outcome(points, last, count, recurrence.LONGEST, scales, tolerance, tolerance)
 
 
-def _position_matters(model: Any, x: Any) -> bool:
+def _position_matters(model: Any, x: Array) -> bool:
     """Whether forces differ between the positions of a run; a spring without stiffness is in the equations, and holds nothing."""
     if not knows_position(model):
         return False
@@ -164,7 +169,7 @@ def _position_matters(model: Any, x: Any) -> bool:
     return bool(np.ptp(np.array(forces), axis=0).any())
 
 
-def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
+def scales_of(model: Model, strobe: Any, with_position: bool) -> Any:
     """Sizes of v, of each inner state, and of x where the motion depends on it.
 
     Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
@@ -178,7 +183,7 @@ def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
     return np.where(scales > 0, scales, 1.0)
 
 
-def unsettled_note(codes: Any, errors: Any) -> list[str]:
+def unsettled_note(codes: ArrayLike, errors: Any) -> list[str]:
     """A sentence on the cases of a batch or a sweep that have not settled, and what to type; none where there are none.
 
     Examples
@@ -198,7 +203,7 @@ def unsettled_note(codes: Any, errors: Any) -> list[str]:
     return [f"{who} mean velocity is {by}{endless}, see steadiness and settling_error; type more periods"]
 
 
-def is_steady(model: Any, row: dict[str, Any], method: str, rtol: float) -> bool:
+def is_steady(model: Model, row: dict[str, Any], method: str, rtol: float) -> bool:
     """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
     T = float(model.period)
     mean, approached = row["displacement"] / (row["window"] * T), row["limit"] / T
@@ -211,7 +216,7 @@ def window_count(done: int, settle: int, period: int) -> int:
     return count - count % (period or 1) if count > (period or 1) else count
 
 
-def of_run(run: Any) -> Steadiness:
+def of_run(run: Trajectory) -> Steadiness:
     """The steadiness of a trajectory."""
     if machine_of(run.model).is_single:
         run = of_one_contact("run.steadiness", run, "it is judged by one mean velocity")
@@ -233,7 +238,7 @@ def of_run(run: Any) -> Steadiness:
     return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, x, int(run.settle), period, limit))
 
 
-def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
+def _strobe_of(run: Trajectory) -> tuple[Any, Any, Any]:
     """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
     model, z = run.model, run._strobe_inner
     if machine_of(model).is_single:
@@ -262,7 +267,7 @@ def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
     return way, strobe, np.where(scales > 0, scales, 1.0)
 
 
-def drifting_apart(run: Any) -> str:
+def drifting_apart(run: Trajectory) -> str:
     """A sentence on bodies that drift apart, whose distance grew as much in the last quarter of a run as in the one before; or ""."""
     if machine_of(run.model).is_single or run.model.period is None or len(run.bodies) < 2:
         return ""
@@ -280,21 +285,21 @@ def drifting_apart(run: Any) -> str:
     return f"{sentence}; type ss.mean_velocity(run, body={fast!r})"
 
 
-def _sizes(law: Any, load: Any, states: int) -> Any:
+def _sizes(law: Any, load: Numeric, states: int) -> Any:
     """Typical sizes of a law's inner states, NaN where it does not say; as many as the law with the most has."""
     typical = law.scale(load)
     own = [np.nan] * law.states if typical is None else [float(size) for size in typical]
     return np.array([*own, *([np.nan] * (states - law.states))])
 
 
-def way_of_machine(model: Any, x: Any) -> Any:
+def way_of_machine(model: Model, x: Numeric) -> Any:
     """Position of the principal body, or of the centre of mass where there is none, from those of the bodies (..., bodies) [m]."""
     mechanics = machine_of(model).mechanics
     q = np.stack(mechanics.coordinates_of(tuple(np.moveaxis(np.asarray(x), -1, 0))), axis=-1)
     return q @ np.array([float(share) for share in mechanics.shares])
 
 
-def _place_matters(mechanics: Any, x: Any) -> bool:
+def _place_matters(mechanics: Any, x: Array) -> bool:
     """Whether forces or loads change when the whole machine is moved as far as it went."""
     still, none = (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
     q, T = mechanics.coordinates_of(x[-1]), float(mechanics.period)
@@ -311,12 +316,12 @@ def _place_matters(mechanics: Any, x: Any) -> bool:
     return False
 
 
-def _change(x: Any, T: float) -> float:
+def _change(x: Array, T: float) -> float:
     """Change of the velocity per drive period at the end, averaged over two periods each time [m/s]."""
     return float(abs(x[-1] - 2 * x[-3] + x[-5]) / (4 * T)) if len(x) > 4 else float("nan")
 
 
-def _advice(model: Any, way: Any, settle: int, period: int, limit: float) -> str:
+def _advice(model: Model, way: Any, settle: int, period: int, limit: float) -> str:
     """What to type for a steady mean, from the way at the strobe points and the displacement per period that it approaches [m].
 
     The steady motion itself is recommended only where the transient decays, with as many periods as it needs for that.

@@ -231,7 +231,7 @@ class _UnknownSetValued:
 
 
 # ---- columns ----
-def save_columns(run: Any, path: Path) -> Path:
+def save_columns(run: Trajectory | FlowRun, path: Path) -> Path:
     """Write the columns of a run to a file whose ending is one of theirs."""
     return _OF_COLUMNS[path.suffix.lower()](run, path)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Numbers, described_as, explains_arguments
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
@@ -45,7 +46,7 @@ _INSTEAD = {
 }
 
 
-def _as_column(z: Any) -> Any:
+def _as_column(z: Array) -> Any:
     """None for no inner states; the only one without an axis of its own, where there is none for contacts either."""
     return None if z.shape[-1] == 0 else z[:, 0] if z.shape[1:] == (1,) else z
 
@@ -64,7 +65,7 @@ class _Column(property):
 
     if TYPE_CHECKING:
 
-        def __get__(self, run: Any, of: type | None = None) -> NDArray[np.float64]: ...  # type: ignore[override]
+        def __get__(self, run: Trajectory, of: type | None = None) -> NDArray[np.float64]: ...  # type: ignore[override]
 
 
 def _force_column(name: str) -> _Column:
@@ -295,7 +296,7 @@ class Trajectory(Drawn, RunFiles):
         before, after = np.split(self.pieces.evaluate(np.tile(self.pieces.t[changes], 2), around)[1], 2)
         return np.any(abs(after - before) > 1e-6 * machine_of(self.model).velocity_scale, axis=1)
 
-    def _index(self, t: Any) -> Any:
+    def _index(self, t: ArrayLike) -> Any:
         """The piece on which a time lies (the later one at a node)."""
         return np.clip(np.searchsorted(self.pieces.t, t, side="right") - 1, 0, len(self.pieces.mode) - 1)
 
@@ -323,7 +324,7 @@ class Trajectory(Drawn, RunFiles):
         """The column of one body or contact."""
         return column if self.pieces.layout.single else column[:, number]
 
-    def _states_at(self, t: Any, index: Any) -> tuple[Any, Any, Any]:
+    def _states_at(self, t: ArrayLike, index: Any) -> tuple[Any, Any, Any]:
         """x, v and z at times on given pieces, with the axes of the columns; z always has one for its states."""
         x, v, z = self.pieces.evaluate(t, index)
         bodies = self.pieces.layout.bodies
@@ -382,7 +383,7 @@ class Trajectory(Drawn, RunFiles):
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
         return self._own("z", _as_column(self._of_laws(self._states[2])))
 
-    def _of_laws(self, z: Any) -> Any:
+    def _of_laws(self, z: Array) -> Any:
         """The inner states of the laws among those of laws and controllers."""
         layout = self.pieces.layout
         if not layout.controllers:
@@ -400,13 +401,13 @@ class Trajectory(Drawn, RunFiles):
             return {name: self._own(name, column) for name, column in self.parted._forces.items()}
         return self._forces_at(*self._instants, *self._states)
 
-    def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
+    def _forces_at(self, t: Array, index: Any, x: Array, v: Array, z: Array) -> dict[str, Any]:
         """Every force, with the axes of the columns; z and its rates are given as one such column for each state."""
         z, rates = (np.moveaxis(of, -1, 0) for of in (z, self._flat(inner_rates(self.pieces, t, index))))
         memory = tuple(self.pieces.memory[index].T)
         return forces.columns(self.model, self._modes[index], self._within(t, index), x, v, z, rates, memory)
 
-    def _within(self, t: Any, index: Any) -> Any:
+    def _within(self, t: ArrayLike, index: Any) -> Any:
         """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
         if not (machine_of(self.model).breaks or self._impulses):
             return t
@@ -478,7 +479,7 @@ class Trajectory(Drawn, RunFiles):
             z[-1:] = self._sampled(t[-1:], x[-1:], v[-1:], z[-1:])
         return x, v, z, memory
 
-    def _sampled(self, t: Any, x: Any, v: Any, z: Any) -> Any:
+    def _sampled(self, t: Array, x: Array, v: Array, z: Array) -> Any:
         """Inner states after a sample of the controllers at the end of the run, where one falls on it."""
         mechanics: Any = machine_of(self.model).mechanics
         every = mechanics.controllers.sample
@@ -491,7 +492,7 @@ class Trajectory(Drawn, RunFiles):
                 z[:, len(mechanics.contacts) + i, k] = next(states)
         return z
 
-    def _thrown(self, t: float, x: Any, v: Any, z: Any, memory: Any, jump: Any) -> tuple[Any, Any]:
+    def _thrown(self, t: float, x: ArrayLike, v: ArrayLike, z: ArrayLike, memory: Any, jump: Any) -> tuple[Any, Any]:
         """Inner states and memories after an impulse, which may carry the slip through zero."""
         of_one_contact("run.strobe_z", self, "an impulse at its end carries the memories of one law through zero")
         x, v, jump = (float(np.ravel(of)[0]) for of in (x, v, jump))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import numbers_by_name
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.fields import is_array
 from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
 from stickslip.engine.kinds import known_kind
@@ -56,7 +56,7 @@ _kept: Remembered[ArcNumbers] = Remembered(most=64)
 _places: Remembered[bool] = Remembered()
 
 
-def reduced(model: Any) -> Arcs:
+def reduced(model: Model) -> Arcs:
     """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
 
     Examples
@@ -81,7 +81,7 @@ def _rows(model: Any, numbers: dict[str, Any]) -> ArcNumbers:
     return _kept((known_kind(model), np.array([*numbers.values()], float).tobytes()), evaluated) if one else evaluated()
 
 
-def handles(model: Any) -> str | None:
+def handles(model: Model) -> str | None:
     """None if the motion of a model, or of all of a batch, is made of closed arcs; else why not.
 
     Examples

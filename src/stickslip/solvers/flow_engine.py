@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import look
@@ -20,6 +20,10 @@ from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.results.flow_run import ModeChange
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 _BUDGET = 200_000  # steps
@@ -49,19 +53,19 @@ class Followed:
     steps: int
 
 
-def unknown(flow: Any, n: int) -> str:
+def unknown(flow: SwitchingFlow, n: int) -> str:
     """Why the engine cannot follow a flow of n states: what one of its functions does that only plain numbers can do; "" if it can."""
     system, _ = _system(flow, n)
     return system if isinstance(system, str) else ""
 
 
-def _parts(flow: Any, n: int) -> Any:
+def _parts(flow: SwitchingFlow, n: int) -> Any:
     """The parts of a flow that determine its equations: its functions, and the names of its numbers."""
     switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
     return tuple(flow.fields.items()), switches, tuple(flow.numbers), n
 
 
-def check_flow(flow: Any, n: int) -> Any:
+def check_flow(flow: SwitchingFlow, n: int) -> Any:
     """The key of what is cached about a flow of n states, after its functions were asked whether they have changed.
 
     Raises
@@ -74,7 +78,7 @@ def check_flow(flow: Any, n: int) -> Any:
     return (*key, _editions.of(key))
 
 
-def _system(flow: Any, n: int) -> tuple[FlowSystem | str, Any]:
+def _system(flow: SwitchingFlow, n: int) -> tuple[FlowSystem | str, Any]:
     """The equations of a flow, or why there are none, and the key of what is cached about it."""
 
     def traced() -> FlowSystem | str:
@@ -89,7 +93,7 @@ def _system(flow: Any, n: int) -> tuple[FlowSystem | str, Any]:
     return _systems(key, traced), key
 
 
-def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
+def _kernel(flow: SwitchingFlow, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
     equations, key = _system(flow, n)
     if isinstance(equations, str):
@@ -102,7 +106,9 @@ def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, 
     return equations, *_kernels((key, record), compiled)
 
 
-def _row(flow: Any, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:
+def _row(
+    flow: SwitchingFlow, equations: FlowSystem, names: tuple[str, ...], y: Array, span: Numeric, begin: float, most: float | None
+) -> Array:
     """Numbers of the case in the order of its kernel, for each start (cases, columns)."""
     cases, size = len(y), np.max(abs(y), axis=1, initial=0.0)
     size = np.where(size > 0.0, size, 1.0)
@@ -112,7 +118,14 @@ def _row(flow: Any, equations: FlowSystem, names: tuple[str, ...], y: Array, spa
 
 
 def followed(
-    flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True, partial: bool = False
+    flow: SwitchingFlow,
+    y: Array,
+    mode: Any,
+    duration: float,
+    begin: float = 0.0,
+    most: int | None = None,
+    growth: bool = True,
+    partial: bool = False,
 ) -> Followed:
     """Follow a flow from one start.
 
@@ -218,7 +231,7 @@ def _last_before_switches(result: Any, steps: Array) -> Array:
     return np.flatnonzero(np.diff(_sides(result, steps)[:, 1]) > 0)
 
 
-def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0.0) -> tuple[Array, Array, Array]:
+def ends(flow: SwitchingFlow, states: Array, modes: Array, duration: Numeric, begin: float = 0.0) -> tuple[Array, Array, Array]:
     """The states and the modes (by place) of many starts after some time, side by side, and how each ended.
 
     Parameters
@@ -242,7 +255,7 @@ def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0
     return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
 
 
-def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> None:
+def _check(flow: SwitchingFlow, result: Any, begin: float, n: int, most: int | None) -> None:
     """`SolveError` where a run ended before its time."""
     status, rows = int(result.status[0]), result.pieces
     width = (rows.shape[1] - _FIRST) // (2 * n + 1)

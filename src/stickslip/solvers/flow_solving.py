@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,10 @@ from stickslip.results.summary import Summary
 from stickslip.solvers.flow_engine import followed, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.solvers.stopped import FAILURES
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 _LONGEST = 32  # periods after which a motion may repeat
 _SAME = 1e-8  # of its size: strobe points this close are one
@@ -82,7 +86,7 @@ def check_others(rtol: Any, workers: Any, of_machines: dict[str, Any], problems:
 
 
 def asked_of(
-    flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any,
+    flow: SwitchingFlow, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any,
     problems: Problems | None = None,
 ) -> Asked:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once, after the problems that there are."""
@@ -110,7 +114,7 @@ def asked_of(
     return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
 
 
-def check_start(flow: Any, states: Array, mode: Any) -> None:
+def check_start(flow: SwitchingFlow, states: Array, mode: Any) -> None:
     """`InputError` for a start beyond a guard of its mode whose switch would change the state at t = 0.
 
     Examples
@@ -138,7 +142,7 @@ def check_start(flow: Any, states: Array, mode: Any) -> None:
         raise InputError("solve", [f"{mistake}; {allowed}; {typed}, or start={after.tolist()} for the state after the reset"])
 
 
-def _beyond(flow: Any, mode: Any, y: Array) -> tuple[int, float] | None:
+def _beyond(flow: SwitchingFlow, mode: Any, y: Array) -> tuple[int, float] | None:
     """The first switch of a mode whose guard is below zero at a start, and its guard."""
     values = [(k, _called(switch.guard, y)) for k, switch in enumerate(flow.switches.get(mode, ()))]
     return next(((k, float(g[0])) for k, g in values if g is not None and g[0] < 0.0), None)

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.basics.batch import spread
 from stickslip.basics.coded_words import CodedWords
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import look
 from stickslip.basics.status import STATUS, Status, interrupted_at
@@ -132,7 +133,7 @@ class _Cases:
             columns["friction_power"] = lambda: self.known(raw.friction_power)
         return columns
 
-    def known(self, values: Any) -> Any:
+    def known(self, values: Array) -> Any:
         """Values of the cases, or of their parts, where a case was solved."""
         return np.where(per_case(self.good, values), values, np.nan)
 

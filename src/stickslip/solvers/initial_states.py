@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.batch import Labels, flat, spread
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import number
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
 
+if TYPE_CHECKING:
+    from stickslip.models.mechanics import Mechanics
+
+
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
 _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}
 
 
-def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
+def start_of_parts(model: Model, labels: Labels, start: Any, problems: Problems) -> Array:
     """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold."""
     batch = flat(model)
     mechanics, cases = machine_of(batch).mechanics, labels.cases
@@ -93,7 +97,7 @@ def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems,
         problems.add(f"start {what} = {value!r}; allowed are {count} numbers along the last axis, or a dict by name ({error})")
 
 
-def _check_distances(mechanics: Any, x: Array, q: Array, v: Array, u: Array, problems: Problems) -> None:
+def _check_distances(mechanics: Mechanics, x: Array, q: Array, v: Array, u: Array, problems: Problems) -> None:
     """Note bodies at a prescribed distance whose start does not have it."""
     for what, given, kept in (("x", x, mechanics.positions(0.0, tuple(q.T))), ("v", v, mechanics.velocities(0.0, tuple(u.T)))):
         missed = abs(_columns(kept, len(given)) - given)
@@ -103,7 +107,7 @@ def _check_distances(mechanics: Any, x: Array, q: Array, v: Array, u: Array, pro
             problems.add(f"start {what} of {name!r} {why}; give {what} for all bodies that it joins")
 
 
-def _check_loads(mechanics: Any, loads: Any, problems: Problems) -> None:
+def _check_loads(mechanics: Mechanics, loads: Any, problems: Problems) -> None:
     """Note contacts that nothing presses together at the start of any case and that do not fly; of some cases the status says it."""
     for name, law, load in zip(mechanics.contacts, mechanics.laws, loads, strict=True):
         if not law.flies and np.all(np.asarray(load, float) <= 0.0):
@@ -111,7 +115,7 @@ def _check_loads(mechanics: Any, loads: Any, problems: Problems) -> None:
             problems.add(f"{mistake}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
 
 
-def _check_stops(mechanics: Any, q: Array, problems: Problems) -> None:
+def _check_stops(mechanics: Mechanics, q: Array, problems: Problems) -> None:
     """Note stops with restitution beyond which all cases begin; of some cases the status says it."""
     size = np.max(abs(q), initial=0.0)
     for stop in mechanics.stops:

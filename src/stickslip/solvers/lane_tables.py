@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of, numbers_by_name
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.fields import is_array, replace_leaf
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
@@ -39,7 +39,7 @@ class CaseTable:
 
     def __init__(
         self,
-        model: Any,
+        model: Model,
         kernel: lanes.Kernel,
         start: Array,
         span: Any,

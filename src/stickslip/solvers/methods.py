@@ -7,8 +7,9 @@ does, the error has what each of them said.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.engine.refused import refusal_of
 from stickslip.engine.remembered import Remembered
@@ -38,7 +39,7 @@ class Method(Protocol):
     def observes(self) -> bool:
         """Whether it evaluates a user's functions of the state on the way."""
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """None where it solves a machine, or all of a batch; else why not."""
 
     def run(self, todo: Request) -> Trajectory | Summary:
@@ -58,7 +59,7 @@ class Stepping(Protocol):
         return stepping.run(todo, *self.steps(todo))
 
 
-def _of_laws(model: Any, dynamic: bool) -> str | None:
+def _of_laws(model: Model, dynamic: bool) -> str | None:
     """Why a compiled method for laws of one sort does not take a machine."""
     machine = machine_of(model)
     if not all(law.compiles for law in machine.laws):
@@ -78,7 +79,7 @@ class ClosedArcs:
     names: tuple[str, ...] = ("auto", "exact")
     observes: bool = False
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """By the traced equations, which are taken apart into a sine and constants."""
         from stickslip.solvers.closed_arcs import handles
 
@@ -99,7 +100,7 @@ class TaylorSteps(Stepping):
     names: tuple[str, ...] = ("auto", "exact")
     observes: bool = True
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """Laws that rest exactly."""
         return _of_laws(model, dynamic=False)
 
@@ -118,7 +119,7 @@ class Rosenbrock(Stepping):
     names: tuple[str, ...] = ("auto", *TABLEAUX)
     observes: bool = True
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """Laws with inner states."""
         return _of_laws(model, dynamic=True)
 
@@ -137,7 +138,7 @@ class TaylorSeries(Stepping):
     names: tuple[str, ...] = ("auto", "taylor")
     observes: bool = False
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """Laws whose inner state relaxes with a rate that grows with the velocity, asked of the traced equations."""
         from stickslip.solvers.series import lacks
 
@@ -158,7 +159,7 @@ class RungeKutta:
     names: tuple[str, ...] = ("rk4",)
     observes: bool = False
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """One body on one contact, of what a plain script knows."""
         machine = machine_of(model)
         if not machine.is_single:
@@ -186,7 +187,7 @@ class IndependentJudge:
     names: tuple[str, ...] = ("auto", "radau", "lsoda", "bdf", "dop853")
     observes: bool = False
 
-    def accepts(self, model: Any) -> str | None:
+    def accepts(self, model: Model) -> str | None:
         """Everything."""
         return None
 
@@ -211,7 +212,7 @@ METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
 SLOW = tuple(name for method in _ALONE for name in method.names if name != "auto")
 
 
-def takes_closed_arcs(name: str, model: Any) -> bool:
+def takes_closed_arcs(name: str, model: Model) -> bool:
     """Whether a method of this name solves a machine by closed arcs."""
     return name in ClosedArcs.names and ClosedArcs().accepts(model) is None
 
@@ -224,7 +225,7 @@ def steps_of(todo: Request) -> tuple[Series | Tableau | None, float]:
 _refusals: Remembered[str | None] = Remembered()
 
 
-def _refusal(method: Method, model: Any) -> str | None:
+def _refusal(method: Method, model: Model) -> str | None:
     """The answer of `accepts`; for compiled methods other than closed arcs it depends on the kind only, and is cached."""
     if isinstance(method, (ClosedArcs, IndependentJudge)):
         return method.accepts(model)
@@ -233,7 +234,7 @@ def _refusal(method: Method, model: Any) -> str | None:
     return _refusals((method, known_kind(model)), lambda: method.accepts(model))
 
 
-def method_for(name: str, model: Any, observed: bool = False) -> Method:
+def method_for(name: str, model: Model, observed: bool = False) -> Method:
     """The first method of a name that takes a machine; `InputError` with what each says where none does.
 
     With `observed` it evaluates a user's functions of the state.

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import Labels, labels_together, spread
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import leaves, number
 from stickslip.basics.interruption import is_outermost, takes_some_cases
@@ -66,7 +67,7 @@ class Request:
 
 
 def request(
-    model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
+    model: Model, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
     dwell: Any, progress: Any, options: dict[str, Any], duration: Any = None, observe: Any = None,
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
@@ -110,7 +111,7 @@ def request(
     )  # fmt: skip
 
 
-def _numbers_of(model: Any, problems: Problems) -> dict[str, Any]:
+def _numbers_of(model: Model, problems: Problems) -> dict[str, Any]:
     """The numbers of a model by name; `InputError` where one is none."""
     numbers = dict(leaves(model))
     for name, value in numbers.items():
@@ -135,7 +136,7 @@ def _check_thresholds(rtol: Any, slip_ratio: Any, dwell: Any, problems: Problems
             problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")
 
 
-def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> Any:
+def _periods(model: Model, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> Any:
     """Periods to run: as given, or as many as the duration begins; 1 for a model that has no period."""
     name, aperiodic = type(model).__name__, model.period is None
     if duration is None:
@@ -202,7 +203,7 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
             problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, [*arguments, *known])}")
 
 
-def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
+def _start_states(model: Model, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 2 + inner states + memories)."""
     if not machine_of(model).is_single:
         return start_of_parts(model, labels, start, problems)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import rows_of, with_row
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError, is_whole
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.pool import shared
@@ -88,7 +89,7 @@ def _check_load(model: Any) -> None:
 class _March:
     """One case on its way: its state, its strobe states, and what of its steps is kept."""
 
-    def __init__(self, model: Any, kernel: engine.FixedStepKernel, row: Any, start: Any, steps: int, thinned: bool):
+    def __init__(self, model: Model, kernel: engine.FixedStepKernel, row: Any, start: Any, steps: int, thinned: bool):
         self.model, self.kernel, self.row, self.steps = model, kernel, row, steps
         self.state = np.array(start, float)
         self.every = -(-steps // PIECES) if thinned else 0
@@ -149,7 +150,7 @@ class _March:
         return node[0, self.kernel.states + 1 :]
 
 
-def _dense(t: Any, y: Any, slope: Any) -> PolynomialPieces:
+def _dense(t: Array, y: Array, slope: Any) -> PolynomialPieces:
     """Cubic Hermite pieces, with a quartic term in v so that its integral is the step's own change of x."""
     h = np.diff(t)[:, None]
     a, b, da, db = y[:-1, 1:], y[1:, 1:], slope[:-1] * h, slope[1:] * h
@@ -159,7 +160,7 @@ def _dense(t: Any, y: Any, slope: Any) -> PolynomialPieces:
     return PolynomialPieces(*_cut_at_rest(t, y[:-1, 0], c))
 
 
-def _cut_at_rest(t: Any, x0: Any, c: Any) -> tuple[Any, Any, Any, Any]:
+def _cut_at_rest(t: Array, x0: Any, c: Any) -> tuple[Any, Any, Any, Any]:
     """The pieces, those in which v changes its sign cut in two there: (t, mode, x0, coefficients)."""
     powers = np.arange(c.shape[2])
     ends = c[:, 0].sum(axis=1)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from stickslip.basics.contracts import Model
 from stickslip.engine import tableaux
 from stickslip.models.machine_adapter import machine_of
 
@@ -14,7 +13,7 @@ LOOSE, LOOSE_OF_SEVERAL = 1e-4, 2e-4
 SAFETY = 0.5
 
 
-def tableau(model: Any, rtol: float) -> tableaux.Tableau:
+def tableau(model: Model, rtol: float) -> tableaux.Tableau:
     """The method that is cheaper for a model at a tolerance."""
     loose = LOOSE if len(machine_of(model).laws) == 1 else LOOSE_OF_SEVERAL
     return tableaux.RODAS4 if rtol >= loose else tableaux.RODAS5P

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from stickslip.basics.contracts import Model
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.remembered import Remembered
@@ -24,7 +23,7 @@ def method(rtol: float) -> tuple[Series, float]:
     return next(series for least, series in SERIES if held >= least), held
 
 
-def lacks(model: Any) -> str | None:
+def lacks(model: Model) -> str | None:
     """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
 
     def reason() -> str | None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import labels_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped, look, takes_some_cases
 from stickslip.basics.pool import shared
@@ -145,7 +145,7 @@ def scale(raw: dict[str, Array], arcs: Arcs, driven: Array) -> None:
 
 
 def solve_batch(
-    model: Any,
+    model: Model,
     periods: int,
     settle: int | str,
     start: dict[str, Any] | None = None,
@@ -205,7 +205,7 @@ def solve_batch(
     return raw
 
 
-def _start(model: Any, start: dict[str, Any] | None) -> tuple[Array, Array]:
+def _start(model: Model, start: dict[str, Any] | None) -> tuple[Array, Array]:
     """x and v at t = 0 of every case."""
     shape = labels_of(model).shape
     x, v = (np.broadcast_to(np.asarray((start or {}).get(name, 0.0), float), shape).ravel() + 0.0 for name in "xv")
@@ -213,7 +213,7 @@ def _start(model: Any, start: dict[str, Any] | None) -> tuple[Array, Array]:
 
 
 def solve_one(
-    model: Any, periods: int, start: dict[str, Any] | None = None, progress: Progress | None = None, partial: bool = False
+    model: Model, periods: int, start: dict[str, Any] | None = None, progress: Progress | None = None, partial: bool = False
 ) -> tuple[HarmonicArcs, dict[str, int]]:
     """Run one case and keep every arc.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
@@ -110,7 +111,7 @@ def _job(todo: Request, rtol: float, most: float = math.inf) -> lanes.Job:
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
-def budget_of(model: Any, periods: int, machine: MachineAdapter | None = None) -> int:
+def budget_of(model: Model, periods: int, machine: MachineAdapter | None = None) -> int:
     """Steps that a case may take in so many periods; the model's adapter may be given."""
     budget = BUDGET_APERIODIC if model.period is None else BUDGET * periods
     return min(budget, max(BUDGET_WITH_STOPS * periods, LEAST_WITH_STOPS)) if (machine or machine_of(model)).mechanics.stops else budget
@@ -156,7 +157,7 @@ def _raw(todo: Request, r: lanes.Results, kernel: lanes.Kernel, table: CaseTable
     )  # fmt: skip
 
 
-def _reduced(r: lanes.Results, reduce: str, signal: str, span: Any) -> Any:
+def _reduced(r: lanes.Results, reduce: str, signal: str, span: Numeric) -> Any:
     """A user's observable."""
     assert r.parts is not None
     values = r.parts.reduced[signal][:, {"max": 1, "min": 2, "last": 2}.get(reduce, 0)]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.interruption import Interrupted, look
 from stickslip.basics.status import Status
 from stickslip.engine.kernels.columns import SEGS as SEGMENTS
@@ -35,14 +36,14 @@ def case_or_nothing(work: Callable[[], dict[str, Any]], nothing: dict[str, Any],
         return {**nothing, "status": Status.NOT_COMPUTED}
 
 
-def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x: Any, memory: Any = ()) -> Any:
+def codes_of(model: Model, v: Numeric, z: Numeric, mode: Any, slip_ratio: float, t: Numeric, x: Numeric, memory: Any = ()) -> Any:
     """The mode of the body at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.results.segments`)."""
     if not law_of(model).states:
         return 2 * mode
     return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)
 
 
-def over_window(x: Any, settle: int, period: int, limit: float) -> dict[str, Any]:
+def over_window(x: Array, settle: int, period: int, limit: float) -> dict[str, Any]:
     """The displacement over the window, from positions at the strobe points; with period number and the displacement approached."""
     count = window_count(len(x) - 1, settle, period)
     return {"period": period, "limit": limit, "displacement": float(x[-1] - x[-1 - count]), "window": float(count)}
@@ -54,12 +55,12 @@ def looks(end: float, periods: int, T: float) -> Any:
     return end - periods * T * (1 - (np.arange(count) + 0.5) / count)
 
 
-def margin_force(model: Any) -> float:
+def margin_force(model: Model) -> float:
     """Nothing these methods measure: without meaning for a dynamic law, not known for a set-valued one."""
     return float("inf" if law_of(model).dynamic else "nan")
 
 
-def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
+def segments_of(durations: Any, codes: Array) -> tuple[int, Any, Any]:
     """Stretches of one code: their number (-1 if too many to keep), durations and codes."""
     seg_time, seg_code = np.zeros(SEGMENTS), np.zeros(SEGMENTS, np.int8)
     starts = np.flatnonzero(np.diff(codes, prepend=99))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.engine.kinds import edition_of
 from stickslip.engine.remembered import OfFrozen
@@ -22,7 +23,7 @@ _WHOLE = 1e-9  # of a number of samples
 _recurring: OfFrozen[set[int | None]] = OfFrozen(lambda model: set())
 
 
-def check_period(model: Any, machine: MachineAdapter | None = None) -> None:
+def check_period(model: Model, machine: MachineAdapter | None = None) -> None:
     """Raise `InputError` where the load or the acceleration of a model is another one a period later; its adapter may be given.
 
     Examples
@@ -58,7 +59,7 @@ def _check(model: Any, machine: MachineAdapter | None) -> None:
             )  # fmt: skip
 
 
-def _check_samples(model: Any, mechanics: Mechanics) -> None:
+def _check_samples(model: Model, mechanics: Mechanics) -> None:
     """Note a period that is no whole number of the time between samples."""
     between = mechanics.controllers.sample
     if between is None:

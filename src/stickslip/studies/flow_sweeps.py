@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from stickslip.basics.status import STATUS, Status
 from stickslip.solvers.flow_solving import asked_of, check_others, columns_of
 from stickslip.studies.progress import Watch
 from stickslip.studies.space import Space, space_of
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 _START = "start."
 
@@ -48,7 +52,7 @@ def sweep_of_flow(
     return xr.Dataset(data, coords, attributes)
 
 
-def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
+def _cases(flow: SwitchingFlow, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
     """The function that computes the columns of one case."""
     varying, fixed = space.at(np.arange(space.cases)), space.fixed
     numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))

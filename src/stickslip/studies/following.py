@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import spread
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.interruption import Interrupted, takes_some_cases, taking_some_cases
 from stickslip.basics.status import Status
@@ -29,7 +29,7 @@ from stickslip.studies.result_columns import END, empty
 from stickslip.studies.solving import columns_of_group
 
 
-def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
+def solve_to_end(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Summary, dict[str, Array]]:
     """A summary, the data for its power, and the final state of each case, under names such as end.v."""
     asked = solver_arguments(options)
     todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=tell, options={}, **asked)
@@ -42,7 +42,7 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
     return summary, more | _named({"v": more["v_end"]})
 
 
-def unfollowed(robot: Any, method: str) -> str | None:
+def unfollowed(robot: Model, method: str) -> str | None:
     """The reason why the final states of a robot are unavailable, as a sentence; None if they are available."""
     if not machine_of(robot).is_single:
         what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"

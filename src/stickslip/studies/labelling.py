@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description
 from stickslip.basics.jsontext import plain
@@ -132,7 +132,7 @@ def _slope_unit(plan: Plan, slope: Derived) -> str:
     return name if by == "1" else f"{name}/({by})" if "/" in by or " " in by else f"{name}/{by}"
 
 
-def _unit_of_result(of: str, model: Any) -> str:
+def _unit_of_result(of: str, model: Model) -> str:
     """The unit of a column, or of a state on the strobe."""
     first, _, rest = of.partition(".")
     name = rest.partition(".")[0] if first == "state" else first

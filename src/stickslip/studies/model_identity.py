@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of, made_model, numbers_by_name, some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.fingerprints import Fingerprint, fingerprint
@@ -28,6 +28,7 @@ from stickslip.studies.models_of_points import Group, groups_of, starts_at
 from stickslip.studies.space import Column, Space
 
 if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
     from stickslip.studies.planning import Plan
 
 MOST = 2**17  # models of a study that are all compared, if they are made one by one
@@ -117,7 +118,7 @@ class ModelIdentities:
                 parts[k].setdefault(kind, []).append((at[within] - ends[k], table[within]))
         return [_digest(tile, f"{count} {told}") for tile, told, count in zip(parts, values, counts, strict=True)]
 
-    def _kind(self, model: Any) -> tuple[str, bool]:
+    def _kind(self, model: Model) -> tuple[str, bool]:
         """The identity of everything in a model but its numbers, and whether its equations are traced."""
         numbers = {name for name, _ in leaves(model)}
         others = [(name, value) for name, value in leaves(model, kinds=True) if name not in numbers and name.rpartition(".")[2] != "notes"]
@@ -127,14 +128,14 @@ class ModelIdentities:
             known = self._kinds[content.digest] = self._found(model, others, content)
         return known
 
-    def _found(self, model: Any, others: list[tuple[str, Any]], content: Fingerprint) -> tuple[str, bool]:
+    def _found(self, model: Model, others: list[tuple[str, Any]], content: Fingerprint) -> tuple[str, bool]:
         """The same, from the equations if they can be traced."""
         if (traced := None if is_flow(model) else self._traced(model)) is not None:
             return f"equations {traced} {fingerprint([(name, value) for name, value in others if _is_data(value)]).digest}", True
         self.unchecked.update(dict.fromkeys(content.unchecked))
         return f"code {content.digest}", False
 
-    def _checked_values(self, model: Any) -> list[str]:
+    def _checked_values(self, model: Model) -> list[str]:
         """Values of the laws and drives of a model that is not traced; none if they differ from call to call."""
         values = _plain_values(model)
         if values == _plain_values(model):
@@ -142,7 +143,7 @@ class ModelIdentities:
         self.unchecked["values that differ from call to call"] = None
         return []
 
-    def _traced(self, model: Any) -> str | None:
+    def _traced(self, model: Model) -> str | None:
         observe = () if self.plan.options["method"] in SLOW else tuple(parted(self.plan.options.get("observe"))[0].items())
         try:
             if not all(law.compiles for law in machine_of(model).laws):
@@ -164,7 +165,7 @@ def _table(group: Group) -> tuple[tuple[str, ...], Array]:
     return names, table + 0.0  # minus zero is zero
 
 
-def _initial(model: Any) -> dict[str, Any]:
+def _initial(model: Model) -> dict[str, Any]:
     """Initial inner states that the laws give, where they can be computed for all models together."""
     if is_flow(model):
         return {}
@@ -230,7 +231,7 @@ def _plain_values(model: Any) -> list[str]:
     return found
 
 
-def _values_of_flow(flow: Any) -> list[str]:
+def _values_of_flow(flow: SwitchingFlow) -> list[str]:
     """Values of the functions of a flow that names its states."""
     n = len(flow.states or ())
     numbers = (flow.given,) if flow.numbers else ()

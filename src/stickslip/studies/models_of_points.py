@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import made_model, point_by_point
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.studies.space import START, Space
@@ -17,7 +17,7 @@ from stickslip.studies.space import START, Space
 class Group:
     """Cases of one kind, made in one call: the indices of their points, the robots, and their initial values."""
 
-    def __init__(self, at: Array, robot: Any, start: dict[str, Any]):
+    def __init__(self, at: Array, robot: Model, start: dict[str, Any]):
         self.at, self.robot, self.start = at, robot, start
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from stickslip.basics.status import Status
 from stickslip.basics.variables import VARIABLES
 from stickslip.results.datasets import CODES, described
 from stickslip.results.steadiness import UNKNOWN
+
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 #: Prefix of the names of final states, which accompany the columns of cases from which others start.
 END = "end."
@@ -72,7 +76,7 @@ def all_failed(status: Array) -> bool:
     return len(status) > 0 and bool((status == Status.FAILED).all())
 
 
-def column_of(what: str, grid: Any, name: str) -> Any:
+def column_of(what: str, grid: xr.Dataset, name: str) -> Any:
     """A column of a dataset with one value for each case; `InputError` naming `what` if it is missing or has a value for each part.
 
     Examples
@@ -91,7 +95,7 @@ def column_of(what: str, grid: Any, name: str) -> Any:
     raise InputError(what, [f"the dataset has {name} of each {dim} ({named}); choose one: type grid.sel({dim}={parts[0]!r})"])
 
 
-def is_of_cases(grid: Any, name: str) -> bool:
+def is_of_cases(grid: xr.Dataset, name: str) -> bool:
     """Whether a dataset has a column with one value for each case, rather than one for each body or contact."""
     return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
 

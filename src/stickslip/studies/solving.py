@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.basics.batch import numbers_by_name, shape_of, some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.status import Status
@@ -164,7 +164,7 @@ def _parts(group: Group, *places: Array) -> list[Group]:
 
 
 def columns_of(
-    robot: Any,
+    robot: Model,
     start: dict[str, Any],
     options: dict[str, Any],
     workers: int,
@@ -195,7 +195,7 @@ def columns_of(
     return {each: of for name, values in found.items() for each, of in flattened(name, values, names).items()} | ends
 
 
-def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
+def _summary(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
     """A summary; for Coulomb robots with a harmonic drive also the distances travelled forwards and backwards."""
     from stickslip.solvers import solve
 
@@ -229,7 +229,7 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
     return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
 
 
-def _alphas(robot: Any) -> dict[str, Array]:
+def _alphas(robot: Model) -> dict[str, Array]:
     """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, if it has one."""
     if not machine_of(robot).is_single:
         return {}

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.analysis.bench.probe import Probe
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.models.friction.law_adapter import TINY
 
@@ -100,7 +101,7 @@ class MovedContact:
     def _slope(self, velocity: Velocity, budget: int | None) -> Any:
         calls = itertools.count()
 
-        def slope(t: float, y: Any) -> list[float]:
+        def slope(t: float, y: Array) -> list[float]:
             if next(calls) == budget:
                 raise _TooStiff
             v, z = velocity(t), tuple(map(float, y[: self.probe.law.states]))
@@ -111,7 +112,7 @@ class MovedContact:
         return slope
 
     def _guard(self, velocity: Velocity) -> Any:
-        def guard(t: float, y: Any) -> float:
+        def guard(t: float, y: Array) -> float:
             z = tuple(map(float, y[: self.probe.law.states]))
             return min(float(g) for g, _, _ in self.probe.switches(velocity(t), z, self.mode))
 

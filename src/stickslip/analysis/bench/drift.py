@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from stickslip.analysis.bench.envelopes import envelope
 from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
 from stickslip.analysis.bench.setup import Setup, shorter
 from stickslip.models.machines import ForcedOscillator
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 #: Constant and oscillating parts of the force, relative to the static friction limit: Dupont's 0.4 N and 0.2 N of 1.5 N.
 BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
@@ -41,7 +45,7 @@ def drift(bench: Setup) -> Experiment:
     )  # fmt: skip
 
 
-def _per_period(run: Any, periods: int, T: float) -> float:
+def _per_period(run: Trajectory, periods: int, T: float) -> float:
     """Displacement per period, between the mean position in the middle period and that in the last one."""
     middle = periods // 2 - 1
     inside = (np.arange(_SAMPLES) + 0.5) / _SAMPLES

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _PER_SWING = 12  # points per oscillation of the mass on its contact: the crest is then met to (pi/12)^2 / 2, about 3 %
 _MOST = 400_000  # points that are evaluated
 
 
-def envelope(run: Any, column: str, begin: float, end: float, points: int, pace: float) -> tuple[Any, Any]:
+def envelope(run: Trajectory, column: str, begin: float, end: float, points: int, pace: float) -> tuple[Any, Any]:
     """Times [s] and values of a column; oscillations too fast for the number of points appear as a band.
 
     If `points` instants are too few for oscillations of the angular frequency `pace`, each interval gives its lowest and its highest

@@ -13,6 +13,7 @@ from stickslip.analysis.bench.pulled import breakaway, stick_slip
 from stickslip.analysis.bench.setup import Setup
 from stickslip.analysis.bench.velocity import lag, steady_friction
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Law
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import is_array, leaves
 from stickslip.basics.interruption import interruptible, look, partial_result
@@ -37,7 +38,7 @@ EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
 @overload
 def bench(law: list[Any] | tuple[Any, ...], *arguments: Any, **more: Any) -> Benches: ...
 @overload
-def bench(law: Any, *arguments: Any, **more: Any) -> Bench: ...
+def bench(law: Law, *arguments: Any, **more: Any) -> Bench: ...
 @explains_arguments
 @interruptible
 def bench(

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import ArrayLike, Law, Numeric
 from stickslip.models.friction.law_adapter import adapted
 
 
 class Probe:
     """A law, the load on it [N], and their typical scales."""
 
-    def __init__(self, law: Any, load: Any):
+    def __init__(self, law: Law, load: Numeric):
         self.law, self.load = adapted(law), load
 
-    def force(self, v: Any, z: tuple[Any, ...], mode: tuple[Any, ...], applied: Any = 0.0) -> Any:
+    def force(self, v: ArrayLike, z: tuple[Any, ...], mode: tuple[Any, ...], applied: ArrayLike = 0.0) -> Any:
         """Friction force [N]."""
         return self.response(v, z, mode, applied)[0]
 
@@ -21,7 +22,7 @@ class Probe:
         """Friction force [N], and the rates of the inner states."""
         return self.law.response(v, z, self.load, mode, applied)
 
-    def switches(self, v: Any, z: tuple[Any, ...], mode: tuple[int, ...]) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: tuple[Any, ...], mode: tuple[int, ...]) -> list[tuple[Any, Any, Any]]:
         """Guards with the memories and the inner states after each switch."""
         return [(guard, after, z if new is None else new) for guard, after, new in self.law.switches(v, z, self.load, mode)]
 

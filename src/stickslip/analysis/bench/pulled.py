@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.bench.envelopes import envelope
 from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
 from stickslip.analysis.bench.setup import FAST, HELD, Setup, shorter
+from stickslip.basics.contracts import Array
 from stickslip.models.machines import PulledMass
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 #: Force rates, in units of the typical force times the bench's characteristic frequency.
 RATES = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
@@ -60,7 +65,7 @@ def _breakaway(bench: Setup, rate: float) -> float:
     return math.nan
 
 
-def _largest(run: Any, t: Any) -> float:
+def _largest(run: Any, t: Array) -> float:
     """Largest friction force on a grid of times, refined around its maximum."""
     R = run.at(t)["friction_force"]
     for _ in range(3):
@@ -100,7 +105,7 @@ def stick_slip(bench: Setup) -> Experiment:
     )  # fmt: skip
 
 
-def _cycle(run: Any, pull: Any, slow: float) -> tuple[float, float, float]:
+def _cycle(run: Trajectory, pull: Any, slow: float) -> tuple[float, float, float]:
     """Period [s], peak velocity [m/s] and fraction at rest of the last cycles; NaN and 0 if the mass slides steadily.
 
     A cycle that only touches v = 0 is also below the threshold for a short time, so rest must last three times as long as that.
@@ -120,12 +125,12 @@ def _cycle(run: Any, pull: Any, slow: float) -> tuple[float, float, float]:
     return period, _peak(run, last, speeds), share if share > 3.0 * touch else 0.0
 
 
-def _passage(run: Any, before: float, after: float, u: float) -> float:
+def _passage(run: Trajectory, before: float, after: float, u: float) -> float:
     from scipy.optimize import brentq
 
     return float(brentq(lambda t: float(run.at(t)["v"]) - u, before, after, xtol=1e-12 * after, rtol=1e-14))
 
 
-def _peak(run: Any, t: Any, v: Any) -> float:
+def _peak(run: Any, t: Array, v: Array) -> float:
     k = int(np.argmax(v))
     return float(run.at(np.linspace(t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)], 201))["v"].max())

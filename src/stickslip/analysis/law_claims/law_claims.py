@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.analysis.bench.probe import Probe
 from stickslip.analysis.law_claims.moved_contact import burst, reversed_at_limit, shaken
@@ -13,11 +13,16 @@ from stickslip.analysis.law_claims.reports import Claim, LawReport, judged
 from stickslip.analysis.law_claims.symbol_values import traced
 from stickslip.analysis.law_claims.unit_change import FACTORS, in_other_units
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Law
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.fields import checked_number, example_in, is_array, leaves
 from stickslip.basics.quantities import between
 from stickslip.engine.law_checks import ARGUMENTS, check_signatures, finite
 from stickslip.models.friction.law_adapter import adapted, mirrored
+
+if TYPE_CHECKING:
+    from stickslip.models.friction.law_adapter import LawAdapter
+
 
 #: Rounding errors of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
 _SAME, _SAME_WORK = 1e-11, 1e-5
@@ -90,7 +95,7 @@ def _of_motions(probe: Probe) -> list[Claim]:
     return [claim for claim in claims if claim is not None]
 
 
-def _instance(law: Any) -> Any:
+def _instance(law: Law) -> Any:
     if isinstance(law, type):
         law = law.example() if hasattr(law, "example") else example_in(law)
     if not dataclasses.is_dataclass(law) or not (hasattr(law, "sliding") or hasattr(law, "rate")):
@@ -104,7 +109,7 @@ def _instance(law: Any) -> Any:
     return law
 
 
-def _check_methods(law: Any, load: float) -> None:
+def _check_methods(law: LawAdapter, load: float) -> None:
     """Check that the methods of a law exist and take the required arguments, and that breakaway returns two forces."""
     problems = Problems(type(law).__name__)
     pairs = (("sliding", "breakaway"), ("rate", "force"))

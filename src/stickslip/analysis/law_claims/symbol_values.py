@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Law
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.values import values_of
 
 
-def traced(law: Any, load: float, v: float, z: tuple[float, ...], mode: tuple[int, ...], applied: float) -> tuple[Any, ...]:
+def traced(law: Law, load: Any, v: float, z: tuple[float, ...], mode: tuple[int, ...], applied: float) -> tuple[Any, ...]:
     """Force and rates of a law called with symbols, as numbers."""
     from stickslip.analysis.bench.probe import Probe
     from stickslip.basics.fields import leaves, replace_leaf

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
@@ -84,7 +84,7 @@ class Border:
         """A smooth line through its points: array (points, 2)."""
         return smooth(np.array(self.values))
 
-    def distance(self, values: Any, spans: Any) -> float:
+    def distance(self, values: ArrayLike, spans: Any) -> float:
         """Distance of a place from a smooth line through its points, each number counted in its span."""
         return float(np.min(np.linalg.norm((self.line - values) / spans, axis=1)))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers import solve
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 _LOOKED = 64  # drive periods over which a motion is named
 _JOINED = " | "  # the patterns of several contacts
@@ -176,7 +180,7 @@ def _words(plane: Plane, values: Array, states: Array, periods: list[int], look:
     return [_JOINED.join(np.atleast_1d(word).tolist()) for word in words]
 
 
-def _modes(flow: Any, state: Array, period: int) -> str:
+def _modes(flow: SwitchingFlow, state: Array, period: int) -> str:
     """The modes of a periodic motion in turn, once if it goes through them twice; where there is one mode, the number of switches."""
     modes = list(flow.fields)
     mode = modes[round(float(state[-1]))]

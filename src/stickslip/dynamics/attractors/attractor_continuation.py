@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Maker, Numbers, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
@@ -164,11 +164,11 @@ class _Along:
     rtol: float
     workers: int
 
-    def settled(self, model: Any, states: Array) -> Settled:
+    def settled(self, model: Model, states: Array) -> Settled:
         many = spread_over(model, len(states))
         return settled_motions(many, states, self.at, self.settle, self.limit, self.rtol, workers=self.workers)
 
-    def numbered(self, model: Any, settled: Settled) -> tuple[Features, Array]:
+    def numbered(self, model: Model, settled: Settled) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""
         motions = features_of(float(model.period), settled, self.at)
         return motions, numbered(motions, settled.attracted)

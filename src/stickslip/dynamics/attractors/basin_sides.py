@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.variables import unit_of
@@ -50,13 +50,13 @@ class Judge:
         return next((k for k in (0, 1) if motions.same(i, self.motions, k)), OTHER)
 
 
-def _settled(model: Any, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Settled]:
+def _settled(model: Model, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Settled]:
     """Features of the motions on which starts settle."""
     found = settled_motions(spread_over(model, len(states)), states, at, settle, _LONGER * settle, rtol)
     return features_of(float(model.period), found, at), found
 
 
-def judge_between(model: Any, at: Coordinates, settle: int, rtol: float, ends: Array) -> Judge:
+def judge_between(model: Model, at: Coordinates, settle: int, rtol: float, ends: Array) -> Judge:
     """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
     motions, found = _settled(model, at, ends, settle, rtol)
     for i, name in enumerate(("first", "second")):
@@ -70,7 +70,7 @@ def judge_between(model: Any, at: Coordinates, settle: int, rtol: float, ends: A
     return Judge(model, at, settle, rtol, motions, found.points[:, -1])
 
 
-def named_motion(model: Any, motions: Features, i: int) -> str:
+def named_motion(model: Model, motions: Features, i: int) -> str:
     """A motion by its kind, period and mean velocity."""
     kind, period, V = str(motions.kind[i]), int(motions.period[i]), motions.mean_velocity[i]
     way = "" if is_flow(model) else f", V = {V:.7g} {unit_of('v', model)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.request import LARGEST_START
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
 
 @sealed
@@ -221,7 +224,7 @@ def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
     return {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
 
 
-def on_grid(table: dict[str, Array], model: Any) -> Array:
+def on_grid(table: dict[str, Array], model: Model) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
     at = coordinates(model)
     return from_rest(table, at.names, at_rest(model, at)[0])
@@ -255,7 +258,7 @@ def start_axes(
     return axes, most
 
 
-def _usual(at: Any) -> dict[str, Array]:
+def _usual(at: Coordinates) -> dict[str, Array]:
     """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid.
 
     Of several bodies over their velocities alone.
@@ -267,7 +270,7 @@ def _usual(at: Any) -> dict[str, Array]:
     return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
 
 
-def _gathered(model: Any, axes: dict[str, Array], settled: Settled, at: Any, by_phase: bool) -> Basins:
+def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordinates, by_phase: bool) -> Basins:
     import xarray as xr
 
     motions = features_of(float(model.period), settled, at, by_phase)
@@ -300,7 +303,7 @@ def _notes(settled: Settled) -> tuple[str, ...]:
     return (*told, more) if told else ()
 
 
-def _attractor(model: Any, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool) -> Attractor:
+def _attractor(model: Model, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool) -> Attractor:
     from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 
     first = members[0]

@@ -157,7 +157,7 @@ class _Look:
         }  # fmt: skip
 
 
-def checked_values(problems: Problems, values: Any, robots: Family) -> Array:
+def checked_values(problems: Problems, values: Array, robots: Family) -> Array:
     """The values of a parameter, rising; `InputError` if they are not, or anything else is wrong."""
     values = in_its_unit(robots.parameters[0], values, robots.make, problems, "values")
     array = floats(values)

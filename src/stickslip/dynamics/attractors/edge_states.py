@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.periodicity import LONGEST
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, strobe_orbit
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
 
 _WIDE = 1e-5  # in scales: how far the pair that straddles the border may come apart
 _JUMP = 1e-2  # a narrow pair that is further apart after one period met a jump of the map
@@ -274,7 +278,7 @@ def _as_orbit(judge: Judge, track: list[Array], period: int) -> EdgeState | None
     return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, judge.ends, np.array(track), notes)
 
 
-def _sides_of(judge: Judge, orbit: Any) -> Array:
+def _sides_of(judge: Judge, orbit: PeriodicOrbit) -> Array:
     """The motions to which starts beside an orbit lead, along its most unstable direction: array (2 sides, distances)."""
     values, vectors = np.linalg.eig(orbit.monodromy)
     d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
@@ -302,7 +306,7 @@ def _sides_told(judge: Judge, sides: list[int]) -> tuple[str, str]:
     return names[sides[0]], names[sides[1]]
 
 
-def _accuracy(at: Coordinates, orbit: Any) -> float:
+def _accuracy(at: Coordinates, orbit: PeriodicOrbit) -> float:
     """By how much the state of an orbit may be wrong, in scales: its residual, by what the map makes of an error, three times."""
     scales = at.scales[: at.smooth]
     M = orbit.monodromy / scales[:, None] * scales

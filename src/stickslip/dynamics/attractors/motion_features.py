@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from stickslip.dynamics.attractors.settled_motions import (
     whole_motions,
 )
 from stickslip.dynamics.exponents.rotation import smooth_weights
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
+
 
 _SAME = 1e-4  # two motions whose features differ by less, in scales, are one
 _SMOOTH = 1e-3  # of the spread: weighted means of one quasi-periodic motion differ by less
@@ -78,7 +82,7 @@ def _covered(points: Array, among: Array) -> float:
     return float(np.mean(tree.query(points)[0] <= usual))
 
 
-def features_of(T: Any, found: Settled, at: Any, by_phase: bool = False) -> Features:
+def features_of(T: Any, found: Settled, at: Coordinates, by_phase: bool = False) -> Features:
     """Features of motions in drive periods T [s].
 
     With `by_phase` the strobe is at another phase for each start, and only the mean velocity counts.
@@ -116,7 +120,7 @@ def numbered(motions: Features, good: Array) -> Array:
     return number
 
 
-def _means(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:
+def _means(points: Array, period: Any, V: Array, at: Coordinates, by_phase: bool) -> Array:
     """Numbers that are the same for two starts on one motion, whichever of its periods they are in: means over whole ones, in scales."""
     speed = (V / at.speed)[:, None]
     if by_phase:
@@ -127,7 +131,7 @@ def _means(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> A
     return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
 
 
-def _without_shifts(points: Array, at: Any) -> Array:
+def _without_shifts(points: Array, at: Coordinates) -> Array:
     """Strobe points in which bodies that rest at every one of them have one place in common: where they stopped is chance.
 
     The rests of several bodies that a spring joins come as continua, and all of one are one attractor.

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Maker, explains_arguments
 from stickslip.basics.batch import some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, partial_result
@@ -162,7 +162,7 @@ def _looked_at(
     return found.period, V, found.kind, exponent, error, found.run
 
 
-def _by_multipliers(model: Any, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
+def _by_multipliers(model: Model, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
     """The largest exponent per drive period of motions that repeat; its error: how far it is from that of the next turn."""
     d = coordinates(model).smooth
     after = strobe_map(model, state, period, rtol).state

@@ -18,12 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.batch import cases_of, some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, SolveError, StickslipError, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, partial_result
@@ -34,6 +34,10 @@ from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, difference_jacobian, strobe_map, strobe_orbit
 from stickslip.engine.texts import recurrence
 from stickslip.models.switching_flow import is_flow
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed
@@ -408,7 +412,7 @@ class _Group:
         return float(np.nanmean(np.maximum(logs, -700.0))) if np.isfinite(logs).any() or np.isneginf(logs).any() else 0.0
 
 
-def _before_end(flow: Any, states: Array) -> Array:
+def _before_end(flow: SwitchingFlow, states: Array) -> Array:
     """The last states within the next period before a flow cannot be solved any more, by halving the time."""
     from stickslip.solvers.flow_engine import ends
 
@@ -481,7 +485,7 @@ def smooth_means(x: Array) -> tuple[Array, Array, Array]:
     return both(x), abs(both(x[:half]) - both(x[half:])), np.concatenate([spread, spread])
 
 
-def _first(model: Any, states: Array, at: Coordinates, settle: int, rtol: float, points: int, tell: Any) -> tuple[Array, Array, Array]:
+def _first(model: Model, states: Array, at: Coordinates, settle: int, rtol: float, points: int, tell: Any) -> tuple[Array, Array, Array]:
     """Strobe points (cases, points, d), ways (cases, points) after settling, and which cases could be solved."""
     early = min(settle, _EARLY)
     begun = strobe_map(model, states, early, rtol)
@@ -495,7 +499,7 @@ def _first(model: Any, states: Array, at: Coordinates, settle: int, rtol: float,
     return kept, made, good
 
 
-def _still(model: Any, states: Array, rtol: float, points: int) -> tuple[Array, Array]:
+def _still(model: Model, states: Array, rtol: float, points: int) -> tuple[Array, Array]:
     """Strobe points and ways of those states that the strobe map does not change by a single bit: all later points are the same.
 
     NaN of all others.
@@ -506,7 +510,7 @@ def _still(model: Any, states: Array, rtol: float, points: int) -> tuple[Array, 
     return np.repeat(kept[:, None], points, axis=1), np.repeat(ways[:, None], points, axis=1)
 
 
-def _later(model: Any, states: Array, periods: int, rtol: float, points: int) -> tuple[Array, Array, Array]:
+def _later(model: Model, states: Array, periods: int, rtol: float, points: int) -> tuple[Array, Array, Array]:
     """Strobe points and ways after some more drive periods, and what could be solved."""
     good = np.full(len(states), True)
     if periods:

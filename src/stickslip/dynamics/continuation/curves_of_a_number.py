@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,10 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.periodic.newton import Found
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _TOLERANCE = {True: 1e-10, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 _KNOWN = {True: 1e-10, False: 1e-12}  # of its size: how well the number is known
@@ -144,7 +148,7 @@ class _Touching:
         return (t / whole) % 1.0, value
 
 
-def _within(run: Any, whole: float, T: float, asked: Callable[[Any], bool] = lambda what: True) -> Iterator[Touch]:
+def _within(run: Trajectory, whole: float, T: float, asked: Callable[[Any], bool] = lambda what: True) -> Iterator[Touch]:
     """The numbers of a motion from a run that is longer: of a window of its length, off the beginning and the end of the run."""
     return (touch for touch in touches(run, T, asked) if _HALF * T <= touch.t < _HALF * T + whole)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
+
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed
 _SLOW = 1e-3  # of the velocity scale: a hit that slow is one that begins
 _TOUCHED = ("stop", "guard")
@@ -20,7 +24,7 @@ _FAR, _AHEAD = 1e-3, 3.0  # of the range: how far back it is read how a gap fall
 _NEAR_BY = 1e-4  # of the range: how near to where it is zero it is read then
 
 
-def grazed(orbit: Any) -> str:
+def grazed(orbit: PeriodicOrbit) -> str:
     """Name of what a motion grazes, by a hit without speed or by missing it by nothing; "" where there is none."""
     slow = "" if is_flow(orbit.model) else _slow_hit(orbit)
     return slow or next((name for name, (least, size) in _missed_by(orbit).items() if abs(least) < _NEAR * size), "")
@@ -70,7 +74,7 @@ def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:
     return {name: least for name, (least, _) in _missed_by(path.orbit(there)).items()} if there.good else {}
 
 
-def _slow_hit(orbit: Any) -> str:
+def _slow_hit(orbit: PeriodicOrbit) -> str:
     machine, run = machine_of(orbit.model), orbit.run.parted
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]

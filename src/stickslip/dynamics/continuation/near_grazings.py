@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,11 @@ from stickslip.analysis.contact_modes import watched_contacts
 from stickslip.basics.contracts import Array
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+
+if TYPE_CHECKING:
+    from stickslip.models.mechanics import Mechanics
+    from stickslip.results.trajectory import Trajectory
+
 
 BOTH_SIDES = "slip"  # the kind of touches that motions on either side have
 _GRID = 64  # instants of a stretch between two switches at which it is looked, at least
@@ -56,7 +61,7 @@ class Touch(NamedTuple):
         return f"the stop {of}" if kind == "stop" else f"guard {more[0]} of mode {of!r}" if kind == "guard" else ""
 
 
-def touches(run: Any, span: float, asked: Callable[[tuple[Any, ...]], bool] = lambda what: True) -> Iterator[Touch]:
+def touches(run: Trajectory, span: float, asked: Callable[[tuple[Any, ...]], bool] = lambda what: True) -> Iterator[Touch]:
     """All of a run with its dense output, of a machine or of a flow, or those that are asked for by what they are.
 
     Kinds are "slip" (an extreme of a slip, under a dynamic law), "slide" (a dip of its speed), "rest" (a dip of the room that the friction
@@ -98,7 +103,7 @@ def _dips(course: _Course, span: float) -> Iterator[Touch]:
 
 
 # ---- machines ----
-def _of_machine(run: Any) -> Iterator[_Course]:
+def _of_machine(run: Trajectory) -> Iterator[_Course]:
     machine = machine_of(run.model)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
     for i, (name, watched) in enumerate(watched_contacts(run).items()):
@@ -111,7 +116,7 @@ def _of_machine(run: Any) -> Iterator[_Course]:
     yield from _of_stops(run.parted, machine.mechanics)
 
 
-def _slip(run: Any, mechanics: Any, number: int, t: Array) -> Array:
+def _slip(run: Trajectory, mechanics: Mechanics, number: int, t: Array) -> Array:
     """The slip of one contact."""
     v = np.reshape(run._states_at(t, run._index(t))[1], (len(t), -1))
     return np.broadcast_to(mechanics.slips(t, mechanics.coordinates_of(tuple(v.T)))[number], t.shape)
@@ -145,7 +150,7 @@ def _limit(watched: Any, t: float) -> float:
     return float(np.max(np.abs(watched.limits(np.array([t])))))
 
 
-def _of_stops(run: Any, mechanics: Any) -> Iterator[_Course]:
+def _of_stops(run: Trajectory, mechanics: Mechanics) -> Iterator[_Course]:
     """Of each stop, between its hits."""
     for name, stop in mechanics.named_stops:
         gap = partial(_gap, run, mechanics, stop)
@@ -155,7 +160,7 @@ def _of_stops(run: Any, mechanics: Any) -> Iterator[_Course]:
                 yield _Course(("stop", name), gap, begin, end, partial(_largest, gap, run.t[0], run.t[-1]))
 
 
-def _gap(run: Any, mechanics: Any, stop: Any, t: Array) -> Array:
+def _gap(run: Trajectory, mechanics: Mechanics, stop: Any, t: Array) -> Array:
     x = run._states_at(t, run._index(t))[0]
     return np.broadcast_to(stop.gap(t, mechanics.coordinates_of(tuple(x.T))), t.shape)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import made_model
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
@@ -46,7 +47,7 @@ class Family:
         arguments = {**self.fixed, **dict(zip(self.parameters, map(float, values), strict=True))}
         return made_model(self.what, self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
 
-    def robots(self, *values: Any) -> Any:
+    def robots(self, *values: Numeric) -> Any:
         """Robots at many points, as one batch: arrays of one length."""
         columns = dict(zip(self.parameters, (np.asarray(v, float) for v in values), strict=True))
         return batch_of(self.what, self.make, self.fixed, columns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,10 +15,14 @@ from stickslip.dynamics.continuation.path_kinds import path_of
 from stickslip.dynamics.continuation.point_accuracy import Special
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 
+if TYPE_CHECKING:
+    from stickslip.dynamics.continuation.branches import Branch
+
+
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 
-def chosen(branch: Any, given: Special | None, kind: str, method: str) -> Special:
+def chosen(branch: Branch, given: Special | None, kind: str, method: str) -> Special:
     """The special point of a branch that was asked for, or its first of the kind."""
     found = given or next((s for s in branch.special if s.kind == kind), None)
     if found is None or found.kind != kind:
@@ -27,14 +31,14 @@ def chosen(branch: Any, given: Special | None, kind: str, method: str) -> Specia
     return found
 
 
-def range_of(branch: Any, special: Special, stop: float | None) -> tuple[float, float]:
+def range_of(branch: Branch, special: Special, stop: float | None) -> tuple[float, float]:
     """From where to where a branch that leaves another one is followed: to `stop`, or as far as the other one goes."""
     if stop is None:
         return float(np.min(branch.values)), float(np.max(branch.values))
     return min(stop, special.value), max(stop, special.value)
 
 
-def doubled(branch: Any, flip: Special, low: float, high: float, step: float, points: int) -> Followed:
+def doubled(branch: Branch, flip: Special, low: float, high: float, step: float, points: int) -> Followed:
     """The motions of twice the period."""
     orbit = flip.orbit
     path = path_of(branch.family, orbit, flip.value, max(high - low, 1e-300), 2 * branch.period)
@@ -51,7 +55,7 @@ def doubled(branch: Any, flip: Special, low: float, high: float, step: float, po
     )
 
 
-def across(branch: Any, special: Special, low: float, high: float, step: float, points: int) -> Followed:
+def across(branch: Branch, special: Special, low: float, high: float, step: float, points: int) -> Followed:
     """The motions of the branch that crosses this one, on both sides of the crossing, in order."""
     orbit = special.orbit
     path = path_of(branch.family, orbit, special.value, max(high - low, 1e-300))
@@ -77,7 +81,7 @@ def _side(path: Path, first: Point, low: float, high: float, step: float, points
     return followed(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points, events)
 
 
-def _along(path: Path, branch: Any, u: Array) -> Array:
+def _along(path: Path, branch: Branch, u: Array) -> Array:
     """The direction of a branch near one of its places: from the point before it to the one after it."""
     U = np.array([path.scaled(orbit, value) for orbit, value in zip(branch.orbits, branch.values, strict=True)])
     sides = np.diff(U, axis=0)

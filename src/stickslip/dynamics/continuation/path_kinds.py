@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.dynamics.continuation.cycle_paths import CyclePath
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.continuation.pseudo_arclength import Path
@@ -13,7 +14,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 _TOLERANCE = 1e-12
 
 
-def path_of(family: Family, orbit: Any, origin: Any, span: Any, period: int | None = None) -> Path:
+def path_of(family: Family, orbit: Any, origin: Any, span: Numeric, period: int | None = None) -> Path:
     """The path of motions like this one.
 
     Parameters

@@ -102,11 +102,11 @@ class Path:
         """The one parameter at a point."""
         return self.values(u)[..., 0]
 
-    def inner(self, orbit: Any) -> Array:
+    def inner(self, orbit: PeriodicOrbit) -> Array:
         """The unknowns of an orbit besides the parameters."""
         return np.asarray(orbit.strobe_state[: self.at.smooth] / self.scales)
 
-    def later(self, orbit: Any) -> Array:
+    def later(self, orbit: PeriodicOrbit) -> Array:
         """The same unknowns half a motion period later."""
         return np.asarray(state_at(orbit.run, 0.5 * self.period * float(orbit.model.period)) / self.scales)
 
@@ -122,7 +122,7 @@ class Path:
         """The robots at many points, as one batch."""
         return self.family.robots(*self.values(U).T)
 
-    def remembered(self, orbit: Any) -> Array:
+    def remembered(self, orbit: PeriodicOrbit) -> Array:
         """The law's memory on the strobe of an orbit."""
         return orbit.strobe_state[self.at.smooth :]
 

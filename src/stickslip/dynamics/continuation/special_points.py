@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.newton import root_between
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _MOST_CHANGES = 8  # that are looked for between two points
@@ -169,12 +173,12 @@ def _change(
     return outer, before, here
 
 
-def _word(orbit: Any) -> str:
+def _word(orbit: PeriodicOrbit) -> str:
     """The name of the motion: its pattern if rest is exact, else its type, which depends on thresholds; and the parts that it touches."""
     return _pattern_of(orbit) + _touched(orbit)
 
 
-def _touched(orbit: Any) -> str:
+def _touched(orbit: PeriodicOrbit) -> str:
     """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
     if is_flow(orbit.model):
         return ""
@@ -186,7 +190,7 @@ def _touched(orbit: Any) -> str:
     return "".join(f"{_COUNTED}{name} {times[min(count, 3)]}" for name, count in sorted(counts.items()) if count)
 
 
-def _pattern_of(orbit: Any) -> str:
+def _pattern_of(orbit: PeriodicOrbit) -> str:
     """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
     if is_flow(orbit.model):
         return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
@@ -195,20 +199,20 @@ def _pattern_of(orbit: Any) -> str:
     return orbit.type if _is_dynamic(orbit) else orbit.pattern
 
 
-def _is_dynamic(orbit: Any) -> bool:
+def _is_dynamic(orbit: PeriodicOrbit) -> bool:
     return not is_flow(orbit.model) and machine_of(orbit.model).has_inner_states
 
 
-def _reversals(orbit: Any) -> int:
+def _reversals(orbit: PeriodicOrbit) -> int:
     """Pairs of reversals in the motion period."""
     return (len(orbit.events) + 1) // 2
 
 
-def _said_of_reversals(before: int, after: int, orbit: Any) -> str:
+def _said_of_reversals(before: int, after: int, orbit: PeriodicOrbit) -> str:
     return f"v touches zero: {2 * before} reversals in a motion period before, {2 * after} after"
 
 
-def _said_of_words(before: str, after: str, orbit: Any) -> str:
+def _said_of_words(before: str, after: str, orbit: PeriodicOrbit) -> str:
     m = getattr(orbit, "motion", None) if not is_flow(orbit.model) and machine_of(orbit.model).is_single else None
     if m is not None and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"

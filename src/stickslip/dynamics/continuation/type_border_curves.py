@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curve_problems import CurveProblem
@@ -69,7 +69,7 @@ def _instant(sequence: Sequence, times: Array, key: Margin) -> float:
     return float(sequence.ends(times)[key[1]])
 
 
-def _dip(model: Any, sequence: Sequence, times: Array, key: Margin) -> float:
+def _dip(model: Model, sequence: Sequence, times: Array, key: Margin) -> float:
     """The dip of the force's room in and shortly before rest, so that the border can be followed up to where it ends."""
     T, i = float(model.period), key[1]
     begin = float(times[i]) if len(times) else 0.0

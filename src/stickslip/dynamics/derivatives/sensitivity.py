@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.arguments import described_as, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
@@ -24,6 +24,10 @@ from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.models.drives.within import drives_within
 from stickslip.models.machine_adapter import is_machine
 from stickslip.solvers.time_dependence import check_period
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _ALONE = "if it alone changes, the equations do not repeat after the period"
 _WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
@@ -144,7 +148,7 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
 
 
-def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
+def directions_of(what: str, model: Model, wrt: Any) -> dict[str, tuple[str, ...]]:
     """The numbers of one machine that are moved together, by what was typed; `InputError` of `what` for what cannot be moved."""
     if any(np.ndim(value) for _, value in leaves(model)):
         raise InputError(what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
@@ -161,7 +165,7 @@ def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]
     return directions
 
 
-def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
+def _flaw(model: Model, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
     if not names:
         return f"{pattern!r} is not a number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
     places = names[0].split(".")
@@ -169,7 +173,7 @@ def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) ->
     return f"{pattern}: {_ALONE}; vary those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
 
 
-def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:
+def _any_breaks(model: Model, moved: list[tuple[str, ...]]) -> bool:
     """Whether one of these sets of numbers may leave the machine without a common period: asked of a batch that has a case for each."""
     own = dict(leaves(model))
     aside = {name: np.full(len(moved), own[name]) for names in moved for name in names}
@@ -179,7 +183,7 @@ def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:
     return not _has_period(replace_leaf(model, aside), model)
 
 
-def _breaks(model: Any, names: tuple[str, ...]) -> bool:
+def _breaks(model: Model, names: tuple[str, ...]) -> bool:
     """Whether the machine has no common period any more, once these numbers are moved."""
     own = dict(leaves(model))
     for side in (1.0, -1.0):
@@ -191,7 +195,7 @@ def _breaks(model: Any, names: tuple[str, ...]) -> bool:
     return False
 
 
-def _has_period(aside: Any, model: Any) -> bool:
+def _has_period(aside: Any, model: Model) -> bool:
     """Whether the equations of a machine come back after its period as they did before its numbers were moved."""
     try:
         check_period(aside)
@@ -200,7 +204,7 @@ def _has_period(aside: Any, model: Any) -> bool:
     return all(np.all(abs(now / was - 1.0) < _WHOLE) for now, was in zip(_cycles(aside), _cycles(model), strict=True))
 
 
-def _cycles(model: Any) -> list[Any]:
+def _cycles(model: Model) -> list[Any]:
     """How many periods of each drive there are in that of the machine: accelerations that jump or are zero do not show it."""
     return [] if model.period is None else [model.period / drive.period for drive in drives_within(model)]
 
@@ -211,13 +215,13 @@ def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
     return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
 
 
-def _values(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+def _values(model: Model, moved: dict[str, tuple[str, ...]]) -> Array:
     own = dict(leaves(model))
     sizes = [{float(own[name]) for name in names} for names in moved.values()]
     return np.array([next(iter(size)) if len(size) == 1 else np.nan for size in sizes])
 
 
-def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
+def _period_slopes(model: Model, numbers: dict[str, Array], count: int) -> Array:
     """Change of the period along each direction [s]."""
     if model.period is None:
         return np.zeros(count)
@@ -254,7 +258,7 @@ def notes_of(closed: Closed) -> tuple[str, ...]:
     return (note,) if closed.free[0] else ()
 
 
-def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
+def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     """From the same start."""
     model, at, k = run.model, coordinates(run.model), len(moved)
     d, numbers = at.smooth, seeds_of(moved)

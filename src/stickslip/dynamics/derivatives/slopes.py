@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import numbers_by_name
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.fields import replace_leaf
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
@@ -27,7 +27,7 @@ _functions: Remembered[_Functions] = Remembered()
 class _Functions:
     """A kind of machine with symbols for its numbers: what its plain functions give, and their changes along directions, made once."""
 
-    def __init__(self, model: Any, along: tuple[str, ...]):
+    def __init__(self, model: Model, along: tuple[str, ...]):
         self.graph, self.names, self.lock = Graph(), numbers_of(model), Lock()
         self.machine = machine_of(replace_leaf(model, {name: self.graph.case(name) for name in self.names}))
         self.along = Along(self.graph, {name: self.graph.case(part_in(name)) for name in along})
@@ -46,7 +46,7 @@ class _Functions:
 class Slopes:
     """Values of a machine's plain functions, and their changes along directions in its numbers; functions of a module, with arguments."""
 
-    def __init__(self, model: Any, along: dict[str, Array], cases: int):
+    def __init__(self, model: Model, along: dict[str, Array], cases: int):
         names, own, self.cases = tuple(along), numbers_by_name(model), cases
         self.functions = _functions((kind_of(model), names), lambda: _Functions(model, names))
         self.known = {name: own[name] for name in self.functions.names} | {part_in(name): part for name, part in along.items()}
@@ -64,12 +64,12 @@ class Slopes:
         return [np.broadcast_to(np.asarray(computed[node.number], float), (self.cases,)) for node in nodes]
 
 
-def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
+def number_slopes(model: Model, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
     """Changes of what a function of a module gives of the machine, along directions in its numbers."""
     return Slopes(model, along, cases).of(what)
 
 
-def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
+def start_changes(model: Model, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
     """Changes of the state in which a run begins, where the model says it and not who asked for the run: array (cases, states)."""
     at, slopes, m = coordinates(model), Slopes(model, along, cases), machine_of(model).mechanics
     placed, bent = _given(start.get("x"), m.bodies), _given(start.get("z"), m.contacts)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.status import Status
 from stickslip.dynamics.derivatives.slopes import Slopes, period_of
@@ -59,7 +59,7 @@ class Changes:
 
 
 def changes_along(
-    model: Any, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, rtol: float = 1e-12,
+    model: Model, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, rtol: float = 1e-12,
     span: Any = None, order: int = 0, made: Any = tangent,
 ) -> Changes:  # fmt: skip
     """Follow small changes of the start and of the model's numbers for some drive periods.
@@ -110,7 +110,7 @@ class Follower:
     """
 
     def __init__(
-        self, model: Any, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
+        self, model: Model, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
         made: Any = tangent, at: Coordinates | None = None, observe: Any = (), integrals: int = 0,
         more: dict[str, Array] | None = None,
     ):  # fmt: skip
@@ -213,7 +213,7 @@ class _Carried:
         return np.column_stack(self.at.order.joined([*zero, *y[j : self.n]], velocities, list(y[k:j])))
 
 
-def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
+def jacobian_of(model: Model, state: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
     """The derivative of the strobe state after some periods by that before them.
 
     Examples
@@ -227,7 +227,7 @@ def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12,
     return jacobians_of(model, np.asarray(state, float)[None], periods, rtol, span, order)[0]
 
 
-def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
+def jacobians_of(model: Model, states: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
     """The same for each case of a batch, or for several states of one: array (cases, states, states)."""
     cases, d = len(states), coordinates(model).smooth
     each = some_of(model, np.repeat(np.arange(cases), d))
@@ -235,17 +235,17 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
     return changes.change.reshape(cases, d, d).transpose(0, 2, 1)
 
 
-def means_named(model: Any, observe: Any = ()) -> tuple[str, ...]:
+def means_named(model: Model, observe: Any = ()) -> tuple[str, ...]:
     """Names of what `tangent_of_means` averages over a machine's motion, in order."""
     return _means((kind_of(model), observe), lambda: tuple(means_of(trace(model, observe, noted=True))))
 
 
-def has_corners_of(model: Any) -> bool:
+def has_corners_of(model: Model) -> bool:
     """Whether something jumps where a machine switches, by its traced equations: then derivatives may be other ones on its two sides."""
     return _corners(kind_of(model), lambda: has_corners(trace(model)))
 
 
-def not_followed(model: Any) -> str:
+def not_followed(model: Model) -> str:
     """Why changes are not followed along the runs of a model; "" where they are.
 
     A contact that creeps turns over within velocities in which changes go on faster than time has digits.
@@ -257,7 +257,7 @@ def not_followed(model: Any) -> str:
     return "its friction reverses within creep velocities" if creep else ""
 
 
-def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:
+def orders_differ(model: Model, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:
     """Whether what switches at one instant leaves other changes behind in the other order: they then depend on the direction's side."""
     one, other = (jacobian_of(model, state, periods, rtol, order=order) for order in _ORDERS)
     sizes = coordinates(model).scales[: len(one)]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import described_as, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
@@ -148,7 +148,7 @@ def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bo
     return x
 
 
-def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
+def exponents_of(flow: Any, state: Numeric, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
     y, t, every = np.array(state, float), 0.0, float(flow.period or every)
     Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,11 @@ from stickslip.engine.tangent import with_volume
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.studies.progress import Watch
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
+    from stickslip.results.trajectory import Trajectory
+
 
 _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
@@ -84,7 +89,7 @@ def lyapunov(
     return exponents_along(model, periods, settle, start, rtol, progress)[0]
 
 
-def exponents_along(model: Any, periods: int, settle: int, start: Any, rtol: float, progress: Any) -> tuple[Lyapunov, bool]:
+def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Any) -> tuple[Lyapunov, bool]:
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if is_flow(model):
         return _of_flow(model, periods, settle, start), False
@@ -115,13 +120,13 @@ def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
 
 
-def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
+def settled(model: Model, start: Any, settle: int, rtol: float) -> Array:
     """The strobe state after some periods: array (1, coordinates)."""
     state = states_of(start, model)
     return strobe_map(model, state, settle, rtol).state if settle else state
 
 
-def checked(model: Any, periods: Any, settle: Any) -> None:
+def checked(model: Model, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True)
     if not is_flow(model):
@@ -151,7 +156,7 @@ def _summary(logs: Array) -> Lyapunov:
     return replace(exponents, errors=np.where(np.isneginf(exponents.spectrum), 0.0, exponents.errors), note=_FORGOTTEN)
 
 
-def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
+def _growth(run: Trajectory, Q: Array) -> tuple[Array, Array]:
     """The logarithms of the growth in every drive period of a run, and the frame at its end.
 
     As many of the last directions as contacts rest at one instant end there. What is lost below rounding has what the volume leaves over.
@@ -165,7 +170,7 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
     return logs, Q
 
 
-def _periods_of(run: Any) -> Changes:
+def _periods_of(run: Trajectory) -> Changes:
     """All changes of the state in each period of a run: a row for each direction, in scales."""
     at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
     scales = at.scales[: at.smooth]
@@ -174,7 +179,7 @@ def _periods_of(run: Any) -> Changes:
     return replace(changes, change=changes.change / scales)
 
 
-def _most_at_rest(run: Any) -> Array:
+def _most_at_rest(run: Trajectory) -> Array:
     """How many directions are forgotten at one instant in each period of a run."""
     begins = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
     number = np.minimum((begins / run.period_time + 1e-9).astype(int), run.periods - 1)
@@ -258,7 +263,7 @@ def largest_exponents(
     return whole[0], whole[1]
 
 
-def exponents_from(model: Any, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
+def exponents_from(model: Model, state: Array, periods: int, *, rtol: float, apart: float) -> tuple[Array, Array]:
     """The same from strobe states (cases, coordinates), one for each case of a batch; nothing is checked."""
     whole = np.full((2, len(state)), np.nan)
     for part, values in _parts_apart(model, state, periods, 0, rtol, apart, 1, None):
@@ -267,7 +272,7 @@ def exponents_from(model: Any, state: Array, periods: int, *, rtol: float, apart
 
 
 def _parts_apart(
-    model: Any, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None
+    model: Model, state: Array, periods: int, settle: int, rtol: float, apart: float, workers: int, progress: Report | None
 ) -> Iterator[tuple[slice, tuple[Array, Array]]]:
     """Exponents and errors of a batch, part by part."""
     at = coordinates(model)
@@ -281,7 +286,7 @@ def _parts_apart(
     return shared(len(state), apart_by, workers, progress)
 
 
-def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
+def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
     """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
     cases = len(state)
     both = some_of(model, np.tile(np.arange(cases), 2))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Numbers, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
@@ -118,7 +118,7 @@ def rotation_on_curve(points: Array) -> Rotation | None:
     return _mean_advance(_unwrapped(turns))
 
 
-def rotation_of_strobe(model: Any, state: Array, rtol: float) -> tuple[Rotation | None, str]:
+def rotation_of_strobe(model: Model, state: Array, rtol: float) -> tuple[Rotation | None, str]:
     """The rotation number of strobe points in the first two numbers of the state that show one closed curve, and a sentence on it."""
     at = coordinates(model)
     points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.flows.step_extremes import extremes, first_fall, points
 from stickslip.dynamics.flows.user_functions import derivative, value
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 _STEPS = 200_000  # of the integrator in one arc: minutes
 _ROUNDING = 64 * float(np.finfo(float).eps)
@@ -65,7 +69,7 @@ class Arc:
     high: Array
 
 
-def guards_of(flow: Any, mode: Any) -> list[Guard]:
+def guards_of(flow: SwitchingFlow, mode: Any) -> list[Guard]:
     """The guards of a mode in order."""
     return [Guard(f"switches[{mode!r}][{k}].guard", s.guard) for k, s in enumerate(flow.switches.get(mode, ()))]
 
@@ -75,7 +79,7 @@ def sizes(y: Array) -> Array:
     return np.maximum(abs(y), 1e-3 * (1.0 + abs(y).max()))
 
 
-def arc(flow: Any, mode: Any, t: float, y: Array, end: float, rtol: float) -> Arc:
+def arc(flow: SwitchingFlow, mode: Any, t: float, y: Array, end: float, rtol: float) -> Arc:
     """One arc, to its first switch or to the end. No guard is below zero where it begins."""
     from scipy.integrate import DOP853
 

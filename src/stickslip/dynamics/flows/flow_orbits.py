@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Single, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
@@ -125,7 +125,7 @@ class FlowOrbit(Repeating):
 @interruptible
 def flow_orbit(
     flow: SwitchingFlow,
-    state: Any,
+    state: ArrayLike,
     mode: Any,
     *,
     periods: int = 1,
@@ -351,7 +351,7 @@ def switching_flow(model: Single) -> SwitchingFlow:
     still = -float(model.contact_velocity(0.0))
 
     def slide(side: int) -> Callable[[Any, Any], Any]:
-        def rate(t: Any, y: Any) -> Any:
+        def rate(t: Array, y: Array) -> Any:
             held = side * abs(model.contact_velocity(y[1]))
             return y[1], model.acceleration(t, y[0], y[1], law.sliding(held + side * 1e-300, normal_load(model, t, y[0])))
 
@@ -361,10 +361,10 @@ def switching_flow(model: Single) -> SwitchingFlow:
         offered = model.total_mass * model.acceleration(t, y[0], still, 0.0)
         return side * (law.breakaway(normal_load(model, t, y[0]))[1 if side > 0 else 0] - offered)
 
-    def after(t: Any, y: Any) -> int:
+    def after(t: ArrayLike, y: ArrayLike) -> int:
         return 1 if room(t, y, 1) < 0 else -1 if room(t, y, -1) < 0 else 0
 
-    def rest(t: Any, y: Any) -> Any:
+    def rest(t: Array, y: Array) -> Any:
         return (y[0], still)
 
     fields: dict[Any, Any] = {1: slide(1), -1: slide(-1), 0: lambda t, y: (still, 0.0)}

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, is_number, is_one_of
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
@@ -65,7 +65,7 @@ class Passage:
 
 @explains_arguments
 def passage(
-    flow: SwitchingFlow, state: Any, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None,
+    flow: SwitchingFlow, state: ArrayLike, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None,
     method: str = "auto",
 ) -> Passage:  # fmt: skip
     """Integrate a switching flow together with its tangent equations.

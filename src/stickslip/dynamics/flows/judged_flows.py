@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,10 @@ from stickslip.dynamics.flows.flow_arcs import arc, guards_of
 from stickslip.dynamics.flows.user_functions import answer, derivative
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 _MANY, _AT_ONCE = 100, 1e-7  # so many switches within this part of a passage accumulate: at that rate it would have 1e9
 
@@ -57,7 +61,7 @@ class _Crossing:
         return self.A + np.outer(jump, self.moved) if jump.any() else self.A
 
 
-def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: float, switches: int | None) -> tuple[Any, ...]:
+def judged(flow: SwitchingFlow, y: Array, mode: Any, duration: float, begin: float, rtol: float, switches: int | None) -> tuple[Any, ...]:
     """State, mode and time at the end, the switches, the derivative of the end by the start, whether a direction was lost, and extremes."""
     t, end, M, rank_deficient = float(begin), float(begin) + float(duration), np.eye(len(y)), False
     events: list[tuple[float, Any, Any]] = []
@@ -86,7 +90,7 @@ def judged(flow: Any, y: Array, mode: Any, duration: float, begin: float, rtol: 
     return y, mode, t, events, M, rank_deficient, low, high
 
 
-def _crossed(flow: Any, mode: Any, hit: int, t: float, y: Array, M: Array) -> _Crossing:
+def _crossed(flow: SwitchingFlow, mode: Any, hit: int, t: float, y: Array, M: Array) -> _Crossing:
     """The crossing of a guard that an arc ended on; a guard that is only touched moves by no number."""
     rate = derivative(flow.fields[mode], t, y)[0]
     guard = guards_of(flow, mode)[hit]
@@ -94,7 +98,7 @@ def _crossed(flow: Any, mode: Any, hit: int, t: float, y: Array, M: Array) -> _C
     return _Crossing(M, np.eye(len(y)), rate, -by_y / speed if speed else np.full(len(y), np.nan))
 
 
-def _switched(flow: Any, mode: Any, hit: int, t: float, y: Array, crossing: _Crossing) -> tuple[Any, Array, _Crossing, Array]:
+def _switched(flow: SwitchingFlow, mode: Any, hit: int, t: float, y: Array, crossing: _Crossing) -> tuple[Any, Array, _Crossing, Array]:
     """Mode and state after a switch, the crossing so far, and its saltation matrix."""
     switch, name = flow.switches[mode][hit], f"switches[{mode!r}][{hit}]"
     after = answer(switch.to, f"{name}.to", t, y.copy()) if callable(switch.to) else switch.to

@@ -14,11 +14,11 @@ A border of motion types is a margin that vanishes: one more equation, for one p
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array, ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike, Model
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
@@ -27,6 +27,10 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.position_dependence import knows_position
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
 
 Margin = tuple[str, int, int]  # name, number of the arc, side
 _SAMPLES = 96
@@ -49,7 +53,7 @@ class Sequence:
         return np.append(times[1:], times[0] + self.period) if len(times) else np.array([float(self.period)])
 
 
-def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
+def sequence_of(orbit: PeriodicOrbit) -> tuple[Sequence, Array]:
     """The arcs of an orbit and their switch times.
 
     Examples
@@ -73,7 +77,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     return Sequence(tuple(modes), orbit.period), np.array(times)
 
 
-def gap(model: Any, t: ArrayLike, side: int) -> Array:
+def gap(model: Model, t: ArrayLike, side: int) -> Array:
     """How far the net applied force is beyond the break-away force of one side, in units of the drive's force: positive within."""
     t = np.asarray(t, float)
     limits = law_of(model).breakaway(normal_load(model, t, 0.0 * t))
@@ -85,11 +89,11 @@ def _force(model: Any) -> float:
     return float(model.total_mass) * _speed(model) * 2 * np.pi / float(model.period)
 
 
-def _speed(model: Any) -> float:
+def _speed(model: Model) -> float:
     return float(machine_of(model).free_velocity)
 
 
-def _slide(model: Any, mode: int, begin: float, times: Array) -> Array:
+def _slide(model: Model, mode: int, begin: float, times: Array) -> Array:
     """Velocity at rising times of a slide that begins with v = 0."""
     from stickslip.solvers.closed_arcs import handles, reduced
 
@@ -120,7 +124,7 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
     return np.append(done.sol(times[:-1])[0], done.y[0, -1])
 
 
-def misses(model: Any, sequence: Sequence, times: Array) -> Array:
+def misses(model: Model, sequence: Sequence, times: Array) -> Array:
     """One equation for each switch: v = 0 where a slide ends, the net applied force at its limit where rest ends."""
     T, ends = float(model.period), sequence.ends(times)
     residuals = np.empty(len(times))
@@ -133,7 +137,7 @@ def misses(model: Any, sequence: Sequence, times: Array) -> Array:
     return residuals
 
 
-def margins(model: Any, sequence: Sequence, times: Array) -> dict[Margin, float]:
+def margins(model: Model, sequence: Sequence, times: Array) -> dict[Margin, float]:
     """By how much each condition of the sequence holds; negative where it does not.
 
     Examples
@@ -160,7 +164,7 @@ def margins(model: Any, sequence: Sequence, times: Array) -> dict[Margin, float]
     return kept
 
 
-def dip(model: Any, begin: float, end: float, side: int) -> float:
+def dip(model: Model, begin: float, end: float, side: int) -> float:
     """The smallest distance to a break-away force at a dip within rest; infinite where there is no dip."""
     t = np.linspace(begin, end, _SAMPLES)
     room = np.asarray(gap(model, t, side), float) + 0.0 * t
@@ -174,7 +178,7 @@ def dip(model: Any, begin: float, end: float, side: int) -> float:
     return float(gap(model, where, side))
 
 
-def slope_of_gap(model: Any, t: float, side: int) -> float:
+def slope_of_gap(model: Model, t: float, side: int) -> float:
     """How fast the distance to a break-away force grows [1/s]."""
     (at,), still = variables(np.array([t])), np.zeros(1)
     limits = law_of(model).breakaway(normal_load(model, at, still))
@@ -182,7 +186,7 @@ def slope_of_gap(model: Any, t: float, side: int) -> float:
     return -side * float(np.ravel(slope)[0]) / _force(model)
 
 
-def _lowest(model: Any, mode: int, begin: float, end: float) -> float:
+def _lowest(model: Model, mode: int, begin: float, end: float) -> float:
     """The lowest speed at a dip within a slide; infinite where it has no dip."""
     t = np.linspace(begin, end, _SAMPLES + 2)[1:-1]
     speed = mode * _slide(model, mode, begin, t) / _speed(model)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import numbers_by_name
+from stickslip.basics.contracts import ArrayLike, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
@@ -75,7 +76,7 @@ class Certificate:
         return "\n".join([*lines, *(f"{sign} from         {t}" for sign, t in zip(self.pattern, self.times, strict=False))])
 
 
-def certify(orbit: Any, digits: int = 20) -> Certificate:
+def certify(orbit: PeriodicOrbit, digits: int = 20) -> Certificate:
     r"""Prove that a periodic motion exists, with rigorous bounds of its properties.
 
     For one body under a set-valued law with closed-form arcs, such as Coulomb friction under a harmonic drive. The numbers of the model are
@@ -126,7 +127,7 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
         return _Proof(flint, orbit.model, sequence, digits).certificate(times)
 
 
-def _check(orbit: Any, digits: Any) -> None:
+def _check(orbit: PeriodicOrbit, digits: Any) -> None:
     problems = Problems("certify")
     problems.whole("digits", digits, 1, example=20, most=10_000)
     problems.check()
@@ -144,7 +145,7 @@ class _Missing(Exception):
 class _Proof:
     """The equations of one sequence of arcs in balls."""
 
-    def __init__(self, flint: Any, model: Any, sequence: Sequence, digits: int):
+    def __init__(self, flint: Any, model: Model, sequence: Sequence, digits: int):
         self.flint, self.arb, self.sequence, self.digits = flint, flint.arb, sequence, digits
         self.turn = 2 * flint.arb.pi()
         numbers = self._numbers(model)
@@ -154,7 +155,7 @@ class _Proof:
         self.hold = {side: numbers[f"hold_{word}"] / drive for side, word in ((1, "plus"), (-1, "minus"))}
         self.margins: dict[str, float] = {}
 
-    def _numbers(self, model: Any) -> dict[str, Ball]:
+    def _numbers(self, model: Model) -> dict[str, Ball]:
         closed = closed_of(model)
         known = {name: float(np.ravel(value)[0]) for name, value in numbers_by_name(model).items()}
         roots = [*closed.numbers.values(), *(s for pair in closed.sines for s in pair), *(c for _, c in closed.vanishing)]
@@ -170,7 +171,7 @@ class _Proof:
 
     # the equations ------------------------------------------------------------------------------------------------
 
-    def certificate(self, times: Any) -> Certificate:
+    def certificate(self, times: ArrayLike) -> Certificate:
         """The proof, or why there is none."""
         motion = self.sequence.pattern, self.sequence.period
         try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
@@ -138,7 +142,7 @@ def multipliers_of(M: Array, rank_loss: int, autonomous: bool = False) -> Array:
     return multipliers.real if np.all(multipliers.imag == 0) else multipliers
 
 
-def resting(run: Any) -> Array:
+def resting(run: Trajectory) -> Array:
     """How many directions are forgotten on each piece of a run: as many as independent slips of its contacts rest."""
     mode, machine = np.asarray(run.pieces.mode), machine_of(run.model)
     if machine.has_inner_states:

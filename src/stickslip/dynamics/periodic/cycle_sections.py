@@ -8,14 +8,18 @@ middle of its range.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.dynamics.stroboscopic.sections import halved, read
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map, state_at
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _SLIGHT = 1e-9  # of a range: what passes a value by less is rounding
 
@@ -49,14 +53,14 @@ class Section:
         """A cycle as Newton's method looks for it: all that is not fixed, in its scales, and the duration."""
         return np.append(np.delete((state / at.scales)[: at.smooth], self.index), duration / unit)
 
-    def states(self, model: Any, at: Coordinates, U: Array, memory: Array) -> Array:
+    def states(self, model: Model, at: Coordinates, U: Array, memory: Array) -> Array:
         """States on the section, one row for each row of unknowns."""
         fixed = np.broadcast_to(far_end(model) if self.value is None else self.value, len(U))
         free = U[:, :-1] * np.delete(at.scales[: at.smooth], self.index)
         held = np.broadcast_to(memory, (len(U), len(memory)))
         return np.hstack([np.insert(free, self.index, fixed, axis=1), held])
 
-    def ends(self, model: Any, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
+    def ends(self, model: Model, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
         """States after the durations, relative to the spring's far end; NaN where a duration is not positive."""
         T = U[:, -1] * unit
         good = np.isfinite(T) & (T > 0)
@@ -65,7 +69,7 @@ class Section:
             ends[:, 0] -= far_end(model) * T
         return np.where(good[:, None], ends, np.nan)
 
-    def misses(self, model: Any, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
+    def misses(self, model: Model, at: Coordinates, U: Array, memory: Array, rtol: float, unit: float) -> Array:
         """How far states are from themselves after their durations, in scales."""
         return ((self.ends(model, at, U, memory, rtol, unit) - self.states(model, at, U, memory)) / at.scales)[:, : at.smooth]
 
@@ -73,12 +77,12 @@ class Section:
 TURN = Section()
 
 
-def far_end(model: Any) -> Array:
+def far_end(model: Model) -> Array:
     """Velocity of the spring's far end [m/s]."""
     return np.asarray(machine_of(model).far_end_velocity, float)
 
 
-def section_of(run: Any) -> tuple[Section, str, float, float]:
+def section_of(run: Trajectory) -> tuple[Section, str, float, float]:
     """Where the motion at the end of a run is cut: the section, its column of the run, its value there, and the direction of passing."""
     if machine_of(run.model).is_single:
         return TURN, "v", float(far_end(run.model)), -1.0
@@ -94,7 +98,7 @@ def section_of(run: Any) -> tuple[Section, str, float, float]:
     return Section(at.names.index(name), middle), name, middle, faster
 
 
-def returns(run: Any, column: str, value: float, direction: float) -> Array:
+def returns(run: Trajectory, column: str, value: float, direction: float) -> Array:
     """The instants at which a column of a run passes a value."""
     t = np.unique(run.t)
     beyond = (read(run, column, t) - value) * direction
@@ -103,7 +107,7 @@ def returns(run: Any, column: str, value: float, direction: float) -> Array:
     return halved(run, column, value, t[where], t[where + 1], direction * np.ones(len(where)))
 
 
-def states_of_returns(run: Any, t: Array) -> Array:
+def states_of_returns(run: Trajectory, t: Array) -> Array:
     """The states at some instants of a run, with what laws remember; a spring is measured from its far end."""
     states = []
     single = machine_of(run.model).is_single

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import Labels
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
@@ -18,7 +18,7 @@ from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 
 
-def states_of(start: Any, model: Any) -> Array:
+def states_of(start: Any, model: Model) -> Array:
     """Strobe states from a start as `solve` takes it, states, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
     at, rest = coordinates(model), at_rest(model)
     if start is None:

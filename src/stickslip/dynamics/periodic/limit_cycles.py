@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
@@ -19,6 +19,10 @@ from stickslip.dynamics.periodic.newton import newton_within
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import way_of_machine
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _RUNS = 1e-10  # of the run around a cycle
 _SETTLING = 60  # periods of the free oscillation that a guess is run for
@@ -133,7 +137,7 @@ class LimitCycle(ClosedMotion):
 
 
 @interruptible
-def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
+def limit_cycle(model: Model, period: int = 1, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:
     """A limit cycle of a mechanism without a drive, stable or unstable, by Newton's method for its state and its duration.
 
     Parameters
@@ -200,13 +204,13 @@ def _once(cycle: LimitCycle, rtol: float, tolerance: float) -> LimitCycle:
     return cycle
 
 
-def clock(model: Any) -> float:
+def clock(model: Model) -> float:
     """The time in which durations are measured [s]."""
     return largest(machine_of(model).time_scale)
 
 
 # ---- guesses ----
-def _guessed(model: Any, period: int, guess: Any) -> tuple[Array, float, Section]:
+def _guessed(model: Model, period: int, guess: Any) -> tuple[Array, float, Section]:
     """A state on the section, and how long it takes to come back."""
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration, guess.section
@@ -220,7 +224,7 @@ def _guessed(model: Any, period: int, guess: Any) -> tuple[Array, float, Section
     return _last_turn(_settled(model, guess), period)
 
 
-def _settled(model: Any, start: Any) -> Any:
+def _settled(model: Model, start: Any) -> Any:
     """A run from a start that is long enough; that of a machine with slow states goes on until it repeats, or has taken long."""
     from stickslip.solvers import solve
 
@@ -234,7 +238,7 @@ def _settled(model: Any, start: Any) -> Any:
     return run
 
 
-def _last_turn(run: Any, period: int) -> tuple[Array, float, Section]:
+def _last_turn(run: Trajectory, period: int) -> tuple[Array, float, Section]:
     """The last state of a run on the section, and how long its last turns took."""
     section, column, value, direction = section_of(run)
     t = returns(run, column, value, direction)

@@ -191,7 +191,7 @@ def periodic_orbit(model: BlockOnBelt | PulledMass, *arguments: Any, **more: Any
 @overload
 def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **more: Any) -> PeriodicOrbit: ...
 @overload
-def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | LimitCycle: ...
+def periodic_orbit(model: Model, *arguments: Any, **more: Any) -> PeriodicOrbit | LimitCycle: ...
 @explains_arguments
 @interruptible
 def periodic_orbit(
@@ -262,7 +262,7 @@ def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
     )
 
 
-def _failure(model: Any, period: int, tried: list[Found], guess: Any) -> str:
+def _failure(model: Model, period: int, tried: list[Found], guess: Any) -> str:
     repeated = sum(f.good for f in tried)
     if repeated:
         return (
@@ -279,7 +279,7 @@ def _failure(model: Any, period: int, tried: list[Found], guess: Any) -> str:
     return f"Newton's method found no motion of period {period}: {how}; {hint}"
 
 
-def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float) -> Found:
+def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: float) -> Found:
     at = coordinates(model)
     d, scales = at.smooth, at.scales[: at.smooth]
 
@@ -307,7 +307,7 @@ def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float)
     return newton_within(problem, after, state[:d] / scales, np.round(state[d:]), exact, tolerance=tolerance)
 
 
-def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
+def _shorter(model: Model, state: Array, period: int, rtol: float) -> bool:
     """Whether a motion repeats before its period is over."""
     if period == 1:
         return False
@@ -316,7 +316,7 @@ def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
     return any(period % k == 0 and at.distance(points[k - 1], state) < _SAME for k in range(1, period))
 
 
-def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
+def _from_rest(model: Model, period: int, at: Coordinates) -> list[Array]:
     """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
     settled = strobe_map(model, at_rest(model), _SETTLING, 1e-6).state
     points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]

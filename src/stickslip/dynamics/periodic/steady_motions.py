@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import labels_of, some_of, spread
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
@@ -41,7 +41,7 @@ class Settled:
     stepped: bool = True
 
 
-def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
+def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
     """The motions in which machines end that start from rest, each run until it repeats.
 
     Parameters
@@ -145,7 +145,7 @@ class Closing:
     """
 
     def __init__(
-        self, model: Any, at: Coordinates, directions: dict[str, Array], count: int, rtol: float, motions: int = 1, means: int = 0,
+        self, model: Model, at: Coordinates, directions: dict[str, Array], count: int, rtol: float, motions: int = 1, means: int = 0,
         observe: Any = (),
     ):  # fmt: skip
         self.at, self.count, self.motions = at, count, motions

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.attractors.settled_motions import LONGEST, repeated
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
@@ -35,7 +33,7 @@ class Repetition:
     why: str
 
 
-def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> Repetition:
+def repetition(model: Model, state: Numeric, rtol: float = 1e-9, points: int = 96) -> Repetition:
     """Look at the next strobe points from a state on.
 
     A point that comes back within 30 rtol counts as repeated. One that comes back nearly, each time a little nearer by a steady

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.shifted import begun_at
 from stickslip.models.machine_adapter import machine_of
@@ -37,7 +38,7 @@ class ShiftedTrack(VaryingInTime):
     track: Any
     phase: float
 
-    def grip(self, t: Any, period: Any) -> Any:
+    def grip(self, t: Numeric, period: Numeric) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
         return self.track.grip(t + self.phase * period, period)
 
@@ -64,7 +65,7 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
     return later
 
 
-def _is_later(later: Any, model: Any, phase: Any) -> bool:
+def _is_later(later: Any, model: Model, phase: Any) -> bool:
     """Whether the equations of a shifted model are those of the model at the later time, and not only its drive and its track."""
     T = model.period
     for f in (normal_load, lambda m, t, x: m.acceleration(t, x, 0.0, 0.0)):

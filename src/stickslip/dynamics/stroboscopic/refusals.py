@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
@@ -16,7 +17,7 @@ from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import is_flow
 
 
-def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
+def needs_model(what: str, model: Model, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""
     flow = is_flow(model)
     if flow and not flows:
@@ -60,7 +61,7 @@ def _needs_period(what: str, flow: Any) -> None:
         raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
 
 
-def _drifts(model: Any) -> bool:
+def _drifts(model: Model) -> bool:
     """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes.
 
     Of a batch the first case is asked.

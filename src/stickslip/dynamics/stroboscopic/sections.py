@@ -106,20 +106,20 @@ def poincare(run: Trajectory, on: str = "v", value: float = 0.0, direction: int 
     return _dataset(run, halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
 
 
-def _check_column(problems: Problems, run: Any, name: str, column: Any) -> None:
+def _check_column(problems: Problems, run: Trajectory, name: str, column: Any) -> None:
     columns = _columns(run)
     if column not in columns:
         problems.add(f"{name} = {column!r} is not a column with one number at each instant; {did_you_mean(str(column), columns)}")
 
 
-def _check_settle(problems: Problems, run: Any, settle: Any) -> None:
+def _check_settle(problems: Problems, run: Trajectory, settle: Any) -> None:
     periods = len(run.strobe_times) - 1
     if settle is not None and (not is_whole(settle) or not 0 <= settle < max(periods, 1)):
         allowed = f"a whole number from 0 below the {periods} drive periods of the run, or None"
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle={periods // 2}")
 
 
-def _columns(run: Any) -> list[str]:
+def _columns(run: Trajectory) -> list[str]:
     """Names of the columns with one number at each instant; of several bodies and contacts with theirs."""
     columns = {n: values for n, values in run.at(run.strobe_times[:1]).items() if n != "t" and values is not None}
     flat = [n for n, values in columns.items() if np.ndim(values) == 1] if run.pieces.layout.own else []
@@ -130,7 +130,7 @@ def _columns(run: Any) -> list[str]:
     return named + [f"z.{c.name}.{k}" for c in run.pieces.layout.contacts for k in range(len(c.inner))]
 
 
-def read(run: Any, column: str, t: Array) -> Array:
+def read(run: Trajectory, column: str, t: Array) -> Array:
     """One column at some times: array (time,)."""
     kind, _, part = column.partition(".")
     if not part:
@@ -142,7 +142,7 @@ def read(run: Any, column: str, t: Array) -> Array:
     return values[:, list(run.bodies if kind in _OF_BODIES else run.contacts).index(part)]
 
 
-def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
+def halved(run: Trajectory, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
     """The instants between low and high at which the column leaves the value, to the last bit."""
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -151,7 +151,7 @@ def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array
     return high
 
 
-def _dataset(run: Any, t: Array) -> Any:
+def _dataset(run: Trajectory, t: Array) -> Any:
     """The states at some times; of several bodies and contacts with theirs."""
     import xarray as xr
 
@@ -245,7 +245,7 @@ def spectrum(
     return xr.Dataset(columns, {"order": axis, **({dim: names} if names else {})}, attrs)
 
 
-def _asked(run: Any, column: str, parts: dict[str, Any], problems: Problems) -> tuple[str, list[str], list[str]]:
+def _asked(run: Trajectory, column: str, parts: dict[str, Any], problems: Problems) -> tuple[str, list[str], list[str]]:
     """The dimension of the bodies or contacts that are asked for, their names if there are several, and the columns to read."""
     dim = "body" if column in _OF_BODIES else "contact"
     own = list(run.bodies if dim == "body" else run.contacts)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.batch import cases_of, labels_of, spread
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
@@ -25,6 +25,10 @@ from stickslip.models.switching_flow import is_flow
 from stickslip.results.segments import intervals_of
 from stickslip.results.steadiness import way_of_machine
 from stickslip.solvers.initial_states import start_of_parts
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9
@@ -63,7 +67,7 @@ class Coordinates:
         """Size of the velocities [m/s]."""
         return float(self.scales[self.order.velocities.start])
 
-    def start(self, state: Any) -> dict[str, Any]:
+    def start(self, state: ArrayLike) -> dict[str, Any]:
         """A state, or a table of them, as `solve` takes a start."""
         state = np.asarray(state, float)
         if self.mechanics is not None:
@@ -127,7 +131,7 @@ class Ends:
         return tuple(intervals_of(*each, dwell=_DWELL).pattern for each in self.segments)
 
 
-def coordinates(model: Any) -> Coordinates:
+def coordinates(model: Model) -> Coordinates:
     """The coordinates of a model's strobe state.
 
     Examples
@@ -172,7 +176,7 @@ def _wavelength(machine: Any, order: Order) -> float | None:
     return length
 
 
-def at_rest(model: Any, at: Coordinates | None = None) -> Array:
+def at_rest(model: Model, at: Coordinates | None = None) -> Array:
     """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
 
     Who knows its coordinates gives them too.
@@ -194,7 +198,7 @@ def at_rest(model: Any, at: Coordinates | None = None) -> Array:
     return states
 
 
-def states_of_parts(what: str, model: Any, start: Any, at: Coordinates | None = None) -> Array:
+def states_of_parts(what: str, model: Model, start: Any, at: Coordinates | None = None) -> Array:
     """Strobe states of a machine of several bodies from a start as `solve` takes it: array (cases, coordinates)."""
     problems, at = Problems(what), coordinates(model) if at is None else at
     n = at.mechanics.coordinates
@@ -218,7 +222,7 @@ def largest(value: Any) -> float:
     return float(np.max(np.abs(np.asarray(value, float))))
 
 
-def spread_over(model: Any, cases: int) -> Any:
+def spread_over(model: Model, cases: int) -> Any:
     """A single case as a batch of `cases` equal ones; a batch stays what it is."""
     numbers = dict(leaves(model))
     if is_flow(model) or any(np.ndim(value) for value in numbers.values()):
@@ -228,7 +232,7 @@ def spread_over(model: Any, cases: int) -> Any:
 
 
 def strobe_map(
-    model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None, stepped: bool = False
+    model: Model, states: ArrayLike, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None, stepped: bool = False
 ) -> Ends:
     """The states after some drive periods.
 
@@ -261,7 +265,7 @@ def strobe_map(
     return _map_of(model, rtol, at)(states, periods)
 
 
-def _map_of(model: Any, rtol: float, at: Coordinates | None) -> Callable[[Array, int], Ends]:
+def _map_of(model: Model, rtol: float, at: Coordinates | None) -> Callable[[Array, int], Ends]:
     """The strobe map of a model as a function of as many states each time, and of periods; what it depends on is asked once."""
     if is_flow(model):
         return partial(_of_flow, model)
@@ -272,7 +276,7 @@ def _map_of(model: Any, rtol: float, at: Coordinates | None) -> Callable[[Array,
     return partial(_by_arcs, model) if has_arcs(model) else _map_by_lanes(model, rtol, coordinates(model) if at is None else at)
 
 
-def _map_by_lanes(model: Any, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
+def _map_by_lanes(model: Model, rtol: float, at: Coordinates) -> Callable[[Array, int], Ends]:
     """The same by the engine's lanes, whose table of cases is made once."""
     table = None
 
@@ -296,7 +300,7 @@ def refuse_chance(machine: MachineAdapter) -> None:
         )  # fmt: skip
 
 
-def map_method(model: Any, rtol: float) -> tuple[Any, float]:
+def map_method(model: Model, rtol: float) -> tuple[Any, float]:
     """The tableau by which lanes carry states and their changes from strobe to strobe (None: Taylor steps), and their tolerance."""
     from stickslip.solvers.rosenbrock import SAFETY, tableau
     from stickslip.solvers.set_valued import REPEAT
@@ -304,14 +308,14 @@ def map_method(model: Any, rtol: float) -> tuple[Any, float]:
     return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
 
 
-def _steps(model: Any, rtol: float) -> tuple[Any, float]:
+def _steps(model: Model, rtol: float) -> tuple[Any, float]:
     """The same of the states alone, for which Taylor series know some laws with inner states."""
     from stickslip.solvers import series
 
     return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
 
 
-def _ended(model: Any, results: Any, table: Any, end: Array, periods: int) -> Ends:
+def _ended(model: Model, results: Any, table: Any, end: Array, periods: int) -> Ends:
     """Results of lanes in the form of the strobe map."""
     segments = _segments(results, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
@@ -325,7 +329,7 @@ def _ended(model: Any, results: Any, table: Any, end: Array, periods: int) -> En
 
 
 def run_lanes(
-    model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
+    model: Model, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
     known: bool = False, table: Any = None,
 ) -> tuple[Any, Any, Array]:  # fmt: skip
     """Results of lanes for runs from some states, the table of their cases, and the final states; with `auto` of settled runs.
@@ -363,7 +367,7 @@ def _segments(results: Any, contacts: int, span: Array) -> tuple[tuple[Array, Ar
     return tuple((counts[:, i], results.seg_time[:, part] / span[:, None], results.seg_code[:, part]) for i, part in enumerate(parts))
 
 
-def has_arcs(model: Any) -> bool:
+def has_arcs(model: Model) -> bool:
     """Whether the motion is made of closed arcs."""
     from stickslip.solvers.closed_arcs import handles
 
@@ -393,7 +397,7 @@ def _of_flow(flow: Any, states: Array, periods: int) -> Ends:
     return Ends(np.column_stack([y, np.where(modes < 0, np.nan, modes)]), np.zeros(len(states)), status, none, none)
 
 
-def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
+def flow_map(model: Any, states: Array, duration: Any, rtol: float = 1e-12) -> Ends:
     """The states of a model without a period after some time, one duration for all or one for each.
 
     Examples
@@ -410,7 +414,7 @@ def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> End
     return _ended(model, *run_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float)), 1)
 
 
-def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
+def _by_arcs(model: Model, states: Array, periods: int) -> Ends:
     from stickslip.solvers.set_valued import solve_batch
 
     raw = solve_batch(spread_over(model, len(states)), periods, 0, {"x": 0.0, "v": states[:, 0]})
@@ -418,7 +422,7 @@ def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
     return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"], segments)
 
 
-def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
+def _one_by_one(model: Model, states: Array, periods: int, rtol: float) -> Ends:
     """Any other method: a run for each case."""
     cases = cases_of(model)
     cases = cases * (len(states) // len(cases))
@@ -432,7 +436,7 @@ def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     return Ends(ends, way, np.zeros(len(runs), int), top, low)
 
 
-def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any:
+def flight(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12) -> Any:
     """The trajectory from a strobe state, with its dense output and its events."""
     from stickslip.solvers import solve
 
@@ -460,7 +464,7 @@ def state_at(run: Any, t: float) -> Array:
     return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
 
 
-def columns_of(model: Any, x: Any, v: Any, z: Any) -> list[Array]:
+def columns_of(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
     """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
     q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
@@ -468,12 +472,12 @@ def columns_of(model: Any, x: Any, v: Any, z: Any) -> list[Array]:
     return order_of(model).joined(q, u, inner)
 
 
-def way_of(run: Any) -> Array:
+def way_of(run: Trajectory) -> Array:
     """Position of the body, of the principal body, or of the centre of mass of several, at the strobe times [m]."""
     return run.strobe_x if machine_of(run.model).is_single else way_of_machine(run.model, run.parted.strobe_x)
 
 
-def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
+def with_rests(model: Model, state: Array, periods: int, rtol: float) -> Array:
     """A state that comes back, in which contacts that rest on the strobe rest exactly: Newton's method leaves rounding in their velocities.
 
     A slip of rounding would be an arc of its own, and a gap of rounding a flight, above the track or below it. A single body is told apart
@@ -497,7 +501,7 @@ def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
     return settled
 
 
-def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
+def strobe_orbit(model: Model, states: ArrayLike, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
     """The states and the displacement of `count` periods in a row: arrays (count, cases, coordinates) and (count, cases)."""
     state, kept, ways = np.atleast_2d(np.asarray(states, float)), [], []
     mapped = _map_of(model, rtol, None)
@@ -510,7 +514,7 @@ def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tup
 
 
 def difference_jacobian(
-    model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6, span: float | None = None
+    model: Model, state: Numeric, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6, span: float | None = None
 ) -> Array:
     """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refusal_of
@@ -63,7 +63,7 @@ class Order:
         return numbers
 
 
-def order_of(model: Any, machine: MachineAdapter | None = None) -> Order:
+def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
     """The order of a model's strobe state; who has its adapter gives that too.
 
     Examples
@@ -106,7 +106,7 @@ def numbered(name: str, count: int) -> tuple[str, ...]:
 _ANY = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"
 
 
-def needs_one_body(what: str, model: Any, why: str, hint: str = _ANY) -> None:
+def needs_one_body(what: str, model: Model, why: str, hint: str = _ANY) -> None:
     """`InputError` of a machine that lists its bodies, where one body on one contact is wanted; `why` says what for.
 
     Examples

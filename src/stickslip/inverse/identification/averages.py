@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
+
 #: Values of one record; of more samples, those at neighbouring phases are averaged.
 MOST = 20_000
 _PARTS = 5  # of the record, averaged apart, so that a frequency which is a little off still shows
@@ -14,7 +16,7 @@ _BINS = MOST // _PARTS
 _BENT = 5.0  # standard errors by which a bin with a kink or a jump scatters more than the others
 
 
-def averaged(phase: Any, y: Any, repeats: int) -> tuple[Any, Any, Any, float, float]:
+def averaged(phase: Any, y: Array, repeats: int) -> tuple[Any, Any, Any, float, float]:
     """Means over neighbouring phases of the motion in each part of a record; samples at a kink or a jump stay as they are.
 
     Parameters
@@ -50,7 +52,7 @@ def averaged(phase: Any, y: Any, repeats: int) -> tuple[Any, Any, Any, float, fl
     return at, mean, weight, lost / len(y), float(np.sqrt(lost / free)) if free > 0 else 0.0
 
 
-def _part(phase: Any, y: Any, period: int) -> tuple[Any, Any, Any, Any]:
+def _part(phase: Any, y: Array, period: int) -> tuple[Any, Any, Any, Any]:
     """Phases, values and weights of one part, in the order of phases; and what averaged samples differ from the averages."""
     place = np.mod(phase, period) * (_BINS / period)
     near = np.round(place)  # samples at whole parts of a period lie in the middle of bins

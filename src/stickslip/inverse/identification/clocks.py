@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.inverse.identification.weighting import weights_at
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 
@@ -43,7 +48,7 @@ class Clock:
         return gone[at + half + 1] == gone[at - half]
 
 
-def clock_of(rec: Any, applied: str, label: str) -> Clock:
+def clock_of(rec: Record, applied: str, label: str) -> Clock:
     """Motion and what was applied of a record; the channel with fewer samples has the clock."""
     own, motion = rec[applied], rec["position"] if "position" in rec else rec["velocity"]
     notes: list[str] = []
@@ -58,7 +63,7 @@ def clock_of(rec: Any, applied: str, label: str) -> Clock:
     return Clock(t, x, y, weight, tuple(notes))
 
 
-def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
+def together(rec: Record, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
     """All at the instants of the channel with the longer step; of the faster one means or values between samples."""
     slow, fast = (motion, own) if own.rate > 1.01 * motion.rate else (own, motion)
     t = slow.time
@@ -72,7 +77,7 @@ def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, An
     return t[good], x[good], y[good], np.where(known & np.isfinite(weight), weight, 0.0)[good]
 
 
-def _at(t: Any, c: Any, averaged: bool, notes: list[str]) -> Any:
+def _at(t: Array, c: Any, averaged: bool, notes: list[str]) -> Any:
     """A channel at other instants: the mean of what lies about each where it is denser, else between its samples."""
     many = float(np.median(np.diff(t))) * c.rate if averaged else 1.0
     if many < 1.5:
@@ -86,7 +91,7 @@ def _at(t: Any, c: Any, averaged: bool, notes: list[str]) -> Any:
     return np.where(count >= 0.7 * many, (sums[last] - sums[first]) / np.maximum(count, 1), np.nan)
 
 
-def _even(t: Any, x: Any, y: Any, weight: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
+def _even(t: Array, x: Array, y: Array, weight: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
     """Evenly spaced instants; where the logger's are not, values between them by a spline, and none in gaps."""
     h = float(np.median(np.diff(t)))
     if abs(np.diff(t) / h - 1).max() <= _EVEN:

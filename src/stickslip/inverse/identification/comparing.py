@@ -217,7 +217,7 @@ def compare(
     )  # fmt: skip
 
 
-def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
+def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
     problems = Problems("compare")
     found: dict[str, Any] = {}
     if not isinstance(record, Record):
@@ -261,7 +261,7 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
     return None
 
 
-def _row(label: str, model: Any, curve: SteadyCurve, seen: Target, shift: float) -> Row:
+def _row(label: str, model: Model, curve: SteadyCurve, seen: Target, shift: float) -> Row:
     rest = modelled_values(seen, curve, seen.phase + shift) - seen.y
     spread, square = seen.mean_square(seen.y - np.average(seen.y, weights=seen.weight)), seen.mean_square(rest)
     phase = np.arange(_PHASES * curve.period) / _PHASES
@@ -293,7 +293,7 @@ def _measured(record: Record, seen: Target, shift: float) -> Row:
     return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, phase, mean)
 
 
-def _notes(record: Record, robot: Any, seen: Target, curves: dict[str, SteadyCurve]) -> list[str]:
+def _notes(record: Record, robot: Model, seen: Target, curves: dict[str, SteadyCurve]) -> list[str]:
     notes = ["the record is synthetic"] if record.synthetic else []
     given = 1 / float(robot.period)
     if abs(seen.frequency / given - 1) > 1e-3:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.information import Information
 
 _ENOUGH = 60  # values of a record that tell its own noise
@@ -93,7 +94,7 @@ def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes
     return found
 
 
-def lost_to_the_input(problem: Any, jacobian: Any, changes: Any) -> list[int]:
+def lost_to_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> list[int]:
     """Which parameters the noise of the input moves by a third of the distance between their bounds or more."""
     if changes is None:
         return []
@@ -101,7 +102,7 @@ def lost_to_the_input(problem: Any, jacobian: Any, changes: Any) -> list[int]:
     return [int(k) for k in np.flatnonzero(moved > _LOST**2)]
 
 
-def from_the_input(problem: Any, jacobian: Any, changes: Any) -> Any:
+def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
     r"""Covariance of the numbers of a place that the noise of the input (position, load) makes, by its changes of what is met.
 
     A change :math:`\delta` of the model moves the place by :math:`-P\delta`, with the pseudo-inverse P of the derivatives. The mean square
@@ -134,7 +135,7 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float,
     return misfit.factor**2 * (found + moved @ moved.T)
 
 
-def correlations_of(covariance: Any) -> Any:
+def correlations_of(covariance: ArrayLike) -> Any:
     """Correlations; NaN where a variance is infinite."""
     size = np.sqrt(np.diag(covariance))
     known = np.isfinite(size)
@@ -144,13 +145,13 @@ def correlations_of(covariance: Any) -> Any:
     return found
 
 
-def correlated(names: list[str], covariance: Any) -> list[tuple[str, str, float]]:
+def correlated(names: list[str], covariance: ArrayLike) -> list[tuple[str, str, float]]:
     """Pairs of numbers that can hardly be told apart, and their correlation."""
     table = correlations_of(covariance)
     return [(names[j], names[i], table[i, j]) for i in range(len(names)) for j in range(i) if abs(table[i, j]) > _TOGETHER]
 
 
-def root_of(covariance: Any) -> Any:
+def root_of(covariance: Array) -> Any:
     """A square root of a covariance."""
     values, vectors = np.linalg.eigh(covariance)
     return vectors * np.sqrt(np.maximum(values, 0.0))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Maker, described_as, explains_arguments
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, SolveError, is_number, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.information import Information
@@ -278,7 +279,7 @@ def units_of_settings(make: Any, free: Iterable[str], settings: list[dict[str, A
     return {name: unit for name, unit in units.items() if unit}
 
 
-def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:
+def _curve_of(model: Model, using: str, samples: int, rtol: float) -> Any:
     curve = steady_curve(model, None, rtol)
     phase = np.arange(samples) / samples * curve.period
     return curve.v(phase) if using == "velocity" else curve.x(phase)

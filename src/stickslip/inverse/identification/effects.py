@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.fields import leaves, replace_leaf
 
 #: Effects of laws that may be left out: the numbers that make them, and what these are without it (a number, or another number of the
@@ -19,7 +20,7 @@ EFFECTS: dict[str, dict[str, float | str]] = {
 }
 
 
-def plainer(model: Any, effects: Any) -> Any:
+def plainer(model: Model, effects: Any) -> Any:
     """The same model without some effects of its law.
 
     Examples

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,8 +11,11 @@ from stickslip.basics.notebook_display import NOT_DETERMINED, rounded, sure
 from stickslip.basics.quantities import with_unit
 from stickslip.models.naming import described
 
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
 
-def parameter_rows(fit: Any) -> list[dict[str, str]]:
+
+def parameter_rows(fit: Fit) -> list[dict[str, str]]:
     """For each free parameter its name, value, standard error, unit and the ends of its 95 % interval, as text."""
     ends = {name: (fit.errors[name], *fit.interval(name)) for name in fit.values}
     return [
@@ -26,7 +29,7 @@ def parameter_rows(fit: Any) -> list[dict[str, str]]:
 OVER_MOTION = ("force", "applied force", "torque", "current")
 
 
-def error_text(fit: Any, name: str) -> str:
+def error_text(fit: Fit, name: str) -> str:
     """The standard error of a parameter as it stands behind its value; that there is none where the sum of squares is not a parabola."""
     if name in fit.undetermined:
         return NOT_DETERMINED
@@ -41,13 +44,13 @@ def unit_of_values(target: Any) -> str:
     return target.unit or _UNITS[target.kind]
 
 
-def unit_of_parameter(fit: Any, name: str) -> str:
+def unit_of_parameter(fit: Fit, name: str) -> str:
     """The unit of a free parameter as its field or maker describes it; empty where it is a bare number, or nobody says."""
     unit = str(described(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
     return "" if unit == "1" else unit
 
 
-def undetermined(fit: Any) -> list[str]:
+def undetermined(fit: Fit) -> list[str]:
     """Sentences on the parameters that the data do not determine: which change together while nothing measured changes."""
     found, first = [], fit.problem.first
     for members, directions in fit.information.groups:
@@ -73,7 +76,7 @@ def undetermined(fit: Any) -> list[str]:
     return found + _determined(fit)
 
 
-def _advice(fit: Any, sensors: list[str], count: int) -> str:
+def _advice(fit: Fit, sensors: list[str], count: int) -> str:
     """Advice on directions that nothing determines."""
     if not sensors:
         return f"fix {count} of them"
@@ -82,7 +85,7 @@ def _advice(fit: Any, sensors: list[str], count: int) -> str:
     return f'fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as ("normal", mean, sd)'
 
 
-def _determined(fit: Any) -> list[str]:
+def _determined(fit: Fit) -> list[str]:
     """The combinations of undetermined parameters that the data do determine."""
     return [
         f"the data determine {found.formula} = {rounded(found.value, found.error)} {sure(found.error)}"
@@ -96,7 +99,7 @@ def listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _changes(fit: Any, members: list[int], direction: Any) -> str:
+def _changes(fit: Fit, members: list[int], direction: Any) -> str:
     """By how much each parameter changes along a direction, the one that changes most by one per cent."""
     values = [fit.values[fit.names[k]] for k in members]
     part = np.array([d * fit.slopes[k] / (abs(v) or 1.0) for d, k, v in zip(direction, members, values, strict=True)])
@@ -105,7 +108,7 @@ def _changes(fit: Any, members: list[int], direction: Any) -> str:
     return ", ".join(steps)
 
 
-def known_line(fit: Any) -> str:
+def known_line(fit: Fit) -> str:
     """Numbers that were given and not fitted, with units: an error in one of these shifts the fitted ones."""
     of = fit.problem.parameters
     numbers = {} if callable(of.make) else {name: [value] for name, value in leaves(of.make)}
@@ -128,7 +131,7 @@ def _as_given(values: list[Any], unit: str) -> str:
     return " and ".join(dict.fromkeys(shown))
 
 
-def sensor_lines(fit: Any) -> list[str]:
+def sensor_lines(fit: Fit) -> list[str]:
     """Sensor effects, one sentence for all."""
     units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
     told = [
@@ -145,13 +148,13 @@ def drive_lines(fit: Any) -> list[str]:
     return [f"harmonics of the drive, in parts of its amplitude: {', '.join(told)}"] if told else []
 
 
-def input_lines(fit: Any) -> list[str]:
+def input_lines(fit: Fit) -> list[str]:
     """Standard errors from noise of the motion, where they are more than a twentieth of the whole."""
     parts = {name: part for name, part in fit.input_errors.items() if name not in fit.undetermined and part > 0.05 * fit.errors[name]}
     return [f"from the noise of the motion: {', '.join(f'{name} {sure(part)}' for name, part in parts.items())}"] if parts else []
 
 
-def cost_lines(fit: Any) -> list[str]:
+def cost_lines(fit: Fit) -> list[str]:
     """The cost of sensor effects: standard errors with them, with all their numbers known, and with those of one effect known."""
     found, lines = fit.costs, []
     of_all = "sensor and drive" if fit.drive else "the sensor"
@@ -176,7 +179,7 @@ def counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def report_text(fit: Any) -> str:
+def report_text(fit: Fit) -> str:
     """The fit as text."""
     records, parameters = counted(len(fit.problem.targets), "record"), counted(len(fit.names), "parameter")
     rows = [f"{fit.law} fitted to {records}, {counted(fit.count, 'value')}; {parameters} free"]

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.inverse.identification.motions import Motion
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 
@@ -53,7 +54,7 @@ class DrivenProblem(OverParameters):
         """Standard deviation of each value."""
         return np.concatenate([self.level / np.sqrt(m.weight * np.ones(m.count)) for m in self.targets])
 
-    def with_values(self, y: Any) -> DrivenProblem:
+    def with_values(self, y: ArrayLike) -> DrivenProblem:
         """The same fit for other measured values."""
         return dataclasses.replace(self, values=y)
 

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
+
 _FEW = 4  # numbers of which products of powers are tried that are not 1
 _SHAPES = (1.0, 0.0, -1.0, 2.0, 0.5)  # powers of the numbers in a weighted sum; 0 for their logarithms, a product of powers
 _NOTHING = 1e-3  # share of a number in a formula that is left out
@@ -42,15 +44,15 @@ def candidates(names: list[str], at: Any) -> Iterator[Formula]:
         yield f"{names[i]}/{names[j]} + {names[k]}", partial(_and_one, i, j, k, -1)
 
 
-def _share(i: int, of: tuple[int, ...], v: Any) -> float:
+def _share(i: int, of: tuple[int, ...], v: Array) -> float:
     return float(v[i] / sum(v[j] for j in of))
 
 
-def _of_three(i: int, j: int, k: int, power: int, v: Any) -> float:
+def _of_three(i: int, j: int, k: int, power: int, v: Array) -> float:
     return float((v[i] + v[j]) * v[k] ** float(power))
 
 
-def _and_one(i: int, j: int, k: int, power: int, v: Any) -> float:
+def _and_one(i: int, j: int, k: int, power: int, v: Array) -> float:
     return float(v[i] * v[j] ** float(power) + v[k])
 
 
@@ -68,7 +70,7 @@ def _powers(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
             yield _product([names[i] for i in which], powers), partial(_power, which, powers)
 
 
-def _power(which: tuple[int, ...], powers: tuple[float, ...], v: Any) -> float:
+def _power(which: tuple[int, ...], powers: tuple[float, ...], v: Array) -> float:
     return float(np.prod([np.sign(v[i]) * abs(v[i]) ** e if e % 2 else abs(v[i]) ** e for i, e in zip(which, powers, strict=True)]))
 
 
@@ -115,5 +117,5 @@ def _term(factor: float, name: str) -> str:
     return name if factor == 1 else f"-{name}" if factor == -1 else f"{factor:.4g}*{name}"
 
 
-def _weighted_sum(which: tuple[int, ...], factors: tuple[float, ...], power: float, v: Any) -> float:
+def _weighted_sum(which: tuple[int, ...], factors: tuple[float, ...], power: float, v: Array) -> float:
     return float(sum(c * v[i] ** power for c, i in zip(factors, which, strict=True)))

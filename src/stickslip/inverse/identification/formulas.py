@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, combinations as chosen, islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.identification.covariance import determined_spread
 from stickslip.inverse.identification.formula_shapes import Formula, candidates, gradient, local_formulas
 from stickslip.inverse.identification.search import polished_to_end
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+
 
 _ALONG = (3e-3, 0.05)  # parts of what a formula can change by that it may change by along an undetermined direction: exact, and less so
 _MOVED = (0.07, 0.3)  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
@@ -37,7 +42,7 @@ class Combination:
     holds: bool
 
 
-def combinations(fit: Any) -> tuple[Combination, ...]:
+def combinations(fit: Fit) -> tuple[Combination, ...]:
     """Combinations of undetermined parameters that the data determine, each with whether it also holds far from the fit.
 
     A formula is a product, a ratio or a sum whose gradient is orthogonal to every undetermined direction, and that holds along the way
@@ -67,7 +72,7 @@ def _basis(rows: Any) -> Any:
     return directions[values > 1e-3 * values.max(initial=0.0)] if values.max(initial=0.0) > 0 else np.empty((0, rows.shape[1]))
 
 
-def _formulas(fit: Any, way: _Way) -> tuple[list[Formula], bool]:
+def _formulas(fit: Fit, way: _Way) -> tuple[list[Formula], bool]:
     """As many formulas as there are determined combinations, and whether they hold."""
     names = [fit.names[k] for k in way.own]
     tried = []
@@ -120,7 +125,7 @@ class _Way:
                         return worst
         return worst
 
-    def _kept(self, formulas: list[Formula], v: Any) -> Any:
+    def _kept(self, formulas: list[Formula], v: Array) -> Any:
         """The nearest values to these at which the formulas are what they are at the fit; not finite where there are none."""
         wanted = np.array([function(self.at) for _, function in formulas])
         with np.errstate(all="ignore"):
@@ -132,7 +137,7 @@ class _Way:
                 v = v - self.size * (np.linalg.pinv(slopes) @ rest)
         return v if np.isfinite(rest).all() else np.full(len(v), np.inf)
 
-    def _risen(self, v: Any) -> float:
+    def _risen(self, v: Array) -> float:
         """By how much the best fit with these values is worse; zero beyond the bounds."""
         fit, free = self.fit, self.fit.problem.parameters.free
         if not np.isfinite(v).all():

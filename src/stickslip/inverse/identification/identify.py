@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Maker, Numbers, explains_arguments
+from stickslip.basics.contracts import Model
 from stickslip.basics.distributions import ALLOWED, distribution_of
 from stickslip.basics.errors import InputError, Problems, is_one_of
 from stickslip.basics.fields import checked_number
@@ -207,7 +208,7 @@ def problem_of(
     return Sensed(model, numbers, held, given=sensor, harmonics=harmonics)
 
 
-def _body(model: Any, body: str | None) -> int | None:
+def _body(model: Model, body: str | None) -> int | None:
     """The number of the body whose motion was measured; None for a machine whose motion is that of one body."""
     names = machine_of(model).part_names.get("body", ())
     if body is None and len(names) < 2:

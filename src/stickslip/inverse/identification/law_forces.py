@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike, Law, Numeric
 from stickslip.engine.law_steps import law_steps
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
@@ -27,7 +28,7 @@ class Stepped:
     at: Any
 
 
-def slide(t: Any, v: Any) -> tuple[Any, float]:
+def slide(t: Array, v: Array) -> tuple[Any, float]:
     """Durations [s] and speed [m/s] of a slow slide, longer than any stroke of a motion, that brings inner states to its end."""
     moved = v * np.diff(t, prepend=t[0])
     if not moved.any():
@@ -36,7 +37,7 @@ def slide(t: Any, v: Any) -> tuple[Any, float]:
     return np.geomspace(np.mean(abs(moved)), _FAR * np.ptp(np.cumsum(moved)), _SLIDES) / speed, speed
 
 
-def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
+def driven_force(law: Law, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
@@ -58,7 +59,7 @@ def law_force(known: LawAdapter, motion: Stepped, load: Any, measured: Any, case
     return _followed(known, motion, load, measured, _begun(known, motion, load[0], cases, start))[0]
 
 
-def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any) -> Any:
+def _begun(known: LawAdapter, motion: Stepped, load: Array, cases: int, start: Any) -> Any:
     """Inner states at the first sample: array (states, cases)."""
     unbent = _wide(known.start(load), cases)
     if start is None or not np.any(start):
@@ -68,7 +69,7 @@ def _begun(known: LawAdapter, motion: Stepped, load: Any, cases: int, start: Any
     return unbent + abs(start) * np.where(start > 0, forth, back)
 
 
-def _slid(known: LawAdapter, motion: Stepped, load: Any, z: Any, side: float) -> Any:
+def _slid(known: LawAdapter, motion: Stepped, load: Array, z: Array, side: float) -> Any:
     """Inner states after a slow slide to a side."""
     durations, speed = slide(motion.t, motion.v)
     v = np.full(len(durations), side * speed)
@@ -85,7 +86,7 @@ def _followed(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: A
     return compiled(known, steps, motion.v, motion.at, load, measured, end), end
 
 
-def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any, steps: Any) -> tuple[Any, Any]:
+def _step_by_step(known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any) -> tuple[Any, Any]:
     cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
@@ -105,7 +106,7 @@ def _step_by_step(known: LawAdapter, motion: Stepped, load: Any, measured: Any, 
     return out, z
 
 
-def _nudges(law: LawAdapter, load: Any, cases: int) -> Any:
+def _nudges(law: LawAdapter, load: Numeric, cases: int) -> Any:
     """Small steps of the inner states: array (states, cases)."""
     typical = law.scale(load)
     return _NUDGE * abs(_wide((1e-6,) * law.states if typical is None else typical, cases))
@@ -125,7 +126,7 @@ def _stepped(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nudge
     return z + h * f * np.where(small, 1.0, np.expm1(a) / np.where(small, 1.0, a)), mode, last
 
 
-def _remembered(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nudge: Any, last: Any) -> tuple[Any, Any, Any]:
+def _remembered(law: LawAdapter, v: float, N: Any, h: Any, z: ArrayLike, mode: Any, nudge: Any, last: Any) -> tuple[Any, Any, Any]:
     """The same with a memory that switches where guards fall to zero, one after the other; `last` are the guards after the step before."""
     for n in range(_SWITCHES * law.modes + 1):
         end = _stepped(law, v, N, h, z, mode, nudge)[0]
@@ -146,7 +147,7 @@ def _remembered(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nu
     return end, mode, after
 
 
-def _zero(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nudge: Any, which: Any) -> Any:
+def _zero(law: LawAdapter, v: float, N: Any, h: Any, z: ArrayLike, mode: Any, nudge: Any, which: Any) -> Any:
     """When a guard of each case is zero on its step, by halving."""
     low, high = np.zeros_like(h), h + 0.0
     for _ in range(_HALVINGS):
@@ -172,7 +173,7 @@ def _chosen(law: LawAdapter, v: float, N: Any, z: Any, mode: Any, which: Any) ->
     return z, mode
 
 
-def _passed_rest(law: LawAdapter, came: float, N: Any, z: Any, mode: Any) -> tuple[Any, Any]:
+def _passed_rest(law: LawAdapter, came: float, N: Any, z: Array, mode: Any) -> tuple[Any, Any]:
     """The memory where the velocity comes to zero or passes it: after every switch whose guard falls only there."""
     before, now = (_guards(law, v, N, z, mode) for v in (came, 0.0))
     for i, (_, new_mode, new_z) in enumerate(law.switches(0.0, tuple(z), N, mode)):
@@ -183,7 +184,7 @@ def _passed_rest(law: LawAdapter, came: float, N: Any, z: Any, mode: Any) -> tup
     return z, mode
 
 
-def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
+def _set_valued(law: LawAdapter, v: Array, N: Any, F: Any, cases: int) -> Any:
     moving = v != 0
     sliding = np.broadcast_to(law.sliding(np.where(moving, v, 1.0), N), (len(v), cases))
     backward, forward = law.breakaway(N)

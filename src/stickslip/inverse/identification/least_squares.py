@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.distributions import Distribution
 from stickslip.inverse.identification.censored import tail, tail_slope
 from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
@@ -134,10 +135,10 @@ class Sensed:
         return np.concatenate(found)
 
     # ---- others like it ----
-    def _like(self, model: Any, **changes: Any) -> Sensed:
+    def _like(self, model: Model, **changes: Any) -> Sensed:
         return dataclasses.replace(self, model=model, _memory={}, **changes)
 
-    def with_values(self, y: Any, shifts: Any = 0.0) -> Sensed:
+    def with_values(self, y: Numeric, shifts: Any = 0.0) -> Sensed:
         """The same fit for other measured values."""
         return self._like(self.model.with_values(y), shifts=shifts)
 

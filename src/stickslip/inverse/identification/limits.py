@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import leaves
 from stickslip.inverse.identification.effects import floors
 
@@ -101,7 +102,7 @@ class Limits:
             values[k], by[k], done[k] = float(f.outer(found[k])), f.slope(found[k]) * turned[k], True
         return found, turned
 
-    def _range(self, k: int, values: Any, done: Any) -> tuple[tuple[float, Any], tuple[float, Any]]:
+    def _range(self, k: int, values: Numeric, done: Any) -> tuple[tuple[float, Any], tuple[float, Any]]:
         """Least and greatest value of a number, whatever those after it will be, each with its derivatives by all values.
 
         Where the bounds of the others leave none, its own bounds.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.units import quantity_of
@@ -18,6 +19,10 @@ from stickslip.inverse.identification.smoothing import Smooth
 from stickslip.inverse.identification.targets import Compared
 from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 #: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
 APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
@@ -125,7 +130,7 @@ class Bench(Compared):
         names = ("at", "acceleration", "y", "weight", "still")
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
 
-    def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+    def given(self, model: Model, cases: int, reading: dict[str, Any], side: float) -> Any:
         """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: array (m, cases)."""
         bare, per = _input(model)
         m, factor = machine_of(bare).mechanics, per[self.kind]
@@ -174,25 +179,25 @@ def _triangle(half: int) -> Any:
     return weights / half**2
 
 
-def _averaged(values: Any, at: Any, half: int) -> Any:
+def _averaged(values: Array, at: Any, half: int) -> Any:
     """Means over windows around some samples; of columns too."""
     return sum(w * values[at + k] for k, w in zip(range(1 - half, half), _triangle(half), strict=True))
 
 
-def takes_records(model: Any, records: list[Any]) -> bool:
+def takes_records(model: Model, records: list[Any]) -> bool:
     """Whether all records have what is applied to a machine, and its motion, and no drive of it shakes an inner mass."""
     if machine_of(model).drive is not None or machine_of(model).input is None:
         return False
     return all(hasattr(rec, "channels") and _role(model, rec) and ("position" in rec or "velocity" in rec) for rec in records)
 
 
-def _input(model: Any) -> tuple[Any, dict[str, Any]]:
+def _input(model: Model) -> tuple[Any, dict[str, Any]]:
     """The quantity that a record of a machine's input stands for; None for a machine whose inner mass is shaken."""
     found = machine_of(model).input
     return (model, {}) if found is None else found
 
 
-def _role(model: Any, rec: Any) -> str | None:
+def _role(model: Model, rec: Record) -> str | None:
     """The kind of input in a record of a machine; None if there is none."""
     for kind in _input(model)[1]:
         role, quantity = APPLIED[kind]
@@ -201,7 +206,7 @@ def _role(model: Any, rec: Any) -> str | None:
     return None
 
 
-def bench_of(model: Any, rec: Any, label: str) -> Bench:
+def bench_of(model: Model, rec: Record, label: str) -> Bench:
     """The windows of a record for a machine of one body; `InputError` for one of several, or where something is missing."""
     kind = _role(model, rec)
     if kind is None:
@@ -213,11 +218,11 @@ def bench_of(model: Any, rec: Any, label: str) -> Bench:
     return _made(kind, clock, smooth, half, noisy, label, told)
 
 
-def _wanted(model: Any) -> str:
+def _wanted(model: Model) -> str:
     return " or ".join(_input(model)[1]) or "input, because a drive shakes an inner mass"
 
 
-def _check_machine(model: Any, label: str) -> None:
+def _check_machine(model: Model, label: str) -> None:
     bare, _ = _input(model)
     m = machine_of(bare).mechanics
     if m.coordinates == 1 and len(m.contacts) <= 1 and not m.stops:
@@ -248,7 +253,7 @@ def _half(clock: Clock, smooth: Smooth | None) -> tuple[int, float]:
     return best
 
 
-def _accelerations(x: Any, at: Any, half: int, h: float) -> Any:
+def _accelerations(x: Array, at: Any, half: int, h: float) -> Any:
     """Mean accelerations over windows."""
     return (x[at + half] - 2 * x[at] + x[at - half]) / (half * h) ** 2
 

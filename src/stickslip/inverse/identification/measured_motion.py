@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.inverse.identification.smoothing import MotionChannel, Smooth, channel, smoothed
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 _DISAGREE = 1.5  # times their noise by which channels of one motion may differ
 _LOOKED = 6  # repetitions that tell the noise of a velocity
@@ -15,7 +20,7 @@ _ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
 _SAID = ("", "/s", "/s²")
 
 
-def motion_behind(rec: Any) -> tuple[Smooth | None, list[str]]:
+def motion_behind(rec: Record) -> tuple[Smooth | None, list[str]]:
     """The motion behind the position, velocity and acceleration of a record, and what to say of it; None where its noise is nothing."""
     found = {order: rec[role] for role, order in _ORDERS.items() if role in rec}
     own = {order: made for order, c in found.items() if (made := channel(order, c.time, c.si)) is not None}
@@ -63,7 +68,7 @@ def _calibrated(c: MotionChannel, motion: Smooth) -> MotionChannel | None:
     return replace(c, y=(c.y - zero) / gain, sigma=sigma) if rest <= _DISAGREE * np.hypot(sigma, open_) else None
 
 
-def noise_of_velocity(motion: Smooth, t: Any) -> float:
+def noise_of_velocity(motion: Smooth, t: ArrayLike) -> float:
     """Standard deviation of the velocity of a smoothed motion, over some instants."""
     here = motion.at(t, 1)
     return float(np.sqrt(np.mean([np.mean((motion.again(k).at(t, 1) - here) ** 2) for k in range(_LOOKED)])))

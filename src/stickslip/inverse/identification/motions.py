@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, Law
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.inverse.identification.censored import sides_of
@@ -19,6 +20,10 @@ from stickslip.inverse.identification.smoothing import Smooth
 from stickslip.inverse.identification.targets import Compared
 from stickslip.inverse.identification.weighting import weights_at
 from stickslip.records.overview import noise
+
+if TYPE_CHECKING:
+    from stickslip.records.record import Record
+
 
 _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
@@ -141,7 +146,7 @@ class Motion(Compared):
         """Whether the motion leaves anything open, so that forces may be less or greater."""
         return bool(self.gaps.any())
 
-    def given(self, law: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+    def given(self, law: Law, cases: int, reading: dict[str, Any], side: float) -> Any:
         """Friction forces at the values, the least (side -1) or the greatest (1) that may be: array (values, cases) [N].
 
         A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
@@ -183,7 +188,7 @@ class Motion(Compared):
         return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
 
-def motion_of(rec: Any, load: float | None, label: str, any_start: bool = False) -> Motion:
+def motion_of(rec: Record, load: float | None, label: str, any_start: bool = False) -> Motion:
     """The motion of a record with a position (or velocity) and a force.
 
     If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins
@@ -250,7 +255,7 @@ def _driven(smooth: Smooth, t: Any, before: int) -> dict[str, Any]:
     return {"v": np.concatenate([[0.0], np.diff(x) / np.diff(t)]), "at": at}
 
 
-def _fewer(rec: Any) -> tuple[Any, list[str]]:
+def _fewer(rec: Record) -> tuple[Any, list[str]]:
     """A record of very many samples with means of neighbours in their place, and what to say of that."""
     count = len(rec["force"])
     if count <= _MOST:
@@ -259,7 +264,7 @@ def _fewer(rec: Any) -> tuple[Any, list[str]]:
     return thin, [*(note for note in thin.notes if note not in rec.notes), "means about reversals are not compared"]
 
 
-def _integrated(t: Any, v: Any) -> Any:
+def _integrated(t: Array, v: Array) -> Any:
     """The position; NaN where the velocity, or the time, is missing."""
     found, known = np.full(len(v), np.nan), np.isfinite(t) & np.isfinite(v)
     t, v = t[known], v[known]
@@ -267,7 +272,7 @@ def _integrated(t: Any, v: Any) -> Any:
     return found
 
 
-def _first_period(rec: Any, t: Any, x: Any, F: Any) -> int:
+def _first_period(rec: Any, t: Array, x: Array, F: Any) -> int:
     """Samples of the first period, if the second repeats its motion and begins with the force that it began with."""
     try:
         frequency = rec.drive_frequency().value

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.interruption import Interrupted
@@ -109,14 +110,14 @@ def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any],
     return _embedded(problem, place, idle, effects, np.where(scale > 0, scale, 1.0))
 
 
-def _embedded(problem: Any, place: Any, idle: list[int], effects: Any, scale: Any) -> Any:
+def _embedded(problem: Any, place: Any, idle: list[int], effects: Any, scale: Numeric) -> Any:
     """The place with idle parameters where the whole law is as near as can be to the one without the effects."""
     for k in [*idle, *(idle if len(idle) > 1 else [])]:
         place = _nearest(problem, place, k, effects, scale)
     return place
 
 
-def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
+def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Numeric) -> Any:
     """The place with one parameter moved to where the numbers of the effects are nearest to what they are without these."""
     from scipy.optimize import minimize_scalar
 

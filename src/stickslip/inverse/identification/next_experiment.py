@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.information import Information
@@ -220,7 +221,7 @@ def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
     return dataclasses.replace(bench_of(made, rec, "experiment"), given_sigma=True)
 
 
-def _frequency(t: Any, x: Any) -> float:
+def _frequency(t: Array, x: Array) -> float:
     """How often a motion goes to and fro in a second, by its crossings of the middle."""
     crossings = int(np.sum(np.diff(np.sign(x - np.median(x))) != 0))
     return max(crossings, 1) / (2 * float(t[-1] - t[0]))

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.targets import Target
 from stickslip.models.drives.drive_adapter import MISTAKEN
@@ -28,7 +29,7 @@ def doubts(problem: Sensed, values: dict[str, float], place: Any) -> list[str]:
     return list(dict.fromkeys([*(sentence for sentence in found if sentence), *notes]))
 
 
-def _frequencies(target: Target, model: Any) -> str:
+def _frequencies(target: Target, model: Model) -> str:
     """A correction if the model's drive frequency differs from the record's."""
     own = math.nan if model.period is None else 1 / float(model.period)
     one_drive = isinstance(model, Robot) and not isinstance(model.drive, tuple)  # of a common period a record may show a part

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.identification.sensors import SensorNumber
 
 
-def _wide(values: Any, like: Any) -> Any:
+def _wide(values: Array, like: Any) -> Any:
     """A number for each value, as a column where there are many cases."""
     return values if like.ndim == 1 else values[:, None]
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.records.overview import noise
@@ -137,7 +138,7 @@ class _Knots:
             found = found @ diags([-1.0 / self.step, 1.0 / self.step], [0, 1], shape=(size, size + 1))
         return found.tocsr()
 
-    def values(self, t: Any, coefficients: Any, order: int) -> Any:
+    def values(self, t: ArrayLike, coefficients: Any, order: int) -> Any:
         return self.matrix(t, order) @ coefficients
 
 
@@ -200,7 +201,7 @@ def _clean(c: MotionChannel) -> bool:
     return c.count == 0.0 and min(c.sigma, *(_bends(c.y, order) for order in _ORDERS)) <= _NONE * size
 
 
-def _bends(y: Any, order: int) -> float:
+def _bends(y: ArrayLike, order: int) -> float:
     """Standard deviation of noise from differences of an order, which a smooth motion has the less the higher it is."""
     bends = np.diff(y, order)
     return float(np.median(abs(bends))) / 0.6744897501960817 / np.sqrt(comb(2 * order, order)) if len(bends) > 8 else np.inf
@@ -260,7 +261,7 @@ def _chosen(rows: _Rows) -> tuple[float, float, float, Any, float]:
     return best
 
 
-def counted(y: Any) -> float:
+def counted(y: Array) -> float:
     """The step of a channel that is one of counts which the motion crosses one by one; 0 of any other."""
     values = np.unique(y)
     if not 1 < len(values) < _COARSE * len(y):
@@ -270,7 +271,7 @@ def counted(y: Any) -> float:
     return float(np.min(np.diff(values))) if back < _TURNS and len(steps) >= 16 else 0.0
 
 
-def _edges(t: Any, y: Any, count: float, sigma: float) -> tuple[Any, Any, Any]:
+def _edges(t: Array, y: Array, count: float, sigma: float) -> tuple[Any, Any, Any]:
     """Where edges of counts are crossed, and beside that each stretch of one count, whose values weigh together as one reading."""
     change = np.flatnonzero(np.diff(y) != 0)
     bounds = np.concatenate([[0], change + 1, [len(y)]])
@@ -286,7 +287,7 @@ def _edges(t: Any, y: Any, count: float, sigma: float) -> tuple[Any, Any, Any]:
     )
 
 
-def channel(order: int, t: Any, y: Any) -> MotionChannel | None:
+def channel(order: int, t: Array, y: Array) -> MotionChannel | None:
     """A channel with its noise, without samples that are missing; None of too few."""
     good = np.isfinite(t) & np.isfinite(y)
     good[good] &= np.concatenate([[True], np.diff(t[good]) > 0])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_states
@@ -35,10 +36,10 @@ class TransientCurve:
     run: Any
     body: int | None = field(default=None, kw_only=True)
 
-    def _times(self, phase: Any) -> Any:
+    def _times(self, phase: Numeric) -> Any:
         return np.asarray(phase) * self.run.period_time
 
-    def _state(self, phase: Any, which: int) -> Any:
+    def _state(self, phase: Numeric, which: int) -> Any:
         """x, v or z, those of the machine's principal body."""
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
         return self._of_the_body(self.run._own("xvz"[which], self.run._states_at(t, self.run._index(t))[which]))
@@ -46,11 +47,11 @@ class TransientCurve:
     def _of_the_body(self, column: Any) -> Any:
         return column if self.body is None or np.ndim(column) < 2 else column[..., self.body]
 
-    def v(self, phase: Any) -> Any:
+    def v(self, phase: Numeric) -> Any:
         """Velocity at phases counted in drive periods [m/s]."""
         return self._state(phase, 1)
 
-    def x(self, phase: Any) -> Any:
+    def x(self, phase: Numeric) -> Any:
         """Position [m]."""
         return self._state(phase, 0)
 
@@ -75,7 +76,7 @@ class SteadyCurve(TransientCurve):
     def _times(self, phase: Any) -> Any:
         return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * self.run.period_time
 
-    def x(self, phase: Any) -> Any:
+    def x(self, phase: Numeric) -> Any:
         """Position at phases counted in drive periods, going on from period to period [m]."""
         whole = np.floor(np.asarray(phase) / self.period)
         return super().x(phase) - self._of_the_body(self.run.strobe_x)[-1 - self.period] + whole * self.step
@@ -124,13 +125,13 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
         start, periods = _nearer(run, v), periods if found else min(2 * periods, 100)
 
 
-def _still_nearing(v: Any, p: int, tolerance: float) -> bool:
+def _still_nearing(v: Array, p: int, tolerance: float) -> bool:
     """Whether strobe points that repeat after p periods still get nearer to their limit, by a part of what is left each time."""
     last, before = abs(v[-p:] - v[-2 * p : -p]).max(), abs(v[-p - 1 : -1] - v[-2 * p - 1 : -p - 1]).max()
     return bool(tolerance < last < _FALLS * before)
 
 
-def _nearer(run: Any, v: Any) -> dict[str, Any]:
+def _nearer(run: Any, v: Array) -> dict[str, Any]:
     """A start nearer to the limit of the strobe points."""
     end = SteadyCurve(run, 1, False).end
     if not machine_of(run.model).is_single:
@@ -142,12 +143,12 @@ def _nearer(run: Any, v: Any) -> dict[str, Any]:
     return end
 
 
-def transient_curve(robot: Any, start: dict[str, float], periods: int, rtol: float = 1e-8, body: int | None = None) -> TransientCurve:
+def transient_curve(robot: Model, start: dict[str, float], periods: int, rtol: float = 1e-8, body: int | None = None) -> TransientCurve:
     """The motion of a robot from a velocity, and a position, at a strobe time on, its bristles unbent."""
     return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start=start), body=body)
 
 
-def moves_alike_anywhere(model: Any) -> bool:
+def moves_alike_anywhere(model: Model) -> bool:
     """Whether a machine moves the same wherever it stands, told from its equations at a few states and places; a pendulum does not."""
     m = machine_of(model).mechanics
     if m.controllers.counts or machine_of(model).wavelength is not None:

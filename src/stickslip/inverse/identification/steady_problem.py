@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.inverse.identification.drive_harmonics import ripple_of, rippled
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
@@ -80,7 +81,7 @@ class SteadyProblem(OverParameters):
     def _like(self, **changes: Any) -> SteadyProblem:
         return dataclasses.replace(self, **{"solves": 0, "_warm": dict(self._warm), "_curves": {}, **changes})
 
-    def with_values(self, y: Any) -> SteadyProblem:
+    def with_values(self, y: ArrayLike) -> SteadyProblem:
         """The same fit for other measured values, of the same motions."""
         return dataclasses.replace(super().with_values(y), _curves=dict(self._curves))
 
@@ -319,7 +320,7 @@ def _reach(target: Target) -> float:
 _BEGINS: dict[str, tuple[str, Callable[[Target], float]]] = {"start": ("v", _speed), "place": ("x", _reach)}
 
 
-def modelled_values(target: Target, motion: Any, phase: Any) -> Any:
+def modelled_values(target: Target, motion: Any, phase: Numeric) -> Any:
     """The model's prediction for one record; the offset of a position is that of least squares."""
     if target.kind == "velocity":
         return motion.v(phase)
@@ -347,13 +348,13 @@ def best_phase(target: Target, motion: SteadyCurve) -> float:
     return float((k + (0.5 * (left - right) / bend if bend > 0 else 0.0)) / _GRID)
 
 
-def _binned(target: Target, y: Any, period: int) -> tuple[Any, Any]:
+def _binned(target: Target, y: Array, period: int) -> tuple[Any, Any]:
     n = _GRID * period
     index = np.round(np.mod(target.phase, period) * _GRID).astype(int) % n
     weight = np.bincount(index, target.weight * np.ones(len(y)), n)
     return np.bincount(index, target.weight * y, n) / np.where(weight > 0, weight, 1), weight
 
 
-def _lagged(wave: Any, weights: Any) -> Any:
+def _lagged(wave: Any, weights: ArrayLike) -> Any:
     """Sum over i of wave[i + k] weights[i], for every k."""
     return np.fft.irfft(np.fft.rfft(wave) * np.conj(np.fft.rfft(weights)), len(wave))

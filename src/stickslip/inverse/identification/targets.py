@@ -134,7 +134,7 @@ def of_body(summary: Any, name: str, body: int | None) -> Any:
 
 
 def target(
-    rec: Any, kind: str, sigma: float | None, frequency: float | None, label: str, settle: int | str = "auto", transient: bool = False
+    rec: Record, kind: str, sigma: float | None, frequency: float | None, label: str, settle: int | str = "auto", transient: bool = False
 ) -> Target:
     """The target of a record; ``kind="auto"`` takes the velocity, else the position.
 

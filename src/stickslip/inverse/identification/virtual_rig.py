@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems, is_one_of
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import between
@@ -102,7 +103,7 @@ _LABEL = "SYNTHETIC: made by a virtual rig, not measured"
 
 
 def _check(
-    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, robot: Any
+    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, robot: Model
 ) -> None:
     problems, drive, what = Problems("virtual_rig"), machine_of(robot).drive, type(robot).__name__
     for name, value, least in (("noise", noise, 0), ("periods", periods, 1), ("settle", settle, 0), ("samples", samples, 4)):
@@ -137,7 +138,7 @@ def _is_one_sine(drive: Any) -> bool:
     return bool(np.allclose(drive.acceleration(t), Harmonic.acceleration(drive, t), rtol=1e-12, atol=0.0))
 
 
-def _seen(run: Any, start: float, t: Any, step: float, bandwidth: float | None, channels: Any) -> dict[str, Any]:
+def _seen(run: Any, start: float, t: Array, step: float, bandwidth: float | None, channels: Any) -> dict[str, Any]:
     """The readings of ideal sensors of the given bandwidth."""
     if bandwidth is None:
         return _columns(run.at(np.minimum(start + t, run.pieces.t[-1])))

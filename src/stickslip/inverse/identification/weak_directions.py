@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.information import decomposed
 
 _WEAK = 0.02  # part of the largest singular value below which a direction is differentiated along itself
@@ -21,7 +22,7 @@ _STEP = 1e-4  # of the distance between bounds, at most: differences along a dir
 _NOTHING = 1e-12  # of the largest column: a number that moves nothing
 
 
-def sharpened(jacobian: Any, along: Callable[[Any], Any], singular: float) -> Any:
+def sharpened(jacobian: Array, along: Callable[[Any], Any], singular: float) -> Any:
     """Derivatives that are right in weak directions too.
 
     Parameters

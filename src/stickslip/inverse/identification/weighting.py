@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.records import Record
 from stickslip.records.channel import Channel
@@ -28,7 +29,7 @@ def loss_of(given: str, what: str = "identify") -> Any:
     return LOSSES[given]
 
 
-def weighted(records: list[Any], weights: Any, what: str = "identify") -> list[Any]:
+def weighted(records: list[Any], weights: Array, what: str = "identify") -> list[Any]:
     """Records with their weights as a channel of role "weight"; everything wrong with the weights at once."""
     if weights is None:
         return records
@@ -43,11 +44,11 @@ def weighted(records: list[Any], weights: Any, what: str = "identify") -> list[A
     return found
 
 
-def _is_list_for(weights: Any, count: int) -> bool:
+def _is_list_for(weights: ArrayLike, count: int) -> bool:
     return isinstance(weights, (list, tuple)) and len(weights) == count and (weights[0] is None or np.ndim(weights[0]) == 1)
 
 
-def _with(rec: Any, given: Any, i: int, problems: Problems) -> Any:
+def _with(rec: Record, given: Any, i: int, problems: Problems) -> Any:
     if given is None:
         return rec
     if not isinstance(rec, Record):
@@ -70,7 +71,7 @@ def _with(rec: Any, given: Any, i: int, problems: Problems) -> Any:
     return rec.replace(channels={**others, "weight": made})
 
 
-def weights_at(rec: Any, t: Any) -> Any:
+def weights_at(rec: Any, t: Array) -> Any:
     """Weights of samples at some times; 1 where a record has none."""
     if "weight" not in rec:
         return np.ones(len(t))
@@ -84,7 +85,7 @@ def robust_weights(weigh: Any, parts: list[Any]) -> Any:
     return np.concatenate([weigh(own / s) if s > 0 and len(own) > 8 else np.ones(len(own)) for own, s in zip(parts, sizes, strict=True)])
 
 
-def robust_scale(weigh: Any, rest: Any, weights: Any, scale: float) -> float:
+def robust_scale(weigh: Any, rest: Any, weights: Array, scale: float) -> float:
     r"""The factor on the noise with which weighted squares give Huber's covariance.
 
     With :math:`\psi = w r` the covariance of an M-estimate is :math:`\overline{\psi^2}/\overline{\psi'}^2\,(X^TX)^{-1}`

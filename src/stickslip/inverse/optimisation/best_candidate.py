@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.sensitivity import directions_of
@@ -66,7 +66,7 @@ def _remarks(values: dict[str, Any]) -> list[str]:
     return [*rests, *(["the motion had not settled: V is that of its last periods"] if values.get("steadiness", 0) != 0 else [])]
 
 
-def _on_an_edge(model: Any, worth: Candidates, own: float) -> list[str]:
+def _on_an_edge(model: Model, worth: Candidates, own: float) -> list[str]:
     """A sentence on an optimum that is lost if a number of the machine is a little off: from rest it then reaches another motion."""
     moved: dict[str, tuple[str, ...]] = {name: (name,) for name in _not_of_waveforms(model, worth)}
     try:
@@ -89,7 +89,7 @@ def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
     return [f"the given machine violates the limit of {limit.in_words()}" for limit in beyond]
 
 
-def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:
+def values_of(model: Model, rtol: float = 1e-9) -> dict[str, Any]:
     """Numbers of the motion from rest, and the peaks of the drives."""
     columns = results_of(spread_over(model, 1), 1, rtol=rtol)
     found = {name: values[0].item() for name, values in columns.items() if not name.startswith("end.")}
@@ -113,13 +113,13 @@ def _active_bounds(space: Unknowns, u: Array) -> list[str]:
     return [each.name for each, value in numbers if min(value, 1.0 - value) <= _ACTIVE]
 
 
-def _not_of_waveforms(model: Any, worth: Candidates) -> list[str]:
+def _not_of_waveforms(model: Model, worth: Candidates) -> list[str]:
     """All numbers but those of waveforms, which do not change one by one."""
     forms = tuple(each.leaves[0] + "." for each in worth.space.varied if each.form is not None)
     return [name for name in directions_of("optimise", model, None) if not name.startswith(forms)]
 
 
-def _sensitivities(model: Any, worth: Candidates, notes: list[str]) -> Gradient:
+def _sensitivities(model: Model, worth: Candidates, notes: list[str]) -> Gradient:
     """Derivatives by all numbers but those of waveforms."""
     try:
         return gradient(model, worth.quantity, _not_of_waveforms(model, worth))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map
@@ -16,7 +17,7 @@ _STEPS, _PERIODS = 24, 40  # of the way from one machine to the other, and drive
 _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 
 
-def from_other_starts(model: Any, V: float) -> list[str]:
+def from_other_starts(model: Model, V: float) -> list[str]:
     """A sentence where a push forwards or backwards leads to another mean velocity."""
     machine = machine_of(model)
     if not machine.is_single:
@@ -65,7 +66,7 @@ def continued(given: Any, best: Any, numbers: dict[str, float]) -> float | None:
         return None
 
 
-def _kind(model: Any) -> list[tuple[str, Any]]:
+def _kind(model: Model) -> list[tuple[str, Any]]:
     """The kind of a machine, apart from its numbers."""
     numbers = dict(leaves(model))
     return [(name, None if name in numbers else str(value)) for name, value in leaves(model, kinds=True)]

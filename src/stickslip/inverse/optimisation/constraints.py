@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.quantities import pretty_unit
 from stickslip.basics.variables import unit_of
@@ -67,7 +67,7 @@ class Limit:
         return f"{self.name} ({f'{ends} {pretty_unit(self.unit)}'.rstrip()})"
 
 
-def checked_limits(model: Any, subject_to: Any, problems: Problems) -> list[Limit]:
+def checked_limits(model: Model, subject_to: Any, problems: Problems) -> list[Limit]:
     """The limits that were typed; what is wrong with them is noted."""
     if subject_to is None:
         return []
@@ -78,7 +78,7 @@ def checked_limits(model: Any, subject_to: Any, problems: Problems) -> list[Limi
     return [limit for limit in found if limit is not None]
 
 
-def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None:
+def _limit(model: Model, name: str, ends: Any, problems: Problems) -> Limit | None:
     known = [*LIMITS, *quantities(model)]
     if name not in known:
         problems.add(f"subject_to: {name!r} is not a quantity that can be limited; {did_you_mean(name, known)}")

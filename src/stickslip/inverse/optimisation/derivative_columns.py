@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.batch import shape_of, some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
@@ -71,7 +71,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     return Derived(of, by, unit, values)
 
 
-def values(model: Any, cases: int, asked: dict[str, Derived], periods: int) -> dict[str, Array]:
+def values(model: Model, cases: int, asked: dict[str, Derived], periods: int) -> dict[str, Array]:
     """The derivatives of a batch, a column for each that is asked for; of no cases it checks them only."""
     first = _first_of(model)
     at = coordinates(model)
@@ -92,7 +92,7 @@ def values(model: Any, cases: int, asked: dict[str, Derived], periods: int) -> d
     return found
 
 
-def _first_of(model: Any) -> Any:
+def _first_of(model: Model) -> Any:
     """The first machine of a batch, with plain numbers."""
     one = some_of(model, [0]) if shape_of(model) else model
     return replace_leaf(one, {name: float(np.ravel(value)[0]) for name, value in leaves(one)})

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import labels_of, numbers_by_name, some_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import means_named
 from stickslip.dynamics.periodic.steady_motions import Closed
@@ -32,7 +32,7 @@ class Exact:
     observe: tuple[tuple[str, Observable], ...] = ()
 
 
-def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count: int) -> Exact | None:
+def exactly(of: Any, model: Model, at: Coordinates, seeds: dict[str, Array], count: int) -> Exact | None:
     """A quantity by its name, or a user's observable; None where its derivatives are not known exactly.
 
     Parameters
@@ -63,7 +63,7 @@ def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count
     return Exact(mean if of != "cost_of_transport" else _cost(mean, model, seeds, count), len(names))
 
 
-def _mean_of(of: str, model: Any) -> str | None:
+def _mean_of(of: str, model: Model) -> str | None:
     """The mean that a column is, or is made of."""
     machine = machine_of(model)
     name, _, number = of.partition(".")
@@ -111,7 +111,7 @@ def _weight_of(machine: Any) -> list[Any]:
     return [machine.model.total_mass * machine.model.gravity]
 
 
-def _observed(of: Observable, model: Any) -> Exact | None:
+def _observed(of: Observable, model: Model) -> Exact | None:
     """The mean or the integral of a user's observable."""
     observe = ((OWN, of),)
     names = means_named(model, observe)

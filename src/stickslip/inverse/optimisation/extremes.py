@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip.basics.batch import numbers_by_name
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, columns_of
@@ -64,7 +64,7 @@ class Extreme:
         return Along(graph, leaves | {s.t.name: graph.variable("d t")}).of(self.node)
 
 
-def extreme_of(of: Any, model: Any) -> Extreme | None:
+def extreme_of(of: Any, model: Model) -> Extreme | None:
     """An extreme by the name of its column, or a user's observable; None where it is none, or not known from states and modes alone."""
     machine, observe = machine_of(model), tuple[tuple[str, Observable], ...]()
     if isinstance(of, Observable):
@@ -197,7 +197,7 @@ class Looked:
         q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
         return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 
-    def _known(self, t: Any, y: Array, piece: Array) -> dict[str, Any]:
+    def _known(self, t: Numeric, y: Array, piece: Array) -> dict[str, Any]:
         """The numbers by which expressions are valued."""
         system, pieces = self.extreme.system, self.run.pieces
         mode = np.asarray(pieces.mode).reshape(len(self.ends) - 1, -1)

@@ -141,7 +141,7 @@ def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, A
 
 
 def steady_motion(
-    model: Any, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
+    model: Model, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
 ) -> tuple[Closed, PeriodicOrbit, bool]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved; whether it is made of steps."""
     found = settled(model, at, periods=PERIODS)
@@ -156,7 +156,7 @@ def steady_motion(
     return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), rtol), found.stepped
 
 
-def check_of(what: str, of: Any, model: Any) -> None:
+def check_of(what: str, of: Any, model: Model) -> None:
     """`InputError` of `what` for what is not a number of a steady motion."""
     if isinstance(of, Observable) or of == MULTIPLIER:
         return
@@ -203,7 +203,7 @@ def _repeating(period: int) -> int:
     )
 
 
-def _check_same(model: Any, settled: float, V: float) -> None:
+def _check_same(model: Model, settled: float, V: float) -> None:
     """Whether the periodic motion is the one on which the machine has settled, by its mean velocity."""
     if not abs(V - settled) <= AGREE * float(machine_of(model).free_velocity or 1.0):
         raise SolveError(f"gradient: from rest V is {settled:.9g} m/s, and the periodic motion found there has {V:.9g} m/s")

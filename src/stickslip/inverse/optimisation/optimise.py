@@ -142,7 +142,7 @@ def optimise(
     return optimum_of(worth, notes, Search(maximise is not None, *asked, np.array(worth.history)))
 
 
-def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> str:
+def _quantity(model: Model, maximise: Any, minimise: Any, problems: Problems) -> str:
     given = [name for name in (maximise, minimise) if name is not None]
     if len(given) != 1:
         problems.add('both maximise and minimise are given; allowed is one of them; type maximise="mean_velocity"')
@@ -154,7 +154,7 @@ def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> s
     return str(given[0])
 
 
-def _sample(model: Any, robust: Any, quantile: Any, varied: list[Varied], seed: int, problems: Problems) -> dict[str, Array] | None:
+def _sample(model: Model, robust: Any, quantile: Any, varied: list[Varied], seed: int, problems: Problems) -> dict[str, Array] | None:
     """The sample of what is uncertain."""
     if quantile is not None and not (isinstance(quantile, float) and 0.0 < quantile < 1.0 and robust is not None):
         problems.add(f"quantile = {quantile!r}; allowed is between 0 and 1, with robust=; type quantile=0.05")

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
-def sizes_of(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+def sizes_of(model: Model, moved: dict[str, tuple[str, ...]]) -> Array:
     """Small steps for numbers that are varied together."""
     own = dict(leaves(model))
     return np.array([max(abs(float(own[name])) for name in names) or _PLAIN for names in moved.values()])
@@ -42,7 +42,7 @@ def moves_of(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> di
     return {name: values.ravel() for name, values in found.items()}
 
 
-def sides_of(model: Any, moved: dict[str, tuple[str, ...]], share: float) -> Array:
+def sides_of(model: Model, moved: dict[str, tuple[str, ...]], share: float) -> Array:
     """To which side each set of numbers may be moved by a share of its size: 1 or -1 where the record refuses the other one, else 0.
 
     Examples

@@ -256,7 +256,7 @@ def propagate(
     return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes), unit_of_result(of, model))
 
 
-def _part(model: Any, of: str, spread: Any, u: Array, values: Array, there: Array, nominal: float, ending: Ending) -> Propagated:
+def _part(model: Model, of: str, spread: Any, u: Array, values: Array, there: Array, nominal: float, ending: Ending) -> Propagated:
     """What an interrupted run of a sample gives: the first points, up to one that is not computed, since the rest would be a selection."""
     kept = min(int(np.argmin([*there, False])), min(u.shape[1], 2) * u.shape[2])
     ending.needs(kept >= _LEAST)
@@ -276,7 +276,7 @@ def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
 
 
 def _run(
-    model: Any, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None
+    model: Model, sample: dict[str, Array], of: str, workers: int = 1, watch: Callable[[int, int], Any] | None = None
 ) -> tuple[Array, Array]:
     """A result for each case of a sample, and whether it was computed."""
     check_sample("propagate", model, sample)
@@ -285,7 +285,7 @@ def _run(
     return found[of], found["status"] != Status.NOT_COMPUTED
 
 
-def _swings(model: Any, spread: Any, of: str) -> dict[str, tuple[float, float]]:
+def _swings(model: Model, spread: Any, of: str) -> dict[str, tuple[float, float]]:
     """The result where each number in turn is at the ends of its band."""
     found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of)[0] for name in spread.names}
     return {name: (float(low), float(high)) for name, (low, high) in found.items()}

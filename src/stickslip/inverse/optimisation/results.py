@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.quantities import pretty_unit
@@ -25,7 +25,7 @@ PERIODS = 400
 
 
 def results_of(
-    model: Any,
+    model: Model,
     cases: int,
     workers: int = 1,
     start: dict[str, Any] | None = None,
@@ -48,7 +48,7 @@ def results_of(
     return found
 
 
-def quantities(model: Any) -> list[str]:
+def quantities(model: Model) -> list[str]:
     """Names of the results of a machine that are numbers."""
     known = [name for name, kind in COLUMNS.items() if kind == "f8" and name not in ("alpha_plus", "alpha_minus")]
     if machine_of(model).is_single:
@@ -56,7 +56,7 @@ def quantities(model: Any) -> list[str]:
     return [name for name in known if name not in ("drive_power", "cost_of_transport")]
 
 
-def unit_of_result(name: str, model: Any) -> str:
+def unit_of_result(name: str, model: Model) -> str:
     """The unit of a result of a machine or of a peak of its drives, as it stands behind the value; empty for a bare number.
 
     Examples
@@ -71,7 +71,7 @@ def unit_of_result(name: str, model: Any) -> str:
     return "" if unit == "1" else pretty_unit(unit)
 
 
-def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
+def check_quantity(what: str, argument: str, name: Any, model: Model) -> None:
     """`InputError` of `what` for a name that is not a number of a result."""
     known = quantities(model)
     if not isinstance(name, str) or name.partition(".")[0] not in known:
@@ -84,7 +84,7 @@ def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
         raise InputError(what, [f"{argument} = {name!r}; allowed is one of {', '.join(each)}{of}"])
 
 
-def moved_by(model: Any, moves: dict[str, Array]) -> Any:
+def moved_by(model: Model, moves: dict[str, Array]) -> Any:
     """A batch of a machine with some of its numbers moved: an array of moves for each."""
     count = len(next(iter(moves.values())))
     return replace_leaf(model, {name: np.full(count, float(own)) + moves.get(name, 0.0) for name, own in leaves(model)})

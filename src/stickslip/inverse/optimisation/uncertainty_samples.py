@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves, replace_leaf
@@ -63,7 +63,7 @@ class Independent:
         return {leaf: one.distribution.at(u) for one in self.each if one.name == name for leaf in one.leaves}
 
 
-def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Any:
+def checked_spread(model: Model, argument: str, given: Any, problems: Problems) -> Any:
     """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
     if not isinstance(given, dict):
         if not hasattr(given, "distribution"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.number_names import numbers_meant
@@ -134,7 +134,7 @@ def _numbers_in(changes: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def checked_over(model: Any, over: Any, problems: Problems) -> list[Varied]:
+def checked_over(model: Model, over: Any, problems: Problems) -> list[Varied]:
     """The unknowns as typed, with all errors reported together."""
     if not isinstance(over, dict) or not over:
         problems.add(f"over = {over!r}; allowed is a dict of what varies; {_TYPED}")
@@ -154,7 +154,7 @@ def _both(one: Varied, other: Varied) -> str:
     return next((max(a, b, key=len) for a, b in pairs if a == b or a.startswith(b + ".") or b.startswith(a + ".")), "")
 
 
-def _varied(model: Any, name: str, what: Any, known: list[str], problems: Problems) -> Varied | None:
+def _varied(model: Model, name: str, what: Any, known: list[str], problems: Problems) -> Varied | None:
     if isinstance(what, Waveform):
         return _of_drive(model, name, what, known, problems)
     meant = numbers_meant(name, known)

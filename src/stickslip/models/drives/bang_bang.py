@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import sqrt, where, within
 from stickslip.basics.quantities import PERIOD, positive, quantity
 from stickslip.models.drives.drive import PeriodicDrive, completed
@@ -90,17 +91,17 @@ class BangBang(PeriodicDrive):
         """Where the acceleration changes within a period [s]."""
         return (self.t1,)
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position, 0 at the change of phase [m]."""
         s = within(t, self.period)
         r = s - self.t1
         return where(s < self.t1, s * (0.5 * self.a1 * s - self.velocity_scale), r * (self.velocity_scale - 0.5 * self.a2 * r))
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
         s = within(t, self.period)
         return where(s < self.t1, self.a1 * s - self.velocity_scale, self.velocity_scale - self.a2 * (s - self.t1))
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]."""
         return where(within(t, self.period) < self.t1, self.a1, -self.a2)

@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import checked_number, describe, everywhere, is_array, number
 from stickslip.basics.quantities import between
@@ -28,7 +29,7 @@ def take_damping(beam: Any, problems: Problems) -> None:
         problems.add(f"damping has {len(taken)} ratios for modes = {beam.modes!r}; allowed is one for each mode; type modes={len(taken)}")
 
 
-def given(voltage: Any, frequency: Any) -> tuple[Any, Any]:
+def given(voltage: Numeric, frequency: Numeric) -> tuple[Any, Any]:
     """Voltage and frequency as numbers; what is wrong with both at once."""
     problems, hertz = Problems("PiezoBeam"), "a positive frequency [Hz], 1e-9 to 1e12"
     voltage = checked_number("voltage", voltage, problems, between(0.0, 1e9), "zero or more [V], up to 1e9", "voltage=60", "V")

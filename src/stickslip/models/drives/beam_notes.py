@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.models.drives.patch_moment import modal_amplitudes
 
@@ -28,7 +29,7 @@ def of_beam(beam: Any) -> list[str]:
     ]
 
 
-def of_use(beam: Any, voltage: Any, frequency: Any) -> list[str]:
+def of_use(beam: Any, voltage: Numeric, frequency: Numeric) -> list[str]:
     """Remarks on driving it with this voltage [V] and frequency [Hz]."""
     import numpy as np
 
@@ -47,7 +48,7 @@ def of_use(beam: Any, voltage: Any, frequency: Any) -> list[str]:
     return [_sentence(value, bad, unit, text) for value, bad, unit, text in checks if np.any(bad)]
 
 
-def _sentence(value: Any, bad: Any, unit: str, text: str) -> str:
+def _sentence(value: Numeric, bad: Any, unit: str, text: str) -> str:
     """The remark with its number, or with the count of cases and their largest number."""
     import numpy as np
 
@@ -58,7 +59,7 @@ def _sentence(value: Any, bad: Any, unit: str, text: str) -> str:
     return f"{text}: {chosen.min():.5g} to {chosen.max():.5g} {unit} in {chosen.size} of {values.size} cases"
 
 
-def largest_slope(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damping: Any) -> Any:
+def largest_slope(frequency: Numeric, tip_mass_ratio: Numeric, end: Numeric, n: int, damping: Numeric) -> Any:
     """Largest slope along the unit beam for a unit couple; arguments as for `modal_amplitudes` [-].
 
     Examples

@@ -10,6 +10,7 @@ import functools
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import at_least
@@ -87,7 +88,7 @@ def _roots(ratio: Any, n: int) -> Any:
         low, high = np.where(before, middle, low), np.where(before, high, middle)
 
 
-def _checked(tip_mass_ratio: Any, n: Any) -> Any:
+def _checked(tip_mass_ratio: Numeric, n: Any) -> Any:
     """The ratio as a number; what is wrong with both arguments at once."""
     problems = Problems("cantilever_eigenvalues")
     allowed, typed = "a finite number, zero or more", "tip_mass_ratio=1.2"
@@ -122,7 +123,7 @@ def _characteristic(b: Any, ratio: Any) -> Any:
     return sech + np.cos(b) + ratio * b * np.where(b < 1.0, series * sech, np.cos(b) * np.tanh(b) - np.sin(b))
 
 
-def mode_shape(b: Any, s: Any, derivative: int = 0) -> Any:
+def mode_shape(b: Numeric, s: Numeric, derivative: int = 0) -> Any:
     r"""Shape of a clamped beam that vibrates at frequency b with no moment at its tip (Eqs 3.4 and 3.5), or its derivative.
 
     .. math:: \varphi(s) = \cosh bs - \cos bs - r(\sinh bs - \sin bs), \qquad r = \frac{\cosh b + \cos b}{\sinh b + \sin b}
@@ -161,7 +162,7 @@ def mode_shape(b: Any, s: Any, derivative: int = 0) -> Any:
     return b**derivative * (rising + (-1) ** derivative * falling - cosine + (1 - 2 * q * decay) * sine)
 
 
-def modal_mass(b: Any, tip_mass_ratio: Any) -> Any:
+def modal_mass(b: Numeric, tip_mass_ratio: Numeric) -> Any:
     r"""Modal mass of `mode_shape`, with the tip mass, in closed form.
 
     .. math:: m_i = \int_0^1 \varphi_i^2\,ds + R\,\varphi_i(1)^2 = 1 + \frac{R}{4}\,\varphi_i(1)^2

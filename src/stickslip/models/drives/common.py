@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.fields import everywhere, is_array
 from stickslip.basics.maths import where
 
@@ -37,12 +38,12 @@ def repeats_of(periods: list[Any]) -> tuple[int, ...] | None:
     return repeats if max(repeats) <= MOST_REPEATS and all(fits) else None
 
 
-def times(count: int, period: Any) -> Any:
+def times(count: int, period: Numeric) -> Any:
     """So many periods, and for one the very same number."""
     return period if count == 1 else count * period
 
 
-def own_time(t: Any, period: Any, count: int) -> Any:
+def own_time(t: Numeric, period: Numeric, count: int) -> Any:
     """The time since the last of `count` periods in a row began [s].
 
     Examples
@@ -56,7 +57,7 @@ def own_time(t: Any, period: Any, count: int) -> Any:
     return elapsed
 
 
-def repeated(instants: Iterable[Any], period: Any, count: int) -> tuple[Any, ...]:
+def repeated(instants: Iterable[Any], period: Numeric, count: int) -> tuple[Any, ...]:
     """Instants of one period in each of `count` periods in a row, and the borders between these [s].
 
     Examples
@@ -69,7 +70,7 @@ def repeated(instants: Iterable[Any], period: Any, count: int) -> tuple[Any, ...
     return (*own, *(s for each in later for s in each))
 
 
-def _ratio(period: Any, first: Any) -> Fraction | None:
+def _ratio(period: Numeric, first: Numeric) -> Fraction | None:
     """One period over another as a fraction of small numbers; of arrays that of their first cases."""
     ratio = period / first
     value = (

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, checked_number, describe, everywhere, example_in, is_array, number
 from stickslip.basics.maths import pi
@@ -77,7 +78,7 @@ class PeriodicDrive(OfPeriod, Drive):
     """A drive that is given by its period."""
 
 
-def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:
+def angular_frequency(kind: str, omega: Numeric, frequency: Numeric, typed: str) -> Any:
     """The angular frequency [rad/s] of a drive that takes exactly one of omega [rad/s] and frequency [Hz].
 
     Parameters
@@ -115,7 +116,7 @@ _UNITS = {**dict.fromkeys(("u1", "u2", "u3"), "m/s"), **dict.fromkeys(("a1", "a2
           **dict.fromkeys(("t1", "t2", "period", "ramp"), "s"), "frequency": "Hz"}  # fmt: skip
 
 
-def given_numbers(problems: Problems, typed: str, **values: Any) -> dict[str, Any]:
+def given_numbers(problems: Problems, typed: str, **values: ArrayLike) -> dict[str, Any]:
     """Those of a constructor's numbers that were given, each positive and finite; what is wrong with the others is noted."""
     taken: dict[str, Any] = {}
     for name, value in values.items():
@@ -181,11 +182,11 @@ def _resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callabl
     return {wanted: value}
 
 
-def shown(value: Any) -> str:
+def shown(value: Numeric) -> str:
     """A number as a message shows it: six digits."""
     return describe(value) if is_array(value) else f"{value:.6g}"
 
 
-def agree(a: Any, b: Any) -> bool:
+def agree(a: Any, b: Numeric) -> bool:
     """Whether two numbers given for one thing are the same, to nine digits."""
     return bool(everywhere(abs(a - b) <= 1e-9 * abs(b)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.basics.contracts import Drive
+from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.maths import is_symbol, maximum
 
@@ -100,7 +100,7 @@ def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
     return (f'{MISTAKEN} This drive {extent}; lengths are in m, and amplitude="0.55 mm" is allowed',)
 
 
-def _digits(value: Any) -> str:
+def _digits(value: Numeric) -> str:
     return f"{float(value):.3g}"
 
 
@@ -109,7 +109,7 @@ def drive_of(drive: Drive) -> DriveAdapter:
     return DriveAdapter(drive)
 
 
-def needs_of(drive: Any) -> tuple[str, ...]:
+def needs_of(drive: Drive) -> tuple[str, ...]:
     """Methods that a drive must have: its motion or, if the inner mass moves by itself, the machine that the robot becomes."""
     return ("period", "machine") if callable(getattr(drive, "machine", None)) else NEEDS
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import within
@@ -114,14 +115,14 @@ class ForceSum(Force):
         broken = [(part, count) for part, count in zip(self.parts, self._repeats, strict=True) if _broken(part)]
         return tuple(instant for part, count in broken for instant in repeated(part.breaks, part.period, count))
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Numeric) -> Any:
         """The sum [N]."""
         total: Any = 0.0
         for part, count in zip(self.parts, self._repeats, strict=True):
             total = total + part.at(self._own_time(t, part, count))
         return total
 
-    def _own_time(self, t: Any, part: Any, count: int) -> Any:
+    def _own_time(self, t: Numeric, part: Any, count: int) -> Any:
         """Time as a part takes it: of one that is not smooth that since its own period began [s]."""
         return own_time(within(t, self.period), part.period, count) if count > 1 and _broken(part) else t
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import cos, maximum, sin, sqrt
@@ -16,7 +17,7 @@ _NEWTON = 5  # steps from half a step of the grid at most, where three reach rou
 Coefficients = Any  # a tuple of numbers, or an array with the harmonics along its first axis
 
 
-def harmonics(angle: Any, order: int) -> Iterator[tuple[Any, Any]]:
+def harmonics(angle: Numeric, order: int) -> Iterator[tuple[Any, Any]]:
     """cos(k angle) and sin(k angle) for k = 1, 2, … order: one cosine and one sine, the rest by turning.
 
     Examples
@@ -32,7 +33,7 @@ def harmonics(angle: Any, order: int) -> Iterator[tuple[Any, Any]]:
         yield ck, sk
 
 
-def series(angle: Any, cosines: Coefficients, sines: Coefficients) -> Any:
+def series(angle: Numeric, cosines: Coefficients, sines: Coefficients) -> Any:
     """The sum of cosines[k-1] cos(k angle) + sines[k-1] sin(k angle)."""
     return sum(a * c + b * s for a, b, (c, s) in zip(cosines, sines, harmonics(angle, len(sines)), strict=True))
 
@@ -66,15 +67,15 @@ class FourierDrive(Drive):
         """The highest harmonic."""
         return len(self.coefficients[1])
 
-    def position(self: Any, t: Any) -> Any:
+    def position(self: Any, t: Numeric) -> Any:
         """Relative position [m]; its mean is zero."""
         return series(self.omega * t, *self.coefficients)
 
-    def velocity(self: Any, t: Any) -> Any:
+    def velocity(self: Any, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
         return self.omega * series(self.omega * t, *_derivative(*self.coefficients))
 
-    def acceleration(self: Any, t: Any) -> Any:
+    def acceleration(self: Any, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]."""
         return self.omega**2 * series(self.omega * t, *_derivative(*_derivative(*self.coefficients)))
 
@@ -129,7 +130,7 @@ def _highest(a: Any, b: Any) -> Any:
     return highest
 
 
-def _climbed(angle: Any, step: float, a: Any, b: Any) -> Any:
+def _climbed(angle: Numeric, step: float, a: Any, b: Numeric) -> Any:
     """The largest values that Newton's method meets from these angles."""
     import numpy as np
 

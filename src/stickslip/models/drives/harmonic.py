@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.maths import cos, pi, sin
 from stickslip.basics.quantities import AMPLITUDE, OMEGA, PHASE
 from stickslip.models.drives.drive import Drive, OfFrequency, Remarked, angular_frequency, taken
@@ -73,24 +74,24 @@ class Harmonic(OfFrequency, Remarked, Drive):
         """2 A, from end to end [m]."""
         return 2 * self.amplitude
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position xi(t) [m] (Eq. 2.2)."""
         return self.amplitude * self._sine(t)
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity of the inner mass [m/s]."""
         return self.amplitude * self.omega * self._cosine(t)
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration of the inner mass [m/s^2]."""
         return -self.amplitude * self.omega**2 * self._sine(t)
 
-    def _sine(self, t: Any) -> Any:
+    def _sine(self, t: Numeric) -> Any:
         """sin(omega t + phase), as a sum of which the second term vanishes with the phase."""
         wave = sin(self.omega * t)
         return wave if self.phase is None else wave * cos(self.phase) + cos(self.omega * t) * sin(self.phase)
 
-    def _cosine(self, t: Any) -> Any:
+    def _cosine(self, t: Numeric) -> Any:
         wave = cos(self.omega * t)
         return wave if self.phase is None else wave * cos(self.phase) - sin(self.omega * t) * sin(self.phase)
 
@@ -100,7 +101,7 @@ class Harmonic(OfFrequency, Remarked, Drive):
         return cls(amplitude=5.56e-4, omega=65.4 * pi)
 
 
-def _range(value: Any) -> str:
+def _range(value: ArrayLike) -> str:
     """A number, or the smallest and the largest of an array."""
     import numpy as np
 

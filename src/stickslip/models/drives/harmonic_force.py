@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import pi, sin
 from stickslip.basics.quantities import OMEGA, PHASE, quantity
 from stickslip.models.drives.drive import OfFrequency, angular_frequency, taken
@@ -41,7 +42,7 @@ class HarmonicForce(OfFrequency, Force):
         omega = angular_frequency("HarmonicForce", omega, frequency, "type for example omega=104.72")
         taken(self, amplitude=amplitude, omega=omega, phase=phase)
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Numeric) -> Any:
         """The force [N]."""
         return self.amplitude * sin(self.omega * t + self.phase)
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Array, Numeric
 
-def sine_from_rest(t: Any, omega: Any, free: Any, damping: Any) -> Any:
+
+def sine_from_rest(t: Numeric, omega: Numeric, free: Any, damping: Numeric) -> Any:
     r"""Answer to a force sin(omega t) that begins at t = 0: the braces of Eq. 3.6, corrected.
 
     .. math:: B_i\left\{e^{-\zeta_i\omega_i t}\left[\sin\varphi_i\cos\omega_d t + \frac{\omega_i}{\omega_d}\left(\zeta_i\sin\varphi_i
@@ -41,7 +43,7 @@ def sine_from_rest(t: Any, omega: Any, free: Any, damping: Any) -> Any:
     return size * (np.exp(-damping * free * t) * (np.sin(lag) * np.cos(damped * t) + swing) + np.sin(omega * t - lag))
 
 
-def sampled(t: Any, force: Any, free: Any, damping: Any) -> Any:
+def sampled(t: Array, force: Any, free: Any, damping: Array) -> Any:
     """Answer of several modes, at rest at the first time, to a force that is linear between its samples: exact, whatever the steps.
 
     Parameters

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, modal_mass, mode_shape
 
 
-def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
+def tip_participation(b: Numeric, tip_mass_ratio: Numeric, end: Numeric) -> Any:
     """Each mode's share in the tip's motion for a couple on 0 < s < `end`: Y_i(1) Y_i'(end) over the modal mass [-].
 
     A patch pushes with a couple at its end and the opposite one at s = 0, where the clamp takes it.
@@ -24,7 +25,7 @@ def tip_participation(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
     return mode_shape(b, 1.0) * mode_shape(b, end, derivative=1) / modal_mass(b, tip_mass_ratio)
 
 
-def modal_amplitudes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damping: Any = 0.0) -> Any:
+def modal_amplitudes(frequency: Numeric, tip_mass_ratio: Numeric, end: Numeric, n: int, damping: Numeric = 0.0) -> Any:
     r"""Complex amplitudes of the first `n` modes for a unit couple on 0 < s < `end`: the C_i B_i of Eq. 3.7.
 
     .. math:: \frac{\varphi_i'(l_0)/m_i}{\omega_i^2 - \omega^2 + 2j\zeta_i\omega_i\omega}
@@ -59,7 +60,7 @@ def modal_amplitudes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damp
     return push / (free**2 - omega**2 + 2j * damping * free * omega)
 
 
-def tip_by_modes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damping: Any = 0.0) -> Any:
+def tip_by_modes(frequency: Numeric, tip_mass_ratio: Numeric, end: Numeric, n: int, damping: Numeric = 0.0) -> Any:
     """Complex amplitude u(1)/M0 of the tip: the sum of the first `n` modes (Eq. 3.7). Arguments as for `modal_amplitudes`.
 
     Examples
@@ -71,7 +72,7 @@ def tip_by_modes(frequency: Any, tip_mass_ratio: Any, end: Any, n: int, damping:
     return (modal_amplitudes(frequency, tip_mass_ratio, end, n, damping) * mode_shape(b, 1.0)).sum(axis=-1)
 
 
-def tip_in_closed_form(b: Any, tip_mass_ratio: Any, end: Any) -> Any:
+def tip_in_closed_form(b: Numeric, tip_mass_ratio: Numeric, end: Numeric) -> Any:
     r"""The same without damping and without modes: the boundary value problem itself, solved.
 
     .. math:: \frac{u(1)}{M_0} = -\frac{\varphi_b'(l_0)}{\varphi_b'''(1) + R\,b^4\varphi_b(1)}

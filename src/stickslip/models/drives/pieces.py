@@ -7,6 +7,7 @@ from functools import reduce
 from itertools import accumulate
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import maximum, minimum, sqrt, where, within
@@ -115,7 +116,7 @@ class Pieces(PeriodicDrive):
             lowest, highest = minimum(lowest, minimum(x, turned)), maximum(highest, maximum(x, turned))
         return highest - lowest
 
-    def _chosen(self, t: Any, on: Any) -> Any:
+    def _chosen(self, t: Numeric, on: Any) -> Any:
         """The value of `on(piece, time since it began)` for the piece at a time."""
         s, ends = within(t, self.period), self._ends
         last = len(ends) - 1
@@ -124,28 +125,28 @@ class Pieces(PeriodicDrive):
             value = where(s < ends[k], on(k, s), value)
         return value
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position [m]."""
         begins = self._begins
 
-        def on(k: int, s: Any) -> Any:
+        def on(k: int, s: Numeric) -> Any:
             start, x, v = begins[k]
             r = s - start
             return x + r * (v + 0.5 * self.accelerations[k] * r)
 
         return self._chosen(t, on)
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
         begins = self._begins
         return self._chosen(t, lambda k, s: begins[k][2] + self.accelerations[k] * (s - begins[k][0]))
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]; at a break it is that of the piece that begins."""
         return self._chosen(t, lambda k, s: self.accelerations[k] + 0.0 * s)
 
     @classmethod
-    def verge(cls, acceleration: Any, stroke: Any, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: float = 9.81) -> Pieces:
+    def verge(cls, acceleration: Any, stroke: Numeric, mass_ratio: Any, mu_plus: Any, mu_minus: Any, gravity: float = 9.81) -> Pieces:
         r"""The fastest known drive of a robot with Coulomb friction, within bounds of relative acceleration and stroke.
 
         The body waits on the verge of slipping back while the inner mass gathers speed, is thrown forwards by the whole acceleration, and

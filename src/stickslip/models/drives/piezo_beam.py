@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from stickslip.basics.arguments import Numbers, explains_arguments
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen, describe, everywhere, is_array
 from stickslip.basics.maths import pi, sqrt
@@ -170,7 +171,7 @@ class PiezoBeam(Frozen):
         u = self.length * self.spread(tip_by_modes, *given(voltage, frequency))
         return TipMotion(_plain(abs(u)), _plain(np.arctan2(u.imag, u.real)))
 
-    def spread(self, function: Any, voltage: Any, frequency: Any) -> Any:
+    def spread(self, function: Any, voltage: Numeric, frequency: Numeric) -> Any:
         """A function of the unit beam (`tip_by_modes` and its like) times T L/EI, for every case; labelled arrays broadcast by name.
 
         A displacement comes out in units of L, a slope in radians.
@@ -179,7 +180,7 @@ class PiezoBeam(Frozen):
 
         per_mode = isinstance(self.damping, tuple)
 
-        def cases(omega: Any, ratio: Any, end: Any, damping: Any, moment: Any) -> Any:
+        def cases(omega: Numeric, ratio: Numeric, end: Numeric, damping: Numeric, moment: Any) -> Any:
             zeta = np.asarray(self.damping) if per_mode else np.asarray(damping)[..., None]
             return moment * function(omega, ratio, end, self.modes, zeta)
 
@@ -245,6 +246,6 @@ class PiezoBeam(Frozen):
         return (q * push).sum(axis=1) * self.moment_per_volt * self.length**2 / self.bending_stiffness
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Numeric) -> Any:
     """A float where the answer is one number."""
     return value if is_array(value) else float(value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where, within
 from stickslip.basics.quantities import PERIOD, Rule, quantity
 from stickslip.models.drives.force import Force
@@ -50,7 +51,7 @@ class Pulses(Force):
         """Instant at which it is switched off [s]."""
         return (self.duty * self.period,)
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Numeric) -> Any:
         """The force [N]; at a switching instant the value after it."""
         return where(within(t, self.period) < self.duty * self.period, self.amplitude, 0.0)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import pi
 from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import Remarked
@@ -47,7 +48,7 @@ class RecordedForce(Remarked, OfCoefficients, Force):
 
     _typed: ClassVar[str] = "type for example ss.RecordedForce.from_samples(t, force=F, period=0.06)"
 
-    def at(self, t: Any) -> Any:
+    def at(self, t: Numeric) -> Any:
         """The force [N]."""
         return self.mean + series((2 * pi / self.period) * t, self.cosines, self.sines)
 
@@ -57,7 +58,7 @@ class RecordedForce(Remarked, OfCoefficients, Force):
         return RecordedForce(self.period, -self.mean, cosines, sines, self.notes)
 
     @classmethod
-    def from_samples(cls, t: Any, force: Any, period: Any, tolerance: float = 1e-3, order: int | None = None) -> RecordedForce:
+    def from_samples(cls, t: Numeric, force: Numeric, period: Numeric, tolerance: float = 1e-3, order: int | None = None) -> RecordedForce:
         """A force from samples of one or several of its periods, fitted by least squares at the instants at which they were taken.
 
         Parameters

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import Problems, is_number
 from stickslip.basics.fields import describe
 from stickslip.basics.frozen_arrays import sealed
@@ -81,7 +81,7 @@ def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: A
     return record
 
 
-def _numbers(name: str, values: Any, problems: Problems, example: str) -> Array:
+def _numbers(name: str, values: ArrayLike, problems: Problems, example: str) -> Array:
     import numpy as np
 
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where, wrapped
 from stickslip.basics.quantities import between, quantity
 from stickslip.models.drives.drive_adapter import drive_of
@@ -37,7 +38,7 @@ class Shifted(Around):
         )
     )
 
-    def _time(self, t: Any) -> Any:
+    def _time(self, t: Numeric) -> Any:
         return t + self.phase * self.drive.period
 
     def _begun(self, instant: Any) -> Any:
@@ -62,7 +63,7 @@ class Shifted(Around):
         lift = drive_of(self.drive).vertical_acceleration
         return None if lift is None else lambda t: lift(self._time(t))
 
-    def _of(self, what: str, t: Any) -> Any:
+    def _of(self, what: str, t: Numeric) -> Any:
         return super()._of(what, self._time(t))
 
     @classmethod

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import maximum, sqrt, where, within
@@ -108,20 +109,20 @@ class ThreePhase(PeriodicDrive):
         """The larger of u1 and u3 [m/s]."""
         return maximum(self.u1, self.u3)
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position, from 0 to the stroke and back [m]."""
         s = within(t, self.period)
         r, left = s - self._pushed, self.period - s
         middle = 0.5 * self.u1 * self._pushed + r * (self.u1 - 0.5 * self._return * r)
         return where(s < self._pushed, 0.5 * self.w1 * s**2, where(s < self._turned, middle, 0.5 * self.w3 * left**2))
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
         s = within(t, self.period)
         middle, last = self.u1 - self._return * (s - self._pushed), -self.w3 * (self.period - s)
         return where(s < self._pushed, self.w1 * s, where(s < self._turned, middle, last))
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]; at a break it is that of the phase that begins."""
         s = within(t, self.period)
         return where(s < self._pushed, self.w1, where(s < self._turned, -self._return, self.w3))

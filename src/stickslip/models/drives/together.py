@@ -7,6 +7,7 @@ from functools import reduce
 from operator import add
 from typing import Any
 
+from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import within
 from stickslip.models.drives.common import MOST_REPEATS, own_time, repeated, repeats_of, times
@@ -51,19 +52,19 @@ class Together:
         """The mean of what each mass has, weighted with the masses."""
         return reduce(add, [m * value for m, value in zip(self.masses, values, strict=True)]) / self.mass
 
-    def _each(self, t: Any, what: str) -> list[Any]:
+    def _each(self, t: Numeric, what: str) -> list[Any]:
         """The values of all drives at a time."""
         return [getattr(drive, what)(_own_time(drive, t, count)) for drive, count in zip(self.drives, self.cycles, strict=True)]
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position of the centre of mass [m]."""
         return self._mean(self._each(t, "position"))
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Its relative velocity [m/s]."""
         return self._mean(self._each(t, "velocity"))
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Its relative acceleration [m/s^2]."""
         return self._mean(self._each(t, "acceleration"))
 
@@ -115,13 +116,13 @@ class Together:
         return tuple(note for drive in self.drives for note in drive_of(drive).notes)
 
 
-def _own_time(drive: Any, t: Any, count: int) -> Any:
+def _own_time(drive: Drive, t: Numeric, count: int) -> Any:
     """The time since the drive's own period began, of a drive that is written for one period."""
     written_for_one = count > 1 and not drive_of(drive).smooth
     return own_time(within(t, times(count, drive.period)), drive.period, count) if written_for_one else t
 
 
-def _lift(drive: Any, t: Any, count: int) -> Any:
+def _lift(drive: Drive, t: Numeric, count: int) -> Any:
     lift = drive_of(drive).vertical_acceleration
     return 0.0 if lift is None else lift(_own_time(drive, t, count))
 

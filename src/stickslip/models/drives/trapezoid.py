@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import bisected, maximum, where, within
@@ -97,17 +98,17 @@ class Trapezoid(PeriodicDrive):
         """From end to end [m]."""
         return self.u1 * self.breaks[0] + 2 * self.ramp * self._half_turn
 
-    def _period_of(self, stroke: Any) -> Any:
+    def _period_of(self, stroke: Numeric) -> Any:
         """The period with this stroke [s]."""
         return ((stroke - 2 * self.ramp * self._half_turn) / self.u1 + self.ramp) * (self.u1 + self.u2) / self.u2
 
-    def _pieces(self, t: Any, first: Any, down: Any, second: Any, up: Any) -> Any:
+    def _pieces(self, t: Numeric, first: Any, down: Any, second: Any, up: Any) -> Any:
         """One of four functions: of the time s in the period, on a ramp of sigma."""
         s, (e1, e2, e3) = within(t, self.period), self.breaks
         ramps = down(s, (s - e1) / self.ramp), up(s, (s - e3) / self.ramp)
         return where(s < e1, first(s), where(s < e2, ramps[0], where(s < e3, second(s), ramps[1])))
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position, 0 where the period begins [m]."""
         u1, u2, turn = self.u1, self.u2, (self.u1 + self.u2) * self.ramp
         _, e2, e3 = self.breaks
@@ -121,14 +122,14 @@ class Trapezoid(PeriodicDrive):
             lambda s, sigma: last - u2 * (s - e3) + turn * _risen(sigma),
         )
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity [m/s]."""
         u1, u2, total = self.u1, self.u2, self.u1 + self.u2
         return self._pieces(
             t, lambda s: u1, lambda s, sigma: u1 - total * _rise(sigma), lambda s: -u2, lambda s, sigma: total * _rise(sigma) - u2
         )
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration [m/s^2]."""
         steep = (self.u1 + self.u2) / self.ramp
         return self._pieces(

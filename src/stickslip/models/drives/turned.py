@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.drives.drive_adapter import drive_of
 from stickslip.models.drives.two_phase import TwoPhase
 from stickslip.models.drives.wrapper import Around
@@ -34,7 +35,7 @@ class Reversed(Around):
         """Jumps of the relative velocity: (instant [s], jump [m/s])."""
         return tuple((instant, -jump) for instant, jump in drive_of(self.drive).jumps)
 
-    def _of(self, what: str, t: Any) -> Any:
+    def _of(self, what: str, t: Numeric) -> Any:
         return -super()._of(what, t)
 
     @classmethod

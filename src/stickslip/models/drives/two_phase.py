@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import maximum, where, within
 from stickslip.basics.quantities import STROKE, positive, quantity
@@ -33,16 +34,16 @@ class Wedge(PeriodicDrive):
         """The larger of the two speeds [m/s]."""
         return maximum(self.u1, self.u2)
 
-    def position(self: Any, t: Any) -> Any:
+    def position(self: Any, t: Numeric) -> Any:
         """Relative position, from 0 to the stroke and back [m]."""
         s = within(t, self.period)
         return where(s < self.t1, self.u1 * s, self.u2 * (self.period - s))
 
-    def velocity(self: Any, t: Any) -> Any:
+    def velocity(self: Any, t: Numeric) -> Any:
         """Relative velocity [m/s]; at a jump it is the velocity after it."""
         return where(within(t, self.period) < self.t1, self.u1, -self.u2)
 
-    def acceleration(self: Any, t: Any) -> Any:
+    def acceleration(self: Any, t: Numeric) -> Any:
         """Relative acceleration between the jumps: zero [m/s^2]."""
         return 0.0 * t
 

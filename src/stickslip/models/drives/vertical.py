@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import pi, sin
 from stickslip.basics.quantities import PHASE, at_least, quantity
@@ -52,11 +53,11 @@ class VerticalVibration(Around):
         super()._check(problems)
         problems.whole("harmonic", self.harmonic, 1, example=1)
 
-    def vertical_position(self, t: Any) -> Any:
+    def vertical_position(self, t: Numeric) -> Any:
         """Relative position of the inner mass across the track [m]."""
         return self.amplitude * sin(self.harmonic * self.omega * t + self.phase)
 
-    def vertical_acceleration(self, t: Any) -> Any:
+    def vertical_acceleration(self, t: Numeric) -> Any:
         """Relative acceleration of the inner mass across the track [m/s^2]."""
         omega, inner = self.harmonic * self.omega, drive_of(self.drive).vertical_acceleration
         own = -self.amplitude * omega**2 * sin(omega * t + self.phase)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from operator import attrgetter
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.models.drives.drive import PeriodicDrive
 from stickslip.models.drives.drive_adapter import NEEDS, drive_of, lacking
@@ -37,18 +38,18 @@ class Around(PeriodicDrive):
                 "type for example drive=ss.Harmonic(amplitude=5e-4, omega=205.46)"
             )
 
-    def _of(self, what: str, t: Any) -> Any:
+    def _of(self, what: str, t: Numeric) -> Any:
         """Position, velocity or acceleration: of the drive, unless a subclass changes it."""
         return getattr(self.drive, what)(t)
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Relative position along the track [m]."""
         return self._of("position", t)
 
-    def velocity(self, t: Any) -> Any:
+    def velocity(self, t: Numeric) -> Any:
         """Relative velocity along the track [m/s]."""
         return self._of("velocity", t)
 
-    def acceleration(self, t: Any) -> Any:
+    def acceleration(self, t: Numeric) -> Any:
         """Relative acceleration along the track [m/s^2]."""
         return self._of("acceleration", t)

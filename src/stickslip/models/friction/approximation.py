@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.friction.coefficients import MU_MINUS, MU_PLUS, WIDTH
 from stickslip.models.friction.law import Law
 
@@ -15,11 +16,11 @@ class Approximation(Law):
     states: ClassVar[int] = 0
     approximation: ClassVar[str] = ""
 
-    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
+    def rate(self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric) -> tuple[Any, ...]:
         """There is no inner state."""
         return ()
 
-    def scale(self, load: Any) -> tuple[Any, ...]:
+    def scale(self, load: Numeric) -> tuple[Any, ...]:
         """There is no inner state."""
         return ()
 
@@ -27,7 +28,7 @@ class Approximation(Law):
         """The velocity over which friction changes [m/s]."""
         return self.width
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """The error of this law."""
         return [self.approximation]
 

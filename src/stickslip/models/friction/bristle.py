@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.models.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.models.friction.law import Law
@@ -68,15 +69,15 @@ class Bristle(Law):
         problems.whole("bristles", self.bristles, 1, example=10)
         problems.whole("seed", self.seed, 0, example=0)
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Every bristle bends with the body [m/s]."""
         return alone_or_all((v,) * self.bristles)
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Friction force R [N]."""
         return self.sigma0 / self.bristles * sum(each(z))
 
-    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: Any, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
         """A bristle snaps where it is bent too far in the direction of motion."""
         reach = by_side(v, 1.5 * self.mu_plus, -1.5 * self.mu_minus) * load / self.sigma0  # signed
         switches: list[tuple[Any, Any, Any]] = []
@@ -87,11 +88,11 @@ class Bristle(Law):
             switches.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, alone_or_all(bent)))
         return switches
 
-    def scale(self, load: Any) -> Any:
+    def scale(self, load: Numeric) -> Any:
         """Typical deflections [m]."""
         return alone_or_all((0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0,) * self.bristles)
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """Remarks on this law for the user."""
         return [
             f"Bristle friction is random (another seed than {self.seed} gives another run), and is solved in plain Python, case by case"

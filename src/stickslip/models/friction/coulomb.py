@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.friction.sides import by_side
 from stickslip.models.friction.two_sided import Dry
 
@@ -34,6 +35,6 @@ class Coulomb(Dry):
     (-2.1, 1.5)
     """
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N] (Eq. 2.4, first two lines)."""
         return by_side(v, self.mu_plus, -self.mu_minus) * load

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.friction.coefficients import QUADRATIC, VISCOUS
 from stickslip.models.friction.sides import by_side
 from stickslip.models.friction.two_sided import Dry
@@ -48,6 +49,6 @@ class CoulombViscous(Dry):
     viscous: float = field(default=0.0, metadata=VISCOUS)
     quadratic: float = field(default=0.0, metadata=QUADRATIC)
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, self.mu_plus, -self.mu_minus) * load + self.viscous * v + self.quadratic * v * abs(v)

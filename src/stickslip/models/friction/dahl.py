@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.quantities import EXPONENTS, quantity
 from stickslip.models.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.models.friction.sides import by_side, signed_power
@@ -57,15 +58,15 @@ class Dahl(Elastic):
         ),
     )
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
         signed = by_side(v, 1.0 / self.mu_plus, -1.0 / self.mu_minus)
         return v * signed_power(1.0 - self.sigma0 * z * signed / load, self.exponent)
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric) -> Any:
         """Friction force R [N]."""
         return self.sigma0 * z
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """Remarks on this law for the user."""
         return ["Dahl friction has no Stribeck effect and no static friction above the kinetic one: it makes no stick-slip by itself"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where
 from stickslip.models.friction.approximation import SmoothedCoulomb
 from stickslip.models.friction.sides import by_side
@@ -37,7 +38,7 @@ class DeadBand(SmoothedCoulomb):
         "dead-band Coulomb friction is a viscous film inside the band: under any force below break-away the body creeps, at up to width"
     )
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric) -> Any:
         """Friction force R [N]."""
         share = where(v > self.width, 1.0, where(v < -self.width, -1.0, v / self.width))
         return by_side(v, self.mu_plus, self.mu_minus) * load * share

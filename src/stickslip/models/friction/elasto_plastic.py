@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import minimum, pi, sin, where
 from stickslip.basics.quantities import at_least, quantity
 from stickslip.models.friction.coefficients import SIGMA1, SIGMA2, V_S
@@ -72,7 +73,7 @@ class ElastoPlastic(Fading, Bristles):
     z_ba: float = field(metadata=_ELASTIC)
     z_ba_minus: float | None = field(default=None, metadata=_ELASTIC | {"example": 3e-7, "symbol": "z_{ba,-}"})
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Any, load: Numeric) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
         bent, steady = by_side(v, z, -z), load * fading(self, v) / self.sigma0
         elastic = minimum(by_side(v, self.z_ba, self.z_ba if self.z_ba_minus is None else self.z_ba_minus), _MOST * steady)
@@ -80,11 +81,11 @@ class ElastoPlastic(Fading, Bristles):
         alpha = where(bent > elastic, where(bent > steady, 1.0, between), 0.0)
         return v * (1.0 - alpha * bent / steady)
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric) -> Any:
         """Friction force R [N]."""
         return self.sigma0 * z + self.sigma1 * zdot + self.sigma2 * v
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """Remarks on the numbers, such as an elastic range that ends beyond sliding."""
         import numpy as np
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import where
@@ -105,7 +106,7 @@ class GMS(Fading, Bristles):
         """Number of memories: each element sticks (0) or slips (1)."""
         return len(self.weights)
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+    def rate(self, v: Numeric, z: Any, load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Rates of the deflections dz_i/dt [m/s]."""
         pull, signed = by_side(v, self.attraction, -self.attraction), by_side(v, 1.0, -1.0) / (load * fading(self, v))
         rates = []
@@ -114,11 +115,11 @@ class GMS(Fading, Bristles):
             rates.append(where(slips > 0, pull * (alpha - k * zi * signed) / k, v))
         return alone_or_all(tuple(rates))
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Friction force R [N]."""
         return self.sigma0 * sum(kappa * zi for kappa, zi in zip(self.stiffness, each(z), strict=True)) + self.sigma2 * v
 
-    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: Any, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
         """All elements stick when v passes zero; one slips when its force reaches its share of the Stribeck curve."""
         switches: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
         grip, z = fading(self, v), each(z)
@@ -128,7 +129,7 @@ class GMS(Fading, Bristles):
             switches.append((where(mode[i] > 0, grip, left), slips, None))  # one that slips already has no event, also without a load
         return switches
 
-    def scale(self, load: Any) -> Any:
+    def scale(self, load: Numeric) -> Any:
         """Typical deflections: where each element begins to slip [m]."""
         whole = super().scale(load)
         return alone_or_all(tuple(alpha / kappa * whole for kappa, alpha in zip(self.stiffness, self.weights, strict=True)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where
 from stickslip.models.friction.approximation import Approximation
 from stickslip.models.friction.coefficients import WIDTH
@@ -49,7 +50,7 @@ class Karnopp(Approximation, TwoSided):
         "Karnopp's model does not bring the body to rest: inside the band it keeps the velocity with which it came in, up to width"
     )
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, applied: Numeric) -> Any:
         """Friction force R; `applied` is the one that would keep v constant [N]."""
         backward, forward = self.breakaway(load)
         held = where(applied > forward, forward, where(applied < backward, backward, applied))

@@ -12,7 +12,7 @@ import inspect
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.basics.contracts import Law
+from stickslip.basics.contracts import Law, Numeric
 from stickslip.basics.errors import InputError, OneContactNeeded
 from stickslip.basics.maths import sqrt, where
 
@@ -70,18 +70,20 @@ class LawAdapter:
         """Whether inner states say how far its friction is from that of sliding; a set-valued law slides or rests."""
         return self.dynamic and self.states > 0
 
-    def rate(self, v: Any, z: States, load: Any, mode: States = ()) -> States:
+    def rate(self, v: Numeric, z: States, load: Numeric, mode: States = ()) -> States:
         """Rates of the inner states."""
         return self._shaped(self.law.rate(v, self._own(z), load, *self._held(mode)), "rate") if self.dynamic else ()
 
-    def force(self, v: Any, z: States, zdot: States, load: Any, mode: States = (), applied: Any = 0.0) -> Any:
+    def force(self, v: Numeric, z: States, zdot: States, load: Numeric, mode: States = (), applied: Numeric = 0.0) -> Any:
         """Friction force [N]; of a set-valued law while it slides. `applied` is what would keep the velocity constant [N]."""
         if not self.dynamic:
             return self.law.sliding(v, load)
         more = (*self._held(mode), *((applied,) if self.needs_applied else ()))
         return self.law.force(v, self._own(z), self._own(zdot), load, *more)
 
-    def response(self, v: Any, z: States, load: Any, mode: States = (), applied: Any = 0.0, least: Any = 0.0) -> tuple[Any, States]:
+    def response(
+        self, v: Numeric, z: States, load: Numeric, mode: States = (), applied: Numeric = 0.0, least: Any = 0.0
+    ) -> tuple[Any, States]:
         """Friction force [N], and the rates of the inner states."""
         zdot = self.rate(v, z, load, mode)
         return self.resolved(least, v, z, zdot, load, mode, applied), zdot
@@ -98,20 +100,20 @@ class LawAdapter:
         return abs(v) / size * self.force(where(v > 0.0, 1.0, -1.0) * size, z, zdot, load, mode, applied)
 
     @staticmethod
-    def least_creep(scale: Any, difference: bool = False) -> Any:
+    def least_creep(scale: Numeric, difference: bool = False) -> Any:
         """The velocity below which friction that creeps is taken to be proportional to it, in motions of such a velocity [m/s]."""
         return (_LEAST_DIFFERENCE if difference else _LEAST_CREEP) * scale
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force of a set-valued law at a velocity that is not zero [N]."""
         return self.law.sliding(v, load)
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """Forces (backward, forward) up to which a set-valued law holds a body [N]."""
         backward, forward = self.law.breakaway(load)
         return backward, forward
 
-    def limits(self, load: Any) -> tuple[Any, Any] | None:
+    def limits(self, load: Numeric) -> tuple[Any, Any] | None:
         """Forces (backward, forward) up to which any law holds a body [N], a dynamic one by its coefficients; None where it has none."""
         if not self.dynamic:
             try:
@@ -121,14 +123,14 @@ class LawAdapter:
         minus, plus = (self._static(side) for side in ("minus", "plus"))
         return None if minus is None or plus is None else (-minus * load, plus * load)
 
-    def switches(self, v: Any, z: States, load: Any, mode: States) -> Switches:
+    def switches(self, v: Numeric, z: States, load: Numeric, mode: States) -> Switches:
         """Guards that end a mode; empty for a law without modes."""
         if not self.switching:
             return []
         switches = self.law.switches(v, self._own(z), load, mode)
         return [(guard, tuple(after), None if new is None else self._shaped(new, "switches")) for guard, after, new in switches]
 
-    def passed_zero(self, z: States, load: Any, mode: States, side: int = 1) -> tuple[States, States]:
+    def passed_zero(self, z: States, load: Numeric, mode: States, side: int = 1) -> tuple[States, States]:
         """Inner states and modes once v has come to zero from a side: after every switch that waits for it and for nothing else."""
         done: set[int] = set()
         while True:
@@ -140,17 +142,17 @@ class LawAdapter:
             z = z if new is None else new
             done.add(due[0])
 
-    def scale(self, load: Any) -> States | None:
+    def scale(self, load: Numeric) -> States | None:
         """Typical size of each inner state, where the law says it."""
         own = getattr(self.law, "scale", None)
         return None if own is None else self._shaped(own(load), "scale")
 
-    def slip_length(self, load: Any) -> Any:
+    def slip_length(self, load: Numeric) -> Any:
         """Slip over which its inner states change [m]: what the law says; None where it does not, and its states are deflections."""
         own = getattr(self.law, "slip_length", None)
         return None if own is None else own(load)
 
-    def start(self, load: Any) -> States:
+    def start(self, load: Numeric) -> States:
         """Inner states of a contact that nobody has moved: what the law says, else zeros."""
         return self._shaped(self.law.start(load), "start") if self.has_start else (0.0,) * self.states
 
@@ -159,12 +161,12 @@ class LawAdapter:
         own = getattr(self.law, "velocity_scale", None)
         return None if own is None else own()
 
-    def creep_velocity(self, z: States, load: Any) -> Any:
+    def creep_velocity(self, z: States, load: Numeric) -> Any:
         """Velocity up to which friction is proportional to it, in these inner states [m/s]; None where the law does not say."""
         own = getattr(self.law, "creep_velocity", None)
         return None if own is None else own(self._own(z), load)
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """The law's notes on its own numbers."""
         own = getattr(self.law, "notes", None)
         return [] if own is None else list(own(load))
@@ -214,7 +216,7 @@ class LawAdapter:
         """The modes as a law takes them that has any."""
         return (mode,) if self.switching else ()
 
-    def _shaped(self, value: Any, what: str) -> States:
+    def _shaped(self, value: Numeric, what: str) -> States:
         """The law's values for its inner states, as a tuple of the right length."""
         values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
         if len(values) != self.states:
@@ -223,7 +225,7 @@ class LawAdapter:
         return values
 
 
-def is_law(value: Any) -> bool:
+def is_law(value: Numeric) -> bool:
     """Whether something (or what its class makes) has the methods of a set-valued or a dynamic law."""
     return _is_dynamic(value) or (hasattr(value, "sliding") and hasattr(value, "breakaway"))
 
@@ -259,7 +261,7 @@ def _takes_applied(kind: Any) -> bool:
     return "applied" in inspect.signature(kind.force).parameters
 
 
-def mirrored(law: Any) -> Any:
+def mirrored(law: LawAdapter) -> Any:
     """The law as it is for who looks from the other side: what its own `mirrored()` says, else plus and minus exchanged, in parts too.
 
     Examples
@@ -280,7 +282,7 @@ def mirrored(law: Any) -> Any:
     return dataclasses.replace(law, **changes)
 
 
-def _mirrored_parts(value: Any) -> Any:
+def _mirrored_parts(value: Numeric) -> Any:
     if isinstance(value, tuple):
         return tuple(map(_mirrored_parts, value))
     return mirrored(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.friction.coefficients import SIGMA1, SIGMA2, V_S
 from stickslip.models.friction.sides import fading, static
 from stickslip.models.friction.two_sided import Bristles, Fading
@@ -54,19 +55,19 @@ class LuGre(Fading, Bristles):
     sigma2: float = field(metadata=SIGMA2)
     v_s: float = field(metadata=V_S)
 
-    def coefficient(self, v: Any) -> Any:
+    def coefficient(self, v: Numeric) -> Any:
         """Steady friction coefficient g(v) without the viscous part [-] (the bracket of Eq. 2.6)."""
         return fading(self, v)
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric) -> Any:
         """Bristle velocity dz/dt [m/s] (Eq. 2.6)."""
         return v - self.sigma0 * abs(v) * z / (load * self.coefficient(v))
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric) -> Any:
         """Friction force R [N] (Eq. 2.5)."""
         return self.sigma0 * z + self.sigma1 * zdot + self.sigma2 * v
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """Remarks on the numbers: the passivity condition sigma1 <= sigma2 Fc / (Fs - Fc)."""
         return _passivity(self)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import asinh, exp, log
@@ -91,38 +92,38 @@ class RateState(Law):
         if not problems.mistakes and not everywhere(self.mu0 <= _MOST * self.a):
             problems.add(f"a = {self.a!r} is less than mu0/{_MOST:g}; allowed is more; type for example a={0.02 * self.mu0!r}")
 
-    def start(self, load: Any) -> Any:
+    def start(self, load: Numeric) -> Any:
         """The state of steady sliding at v0."""
         return 0.0
 
-    def rate(self, v: Any, z: Any, load: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
         """Rate of the logarithm of the age [1/s]."""
         u = abs(v) / self.v0
         if self.evolution == "aging":
             return (exp(-z) - u) * (self.v0 / self.Dc)
         return -u * (0.5 * log(u * u + _STILL) + z) * (self.v0 / self.Dc)
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric) -> Any:
         """Friction force R [N]."""
         return self.a * load * asinh(0.5 * v / self.v0 * exp((self.mu0 + self.b * z) / self.a))
 
-    def steady(self, v: Any, load: Any) -> Any:
+    def steady(self, v: Numeric, load: Numeric) -> Any:
         """Friction force at steady speed [N]."""
         return self.force(v, -log(abs(v) / self.v0), 0.0, load)
 
-    def critical_stiffness(self, load: Any) -> Any:
+    def critical_stiffness(self, load: Numeric) -> Any:
         """Stiffness of a spring below which steady sliding is unstable, (b - a) N / Dc, without inertia [N/m]."""
         return (self.b - self.a) * load / self.Dc
 
-    def scale(self, load: Any) -> Any:
+    def scale(self, load: Numeric) -> Any:
         """A typical state: the logarithm of an age [-]."""
         return 1.0
 
-    def slip_length(self, load: Any) -> Any:
+    def slip_length(self, load: Numeric) -> Any:
         """Slip over which the state changes [m]."""
         return self.Dc
 
-    def creep_velocity(self, z: Any, load: Any) -> Any:
+    def creep_velocity(self, z: Any, load: Numeric) -> Any:
         """Velocity up to which friction is proportional to it [m/s]: the contact creeps with such velocities under small forces."""
         return 2 * self.v0 * exp(-(self.mu0 + self.b * z) / self.a)
 
@@ -130,7 +131,7 @@ class RateState(Law):
         """The speed about which the logarithm is written [m/s]."""
         return self.v0
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """Remarks on this law for the user."""
         if everywhere(self.a >= self.b):
             return ["a >= b: friction grows with the speed, and this law makes no stick-slip by itself"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import where
 from stickslip.models.friction.coefficients import SIGMA1
 from stickslip.models.friction.sides import by_side, static
@@ -50,17 +51,19 @@ class ResetIntegrator(Bristles):
 
     modes: ClassVar[int] = 1
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+    def rate(self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
         return where(mode[0] > 0, 0.0 * v, where(mode[0] < 0, 0.0 * v, v))
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+    def force(self, v: Numeric, z: Any, zdot: Any, load: Numeric, mode: Any) -> Any:
         """Friction force R [N]."""
         steeper = by_side(z, static(self.f_plus, self.mu_plus) / self.mu_plus, static(self.f_minus, self.mu_minus) / self.mu_minus)
         sticks = steeper * self.sigma0 * z + self.sigma1 * zdot
         return where(mode[0] > 0, self.mu_plus * load, where(mode[0] < 0, -self.mu_minus * load, sticks))
 
-    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(
+        self, v: Numeric, z: Numeric | tuple[Numeric, ...], load: Numeric, mode: tuple[Numeric, ...]
+    ) -> list[tuple[Any, Any, Any]]:
         """Sliding begins where z reaches its bound on the side to which v goes, and ends when v passes zero."""
         forward, backward = self.mu_plus * load / self.sigma0, self.mu_minus * load / self.sigma0
         bounds = by_side(v, forward - z, forward), by_side(v, backward, backward + z)

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import exp, log, where
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this, so that it has a slope there
 
 
-def by_side(v: Any, plus: Any, minus: Any) -> Any:
+def by_side(v: Numeric, plus: Any, minus: Any) -> Any:
     """The forward value where v > 0, else the backward one."""
     return where(v > 0, plus, minus)
 
 
-def static(f: Any, mu: Any) -> Any:
+def static(f: Any, mu: Numeric) -> Any:
     """The break-away coefficient; ``None`` means that it is the kinetic one."""
     return mu if f is None else f
 
 
-def stribeck(v: Any, mu: Any, f: Any, v_s: Any) -> Any:
+def stribeck(v: Numeric, mu: Numeric, f: Any, v_s: Any) -> Any:
     """Steady friction coefficient: from f at rest to mu at speed (the bracket of Eq. 2.6)."""
     return mu + (f - mu) * exp(-((v / v_s) ** 2))
 
@@ -31,7 +32,7 @@ def fading(law: Any, v: Any, exponent: Any = None) -> Any:
     return stribeck(v, mu, f, law.v_s) if exponent is None else mu + (f - mu) * exp(-power(v / law.v_s, exponent))
 
 
-def power(x: Any, exponent: Any) -> Any:
+def power(x: Numeric, exponent: Numeric) -> Any:
     """``|x|**exponent`` for a positive exponent: 1 and 2 to the last bit, others with a finite slope at x = 0."""
     if hasattr(x, "__ss_power__"):
         return x.__ss_power__(exponent)
@@ -39,14 +40,14 @@ def power(x: Any, exponent: Any) -> Any:
     return where(_is(exponent, 1.0), abs(x), where(_is(exponent, 2.0), x * x, other))
 
 
-def signed_power(x: Any, exponent: Any) -> Any:
+def signed_power(x: Numeric, exponent: Numeric) -> Any:
     """``|x|**exponent * sgn(x)`` for a positive exponent, with a finite slope at x = 0."""
     if hasattr(x, "__ss_power__"):
         return x * x.__ss_power__(exponent - 1.0)
     return x * exp(0.5 * (exponent - 1.0) * log(x * x + _BLUNT))
 
 
-def each(z: Any) -> tuple[Any, ...]:
+def each(z: Numeric | tuple[Numeric, ...]) -> tuple[Any, ...]:
     """The inner states as a tuple; a law with one state is given a number."""
     return z if isinstance(z, tuple) else (z,)
 

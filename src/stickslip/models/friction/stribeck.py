@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.quantities import EXPONENTS, quantity
 from stickslip.models.friction.coefficients import V_S, VISCOUS
 from stickslip.models.friction.sides import by_side, fading
@@ -64,10 +65,10 @@ class Stribeck(Fading, TwoSided):
     )
     viscous: float = field(default=0.0, metadata=VISCOUS)
 
-    def coefficient(self, v: Any) -> Any:
+    def coefficient(self, v: Numeric) -> Any:
         """Steady friction coefficient without the viscous part, positive both ways [-]."""
         return fading(self, v, self.exponent)
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, 1.0, -1.0) * self.coefficient(v) * load + self.viscous * v

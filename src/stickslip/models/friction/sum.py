@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import minimum
@@ -73,7 +74,7 @@ class Sum(Law):
             raise AttributeError("velocity_scale")
         return methods[0] if len(methods) == 1 else lambda: minimum(methods[0](), methods[1]())
 
-    def notes(self, load: Any) -> list[str]:
+    def notes(self, load: Numeric) -> list[str]:
         """The notes of both parts."""
         return [note for part in (self.first, self.second) for note in adapted(part).notes(load)]
 
@@ -81,11 +82,11 @@ class Sum(Law):
 class SlidingSum(Sum):
     """A set-valued sum."""
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return _moving(self.first, v, load) + _moving(self.second, v, load)
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N]."""
         held = [part.breakaway(load) for part in map(adapted, (self.first, self.second)) if not part.dynamic]
         return sum(low for low, _ in held), sum(high for _, high in held)
@@ -107,7 +108,7 @@ class DynamicSum(Sum):
             return getattr(self._parts()[0], name)
         raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric) -> Any:
         """Friction force R [N]."""
         dynamic, other = self._parts()
         return dynamic.force(v, z, zdot, load) + _moving(other, v, load)
@@ -116,13 +117,13 @@ class DynamicSum(Sum):
 class ModalSum(DynamicSum):
     """The same where the dynamic law has discrete memory."""
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric, mode: tuple[Numeric, ...]) -> Any:  # type: ignore[override]
         """Friction force R [N]."""
         dynamic, other = self._parts()
         return dynamic.force(v, z, zdot, load, mode) + _moving(other, v, load)
 
 
-def _moving(law: Any, v: Any, load: Any) -> Any:
+def _moving(law: LawAdapter, v: Numeric, load: Numeric) -> Any:
     """Force of a law without memory at velocity v [N]."""
     return adapted(law).force(v, (), (), load)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import where
@@ -82,7 +83,7 @@ class Tabulated(Law):
                     f"type f_{side}=None for equal ones"
                 )
 
-    def coefficient(self, v: Any) -> Any:
+    def coefficient(self, v: Numeric) -> Any:
         """Friction coefficient, positive both ways [-]."""
         speed, x = abs(v), self.speed
         plus, minus = _pieces(x, self.mu_plus), _pieces(x, self.mu_minus)
@@ -95,11 +96,11 @@ class Tabulated(Law):
         s = speed - start
         return c0 + s * (c1 + s * (c2 + s * c3))
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, 1.0, -1.0) * self.coefficient(v) * load
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N]."""
         return -static(self.f_minus, self.mu_minus[0]) * load, static(self.f_plus, self.mu_plus[0]) * load
 
@@ -141,13 +142,13 @@ def _slopes(h: list[Any], rise: list[Any]) -> list[Any]:
     return [_end(h[0], h[1], rise[0], rise[1]), *inner, _end(h[-1], h[-2], rise[-1], rise[-2])]
 
 
-def _middle(ha: Any, hb: Any, a: Any, b: Any) -> Any:
+def _middle(ha: Any, hb: Any, a: Any, b: Numeric) -> Any:
     wa, wb = 2.0 * hb + ha, hb + 2.0 * ha
     below = where(a * b > 0, wa * b + wb * a, 1.0)
     return where(a * b > 0, (wa + wb) * a * b / below, 0.0)
 
 
-def _end(ha: Any, hb: Any, a: Any, b: Any) -> Any:
+def _end(ha: Any, hb: Any, a: Any, b: Numeric) -> Any:
     """One-sided slope of three points, made not to overshoot."""
     slope = ((2.0 * ha + hb) * a - ha * b) / (ha + hb)
     steep = where(a * b > 0, slope, where(abs(slope) > 3.0 * abs(a), 3.0 * a, slope))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import tanh
 from stickslip.models.friction.approximation import SmoothedCoulomb
 from stickslip.models.friction.sides import by_side
@@ -37,6 +38,6 @@ class TanhCoulomb(SmoothedCoulomb):
         "tanh-smoothed Coulomb friction has no static friction: under any force below break-away the body creeps, at a speed near width"
     )
 
-    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+    def force(self, v: Numeric, z: Numeric, zdot: Numeric, load: Numeric) -> Any:
         """Friction force R [N]."""
         return by_side(v, self.mu_plus, self.mu_minus) * load * tanh(v / self.width)

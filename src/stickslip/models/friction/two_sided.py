@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.models.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
@@ -34,7 +35,7 @@ class TwoSided(Law):
                     f"(static friction is not below kinetic friction); type f_{side}=None for equal ones"
                 )
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """Static friction limits (backward, forward) [N] (of Coulomb: Eq. 2.4, fourth line)."""
         return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load
 
@@ -50,7 +51,7 @@ class Dry(TwoSided):
 class Elastic(Law):
     """Laws whose inner state is a deflection of stiffness sigma0."""
 
-    def scale(self: Any, load: Any) -> Any:
+    def scale(self: Any, load: Numeric) -> Any:
         """A typical deflection, against which the error of z is measured [m]."""
         return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
 

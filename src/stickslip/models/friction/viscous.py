@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.quantities import at_least, quantity
 from stickslip.models.friction.law import Law
 from stickslip.models.friction.sides import by_side
@@ -48,11 +49,11 @@ class Viscous(Law):
         metadata=quantity("quadratic friction backwards", "N s^2/m^2", "d_{-}", example=3.0, rule=at_least(0.0), range=(0.0, 20.0)),
     )
 
-    def sliding(self, v: Any, load: Any) -> Any:
+    def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R at velocity v [N]."""
         linear, quadratic = by_side(v, self.viscous_plus, self.viscous_minus), by_side(v, self.quadratic_plus, self.quadratic_minus)
         return linear * v + quadratic * v * abs(v)
 
-    def breakaway(self, load: Any) -> tuple[Any, Any]:
+    def breakaway(self, load: Numeric) -> tuple[Any, Any]:
         """No static friction [N]."""
         return 0.0 * load, 0.0 * load

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.machines.mechanism import SpringMass
 
 
@@ -47,14 +48,14 @@ class BlockOnBelt(SpringMass):
 
     kind: ClassVar[str] = "block_on_belt"
 
-    def contact_velocity(self, v: Any) -> Any:
+    def contact_velocity(self, v: Numeric) -> Any:
         """Velocity of the block over the belt [m/s]."""
         return v - self.speed
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Acceleration of the block [m/s^2]."""
         return (-self.stiffness * x - self.damping * v - R) / self.mass
 
-    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def drive_power(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Power that the motor of the belt delivers [W]."""
         return -R * self.speed

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere, replace_leaf
 from stickslip.basics.maths import maximum, pi
@@ -204,10 +205,10 @@ def _body(module: Any, position: Any) -> Body:
     machine = machine_of(module)
     drive: Any = machine.drive
 
-    def force(t: Any, x: Any, v: Any) -> Any:
+    def force(t: Numeric, x: Numeric, v: Numeric) -> Any:
         return module.total_mass * module.acceleration(t, x, v, 0.0)
 
-    def gravity(t: Any, x: Any, v: Any) -> Any:
+    def gravity(t: Numeric, x: Numeric, v: Numeric) -> Any:
         return offered_force(module, t, x) + machine.whole_inner_mass * drive.acceleration(t)
 
     breaks = machine.unsorted_breaks

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import inspect
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import checked_number, describe, everywhere
 from stickslip.basics.quantities import GRAVITIES, Rule, positive
@@ -13,6 +14,11 @@ from stickslip.models.controllers import NEEDS
 from stickslip.models.forces import check_law
 from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machines.parts import Body, Contact, Stop
+
+if TYPE_CHECKING:
+    from stickslip.models.friction.law_adapter import LawAdapter
+    from stickslip.models.mechanics import Mechanics
+
 
 _SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
@@ -68,7 +74,7 @@ def _check_gravity(gravity: Any, problems: Problems) -> None:
         checked_number("gravity", gravity, problems, allowed, allowed.words, "gravity=9.81")
 
 
-def periods_differ(name: str, period: Any, first: str, other: Any) -> str:
+def periods_differ(name: str, period: Numeric, first: str, other: Any) -> str:
     """The message about two drives of one machine whose periods differ."""
     mistake = f"{name} has the period {describe(period)} s and {first} {describe(other)} s; allowed is one common period"
     return f'{mistake}; a name with a star changes the numbers of all, type .replace({{"*.omega": 205.0}})'
@@ -83,7 +89,7 @@ def _check_body(name: Any, body: Any, problems: Problems) -> None:
         _check_told(f"bodies()[{name!r}].{what}", getattr(body, what), takes, problems, None, "a force [N]", example)
 
 
-def _check_told(where: str, value: Any, takes: tuple[str, ...], problems: Problems, rule: Any, allowed: str, example: str) -> None:
+def _check_told(where: str, value: Numeric, takes: tuple[str, ...], problems: Problems, rule: Any, allowed: str, example: str) -> None:
     """Note what is neither a number as it should be, nor a function of so many arguments."""
     if not callable(value):
         checked_number(where, value, problems, rule, f"{allowed}, or a function of {' and '.join(takes)}", example)
@@ -143,7 +149,7 @@ def _check_flight(name: str, contact: Any, mechanics: Any, problems: Problems) -
         )
 
 
-def _is_affine(law: Any) -> bool:
+def _is_affine(law: LawAdapter) -> bool:
     """Whether the sliding force of a law grows with the load at one rate: what it makes of an impulse is then known."""
     import numpy as np
 
@@ -200,7 +206,7 @@ def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Pr
             problems.add(f"{where} acts on {body!r}, which is not a body; {did_you_mean(str(body), bodies)}")
 
 
-def _check_controllers(mechanics: Any, problems: Problems) -> None:
+def _check_controllers(mechanics: Mechanics, problems: Problems) -> None:
     """Note controllers whose samples do not come together, or do not come back with the machine's period."""
     machine, parts = mechanics.model, mechanics.controllers.parts
     samples = {name: part.sample for name, part in parts.items() if part.sample is not None}
@@ -243,7 +249,7 @@ def _check_groups(mechanics: Any, problems: Problems) -> None:
             )
 
 
-def _check_stops(mechanics: Any, problems: Problems) -> None:
+def _check_stops(mechanics: Mechanics, problems: Problems) -> None:
     """Note stops between bodies whose distance is prescribed, and two that leave no way between them."""
     for name, stop in mechanics.named_stops:
         if not any(stop.direction):

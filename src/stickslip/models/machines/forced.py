@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import OneContactNeeded, Problems
 from stickslip.basics.fields import Frozen, everywhere
 from stickslip.basics.quantities import DAMPING, STIFFNESS
@@ -91,7 +92,7 @@ class Forced(Frozen):
         """Remarks on the force."""
         return tuple(getattr(self.force, "notes", None) or ())
 
-    def machine(self, robot: Any) -> BodyAndMass:
+    def machine(self, robot: Model) -> BodyAndMass:
         """The equivalent machine of two bodies."""
         return BodyAndMass(robot)
 
@@ -134,10 +135,10 @@ class BodyAndMass:
         along = robot.track.along(robot.gravity)
         back = -1.0 if self.drive.reaction else 0.0
 
-        def on_body(t: Any, x: Any, v: Any) -> Any:
+        def on_body(t: Numeric, x: Numeric, v: Numeric) -> Any:
             return back * force.at(t) + robot.body_mass * along if back else robot.body_mass * along
 
-        def on_inner(t: Any, x: Any, v: Any) -> Any:
+        def on_inner(t: Numeric, x: Numeric, v: Numeric) -> Any:
             return force.at(t) + robot.inner_mass * along
 
         return {
@@ -161,7 +162,7 @@ class BodyAndMass:
         """The stops of the drive."""
         return {("inner", "body"): self.drive.stops} if self.drive.stops else {}
 
-    def forces(self, t: Any, x: Any, v: Any) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Numeric, v: Numeric) -> Mapping[str, Any]:
         """No others."""
         return {}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import pi, sin
 from stickslip.basics.quantities import DAMPING, LOAD, MASS, OMEGA, STIFFNESS, quantity
 from stickslip.models.machines.mechanism import Sprung
@@ -72,14 +73,14 @@ class ForcedOscillator(Sprung):
         """Change of velocity in a time 1/omega under the force and a friction force equal to the load [m/s]."""
         return (abs(self.force) + self.load) / (self.mass * self.omega)
 
-    def given_force(self, t: Any) -> Any:
+    def given_force(self, t: Numeric) -> Any:
         """The external force [N]."""
         return self.force * sin(self.omega * t) + self.bias
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Acceleration of the mass [m/s^2]."""
         return (self.given_force(t) - self.stiffness * x - self.damping * v - R) / self.mass
 
-    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def drive_power(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Power of the external force [W]."""
         return self.given_force(t) * v

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere, is_record
 from stickslip.basics.maths import maximum, pi, sin, sqrt, where
@@ -188,7 +189,7 @@ class Joint(TakesInput, Machine):
         """Instants in (0, period) at which torque or target are not smooth [s]."""
         return tuple(s for each, count in zip(self._inputs, self.cycles or (), strict=True) for s in breaks_of(each, count))
 
-    def _count(self, value: Any) -> int:
+    def _count(self, value: Numeric) -> int:
         """Periods of an input in one of the joint."""
         return next((count for each, count in zip(self._inputs, self.cycles or (), strict=True) if each is value), 1)
 
@@ -215,7 +216,7 @@ class Joint(TakesInput, Machine):
     def bodies(self) -> Mapping[str, Any]:
         """The joint, and the motor where the gear is elastic; its angle is that over the gear ratio."""
 
-        def pull(t: Any, x: Any, v: Any) -> Any:
+        def pull(t: Numeric, x: Numeric, v: Numeric) -> Any:
             return -self.gravity_torque * sin(x)
 
         gravity: dict[str, Any] = {"force": pull, "gravity": pull}
@@ -237,7 +238,7 @@ class Joint(TakesInput, Machine):
         flank: dict[str, Any] = {"gap": 0.5 * self.backlash, "stiffness": self.gear_stiffness, "damping": self.gear_damping}
         return {("motor", "joint"): (Stop(**flank), Stop(**flank, side=-1))}
 
-    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """The applied torque, referred to the joint [N m]."""
         if self.torque is None:
             return {}

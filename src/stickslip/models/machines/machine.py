@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from stickslip.basics.batch import check_shape
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, OneContactNeeded, Problems
 from stickslip.models.machines.checks import check_parts
 from stickslip.models.machines.filed import Filed
@@ -86,7 +87,7 @@ class Machine(Filed):
         """Stops between two bodies, or a body and the ground: ``{("head", None): ss.Stop(...)}``."""
         return {}
 
-    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """Further applied forces [N] by body, from the positions [m] and velocities [m/s] of all bodies by name."""
         return {}
 

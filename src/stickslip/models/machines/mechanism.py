@@ -7,6 +7,7 @@ from operator import attrgetter
 from typing import Any, ClassVar
 
 from stickslip.basics.batch import check_shape
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import pi, sqrt
 from stickslip.basics.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
@@ -26,7 +27,7 @@ class Mechanism(Filed):
         check_law(self.friction, problems)
         check_shape(self, problems)
 
-    def contact_velocity(self: Any, v: Any) -> Any:
+    def contact_velocity(self: Any, v: Numeric) -> Any:
         """Velocity at the contact [m/s]."""
         return v
 
@@ -44,11 +45,11 @@ class Mechanism(Filed):
 class Sprung(Mechanism):
     """A mass on a spring and a damper that are fixed at their other end."""
 
-    def potential(self: Any, t: Any, x: Any) -> Any:
+    def potential(self: Any, t: Numeric, x: Numeric) -> Any:
         """Energy in the spring [J]."""
         return 0.5 * self.stiffness * x**2
 
-    def damping_power(self: Any, t: Any, x: Any, v: Any) -> Any:
+    def damping_power(self: Any, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """Power dissipated by the damping [W]."""
         return self.damping * v**2
 

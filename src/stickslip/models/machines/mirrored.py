@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.models.drives.turned import Reversed
@@ -71,7 +72,7 @@ class Turned(Machine):
         """The controllers, which see the machine as it is and act the other way round here; what they hold stays."""
         return {name: _TurnedController(part) for name, part in self.machine.controllers().items()}
 
-    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """The forces, turned round."""
         return _negative(self.machine.forces(t, _negative(x), _negative(v)))
 
@@ -86,19 +87,19 @@ class _TurnedController:
     sample = property(attrgetter("part.sample"), doc="Time between its samples [s].")
     scales = property(attrgetter("part.scales"), doc="Sizes of its states.")
 
-    def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
+    def start(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
         """Its states when it is switched on."""
         return self.part.start(t, _negative(x), _negative(v))
 
-    def rates(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+    def rates(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> tuple[Any, ...]:
         """Rates of its states."""
         return self.part.rates(t, _negative(x), _negative(v), z)
 
-    def sampled(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+    def sampled(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> tuple[Any, ...]:
         """Its states after a sample."""
         return self.part.sampled(t, _negative(x), _negative(v), z)
 
-    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> Mapping[str, Any]:
         """Its forces, turned round [N]."""
         return _negative(self.part.forces(t, _negative(x), _negative(v), z))
 
@@ -118,7 +119,7 @@ class _TurnedLink(Frozen):
         """That of the link [N/m]; None where it has none."""
         return getattr(self.link, "stiffness", None)
 
-    def force(self, distance: Any, rate: Any) -> Any:
+    def force(self, distance: Numeric, rate: Numeric) -> Any:
         """Tension, turned round [N]."""
         return -self.link.force(-distance, -rate)
 
@@ -131,10 +132,10 @@ class _TurnedMotion(Reversed):
 
 
 def _body(body: Any) -> Body:
-    def force(t: Any, x: Any, v: Any) -> Any:
+    def force(t: Numeric, x: Numeric, v: Numeric) -> Any:
         return -body.applied(t, -x, -v)
 
-    def gravity(t: Any, x: Any, v: Any) -> Any:
+    def gravity(t: Numeric, x: Numeric, v: Numeric) -> Any:
         return -body.weight_at(t, -x, -v)
 
     jumps = tuple((instant, -jump) for instant, jump in body.jumps)

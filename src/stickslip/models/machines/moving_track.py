@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import cos, maximum, sin
@@ -125,7 +126,7 @@ class MovingTrack(Machine):
         """Normal force where the track does not move across [N]."""
         return self.mass * self.gravity * cos(self.tilt) if self.load is None else self.load
 
-    def normal_force(self, t: Any) -> Any:
+    def normal_force(self, t: Numeric) -> Any:
         """Normal force while the mass stays on the track [N]; negative where only adhesion would hold it."""
         return self.still_load if self.across is None else self.still_load + self.mass * self.across.acceleration(t)
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import maximum, minimum, pi, where
@@ -49,16 +50,16 @@ class Body(Frozen):
     breaks: Any = ()
     gravity: Any = 0.0
 
-    def applied(self, t: Any, x: Any, v: Any) -> Any:
+    def applied(self, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """Applied force, with gravity [N]."""
         return _value_of(self.force, t, x, v)
 
-    def weight_at(self, t: Any, x: Any, v: Any) -> Any:
+    def weight_at(self, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """The part of it that is due to gravity [N]."""
         return _value_of(self.gravity, t, x, v)
 
 
-def _value_of(force: Any, t: Any, x: Any, v: Any) -> Any:
+def _value_of(force: Numeric, t: Numeric, x: Numeric, v: Numeric) -> Any:
     """A number, or what a function says."""
     return force(t, x, v) if callable(force) else force
 
@@ -97,7 +98,7 @@ class Contact(Frozen):
     load: Any = None
     restitution: Any = None
 
-    def normal(self, t: Any, x: Any) -> Any:
+    def normal(self, t: Numeric, x: Numeric) -> Any:
         """Normal force [N]."""
         return self.load(t, x) if callable(self.load) else self.load
 
@@ -136,13 +137,13 @@ class Spring(Frozen):
     cubic: float | None = field(default=None, metadata=quantity("cubic stiffness", "N/m^3", "k_{3}", example=1e8))
     clearance: float | None = field(default=None, metadata=quantity("play of the spring", "m", "p", example=1e-3, rule=at_least(0.0)))
 
-    def force(self, distance: Any, rate: Any) -> Any:
+    def force(self, distance: Numeric, rate: Numeric) -> Any:
         """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]. The damper has no play."""
         extension = self._extension(distance)
         force = self.stiffness * extension + self.damping * rate
         return force if self.cubic is None else force + self.cubic * (extension * extension * extension)
 
-    def _extension(self, distance: Any) -> Any:
+    def _extension(self, distance: Numeric) -> Any:
         """How much longer it is than relaxed, beyond its play [m]."""
         longer = distance - self.length
         if self.clearance is None:
@@ -161,7 +162,7 @@ class Rigid(Frozen):
     0.0
     """
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Change of the distance since the start [m], and its rates."""
         return 0.0
 
@@ -247,11 +248,11 @@ class Stop(Frozen):
         if self.side not in (1, -1):
             problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
 
-    def gap_left(self, distance: Any) -> Any:
+    def gap_left(self, distance: Numeric) -> Any:
         """The remaining gap [m]; negative while an elastic stop is pressed."""
         return self.gap - self.side * distance
 
-    def force(self, distance: Any, rate: Any) -> Any:
+    def force(self, distance: Numeric, rate: Numeric) -> Any:
         """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
         depth = self.side * distance - self.gap
         return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)

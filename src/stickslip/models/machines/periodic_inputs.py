@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import lcm
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen, is_record
 from stickslip.models.drives.common import own_time, repeated
@@ -38,13 +39,13 @@ class TakesInput(Frozen):
             problems.add(f"{name} = {value!r} has no {' and no '.join(lacking)}; allowed is {allowed}")
 
 
-def in_period(t: Any, value: Any, count: int) -> Any:
+def in_period(t: Numeric, value: Numeric, count: int) -> Any:
     """A time in `count` periods of an input, put into the first of them [s]."""
     period = getattr(value, "period", None)
     return t if period is None else own_time(t, period, count)
 
 
-def breaks_of(value: Any, count: int) -> list[Any]:
+def breaks_of(value: Numeric, count: int) -> list[Any]:
     """Instants of `count` periods of an input at which it is not smooth [s], the borders of the periods among them."""
     period = getattr(value, "period", None)
     if period is None:
@@ -54,7 +55,7 @@ def breaks_of(value: Any, count: int) -> list[Any]:
     return list(repeated(own, period, count))
 
 
-def most_times(whole: Any, period: Any) -> int:
+def most_times(whole: Any, period: Numeric) -> int:
     """How often a period is in a time that is a whole number of it; of several cases the most.
 
     Examples
@@ -67,7 +68,7 @@ def most_times(whole: Any, period: Any) -> int:
     return int(np.max(np.rint(np.asarray(whole, float) / np.asarray(period, float))))
 
 
-def common_count(period: Any, others: list[Any]) -> int:
+def common_count(period: Numeric, others: list[Any]) -> int:
     """How many periods are also a whole number of each of some other times, for all cases; 0 if none up to `MOST`.
 
     Examples

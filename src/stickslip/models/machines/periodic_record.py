@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import OfPeriod
 from stickslip.models.drives.fourier import FourierDrive, OfCoefficients
@@ -42,14 +43,14 @@ class PeriodicRecord(OfPeriod, OfCoefficients, FourierDrive):
 
     _typed: ClassVar[str] = "type for example ss.PeriodicRecord.from_samples(t, values)"
 
-    def position(self, t: Any) -> Any:
+    def position(self, t: Numeric) -> Any:
         """Value at a time, its mean included [rad or N m]."""
         return self.mean + super().position(t)
 
     at = position
 
     @classmethod
-    def from_samples(cls, t: Any, values: Any, tolerance: float = 1e-3, order: int | None = None) -> PeriodicRecord:
+    def from_samples(cls, t: Array, values: Array, tolerance: float = 1e-3, order: int | None = None) -> PeriodicRecord:
         """One period of samples: the last instant is the first of the next period.
 
         Parameters

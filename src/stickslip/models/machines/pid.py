@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems, is_one_of
 from stickslip.basics.fields import is_record
 from stickslip.basics.maths import where
@@ -136,47 +137,47 @@ class Loop:
         """Their typical sizes."""
         return (self.torque,) if self.sample is None else (self.torque, self.torque, self.angle)
 
-    def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
+    def start(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
         """The states when it is switched on; the first sample is taken at once."""
         if self.sample is None:
             return (0.0 * x[self.measured],)
         error = self._error(t, x)
         return self._sampled(t, error, 0.0, error)
 
-    def rates(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+    def rates(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Numeric | tuple[Numeric, ...]) -> tuple[Any, ...]:
         """Rate of the integral; what is held has none."""
         return (self.pid.ki * self._error(t, x),) if self.sample is None else (0.0, 0.0, 0.0)
 
-    def sampled(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+    def sampled(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
         """The states after a sample."""
         return self._sampled(t, self._error(t, x), z[1], z[2])
 
-    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
         """Its torque [N m], on the side of the joint."""
         return {self.driven: self.gear * (z[0] if self.sample is not None else self._torque(t, x, v, z[0]))}
 
-    def _torque(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], integral: Any) -> Any:
+    def _torque(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], integral: Any) -> Any:
         rate = self._rate(t) - v[self.measured]
         return self.pid.kp * self._error(t, x) + integral + self.pid.kd * rate + self._against_friction(t, v)
 
-    def _sampled(self, t: Any, error: Any, integral: Any, last: Any) -> tuple[Any, Any, Any]:
+    def _sampled(self, t: Numeric, error: Any, integral: Any, last: Any) -> tuple[Any, Any, Any]:
         pid: Any = self.pid
         total = integral + pid.ki * pid.sample * error
         return pid.kp * error + total + pid.kd * ((error - last) / pid.sample) + self._against_friction(t, {}), total, error
 
-    def _error(self, t: Any, x: Mapping[str, Any]) -> Any:
+    def _error(self, t: Numeric, x: Mapping[str, Any]) -> Any:
         target: Any = self.pid.target
         wanted = target.position(self._time(t)) if is_record(target) else target
         return wanted - x[self.measured]
 
-    def _rate(self, t: Any) -> Any:
+    def _rate(self, t: Numeric) -> Any:
         target: Any = self.pid.target
         return target.velocity(self._time(t)) if is_record(target) else 0.0
 
-    def _time(self, t: Any) -> Any:
+    def _time(self, t: Numeric) -> Any:
         return in_period(t, self.pid.target, self.count)
 
-    def _against_friction(self, t: Any, v: Mapping[str, Any]) -> Any:
+    def _against_friction(self, t: Numeric, v: Mapping[str, Any]) -> Any:
         """The feed-forward; the velocity times zero tells plain numbers that a step must not pass its jumps."""
         if not is_record(self.pid.target):
             return 0.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric
 from stickslip.models.machines.mechanism import SpringMass
 
 
@@ -49,22 +50,22 @@ class PulledMass(SpringMass):
 
     far_end_velocity = property(attrgetter("speed"), doc="Velocity of the far end of the spring [m/s].")
 
-    def spring_force(self, t: Any, x: Any, v: Any) -> Any:
+    def spring_force(self, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """Force of the spring on the mass [N]."""
         return self.stiffness * (self.speed * t - x) + self.damping * (self.speed - v)
 
-    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def acceleration(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Acceleration of the mass [m/s^2]."""
         return (self.spring_force(t, x, v) - R) / self.mass
 
-    def potential(self, t: Any, x: Any) -> Any:
+    def potential(self, t: Numeric, x: Numeric) -> Any:
         """Energy in the spring [J]."""
         return 0.5 * self.stiffness * (self.speed * t - x) ** 2
 
-    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+    def drive_power(self, t: Numeric, x: Numeric, v: Numeric, R: Numeric) -> Any:
         """Power supplied at the far end of the spring [W]."""
         return self.spring_force(t, x, v) * self.speed
 
-    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
+    def damping_power(self, t: Numeric, x: Numeric, v: Numeric) -> Any:
         """Power dissipated by the damping [W]."""
         return self.damping * (self.speed - v) ** 2

@@ -6,6 +6,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.basics.contracts import Numeric, Track
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen, everywhere
 from stickslip.basics.maths import cos, maximum, pi, sin, where
@@ -26,11 +27,11 @@ class AroundTrack(Frozen):
         if isinstance(self.track, type) or not (hasattr(self.track, "across") and hasattr(self.track, "along")):
             problems.add(f"track = {self.track!r}; allowed is a track, an object with across, along; {_LEVEL}")
 
-    def across(self, gravity: Any) -> Any:
+    def across(self, gravity: Numeric) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
         return self.track.across(gravity)
 
-    def along(self, gravity: Any) -> Any:
+    def along(self, gravity: Numeric) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
         return self.track.along(gravity)
 
@@ -43,7 +44,7 @@ class _Placed(AroundTrack):
         """Factor on the friction by time, of the track inside; None where there is none."""
         return getattr(self.track, "grip", None)
 
-    def grip_at(self: Any, x: Any) -> Any:
+    def grip_at(self: Any, x: Numeric) -> Any:
         """Factor on the friction at a place [-]."""
         inner, own = place_grip_of(self.track), self._own(x)
         return own if inner is None else own * inner(x)
@@ -97,7 +98,7 @@ class FrictionPatches(_Placed):
         elif self.wavelength is not None and count and not everywhere(self.edges[-1] - self.edges[0] < self.wavelength):
             problems.add(f"edges = {self.edges!r} do not lie within one wavelength of {self.wavelength!r} m; give a longer wavelength")
 
-    def _own(self, x: Any) -> Any:
+    def _own(self, x: Numeric) -> Any:
         if self.wavelength is None:
             factor_here = self.factors[0]
             for edge, factor in zip(self.edges, self.factors[1:], strict=True):
@@ -164,14 +165,14 @@ class FrictionWave(_Placed):
         if not least > 0:
             problems.add(f"the factor falls to {least:.4g}; allowed is a factor that stays positive; make cosines and sines smaller")
 
-    def _own(self, x: Any) -> Any:
+    def _own(self, x: Numeric) -> Any:
         angle, factor = 2 * pi / self.wavelength * x, 1.0
         for k, (a, b) in enumerate(zip(self.cosines, self.sines, strict=True), 1):
             factor = factor + a * cos(k * angle) + b * sin(k * angle)
         return factor
 
     @classmethod
-    def fitted(cls, track: Any, place: Any, factor: Any, wavelength: float, harmonics: int = 8) -> FrictionWave:
+    def fitted(cls, track: Track, place: Any, factor: Numeric, wavelength: float, harmonics: int = 8) -> FrictionWave:
         """The wave that fits measured factors best, by least squares, over its mean.
 
         Parameters
@@ -246,7 +247,7 @@ class FrictionProfile(_Placed):
         if not all(everywhere(a < b) for a, b in zip(self.place, self.place[1:], strict=False)):
             problems.add(f"place = {self.place!r}; allowed are places in ascending order; type place=(0.0, 0.01)")
 
-    def _own(self, x: Any) -> Any:
+    def _own(self, x: Numeric) -> Any:
         factor, before = self.factors[0], 0.0
         for a, b, low, high in zip(self.place, self.place[1:], self.factors, self.factors[1:], strict=False):
             slope = (high - low) / (b - a)
@@ -259,13 +260,13 @@ class FrictionProfile(_Placed):
         return FrictionProfile(mirrored_track(self.track), tuple(-x for x in self.place[::-1]), self.factors[::-1])
 
 
-def _arrays(values: Any) -> list[Any]:
+def _arrays(values: tuple[Any, ...]) -> list[Any]:
     import numpy as np
 
     return [np.asarray(value, float) for value in values]
 
 
-def place_grip_of(track: Any) -> Any:
+def place_grip_of(track: Track) -> Any:
     """The factor on the friction of a track as a function of the place; None where friction does not vary along it."""
     return getattr(track, "grip_at", None)
 

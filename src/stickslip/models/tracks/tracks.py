@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import Numeric, Track
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen, checked_number, everywhere
 from stickslip.basics.maths import cos, is_symbol, pi, sin
@@ -49,11 +50,11 @@ class Level(Frozen):
         """The track with downhill and uphill exchanged."""
         return Level(folded=0.0 - self.folded, lost=self.lost)
 
-    def across(self, gravity: Any) -> Any:
+    def across(self, gravity: Numeric) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
         return gravity
 
-    def along(self, gravity: Any) -> Any:
+    def along(self, gravity: Numeric) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
         return 0.0
 
@@ -84,11 +85,11 @@ class Incline(Frozen):
 
     tilt: float = field(metadata=TILT)
 
-    def across(self, gravity: Any) -> Any:
+    def across(self, gravity: Numeric) -> Any:
         """Component of gravity normal to the track [m/s^2]."""
         return gravity * cos(self.tilt)
 
-    def along(self, gravity: Any) -> Any:
+    def along(self, gravity: Numeric) -> Any:
         """Component of gravity along the track, forwards [m/s^2]."""
         return gravity * sin(self.tilt)
 
@@ -151,7 +152,7 @@ class VaryingFriction(VaryingInTime):
         super()._check(problems)
         problems.whole("harmonic", self.harmonic, 1, example=1)
 
-    def grip(self, t: Any, period: Any) -> Any:
+    def grip(self, t: Numeric, period: Numeric) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
         own = 1 + self.depth * sin(self.harmonic * (2 * pi / period) * t + self.phase)
         inner = grip_of(self.track)
@@ -163,18 +164,18 @@ def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
     return getattr(track, "grip", None)
 
 
-def _innermost(track: Any) -> Any:
+def _innermost(track: Track) -> Any:
     """A track, or the one inside it."""
     inside = getattr(track, "track", None)
     return track if inside is None else _innermost(inside)
 
 
-def folded_tilt(track: Any) -> Any:
+def folded_tilt(track: Track) -> Any:
     """The tilt that is folded into the friction on a track, or on the track inside it [rad]; 0 if there is none."""
     return getattr(_innermost(track), "folded", 0.0)
 
 
-def law_was_replaced(track: Any) -> bool:
+def law_was_replaced(track: Track) -> bool:
     """Whether a law took the place of one that contained the incline of a track, or of the track inside it."""
     return getattr(_innermost(track), "lost", False)
 

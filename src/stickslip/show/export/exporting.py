@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.fields import checked_number
 from stickslip.basics.quantities import at_least, positive
@@ -156,7 +157,7 @@ def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> N
     checked_number("armature", armature, problems, at_least(0.0), "zero or more [kg m^2]", "armature=0.01")
 
 
-def _only_law(model: Any) -> Any:
+def _only_law(model: Model) -> Any:
     """The law of a machine that has one contact, possibly with several bodies."""
     laws = machine_of(model).mechanics.laws
     if len(laws) != 1:

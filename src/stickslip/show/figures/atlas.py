@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from stickslip.show.figures.maps import TYPE_COLOURS, name_region, outlined, sca
 from stickslip.show.figures.spacing import cells, logarithmic, places
 from stickslip.show.figures.special_kinds import marker_of, name_of
 from stickslip.show.figures.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 #: Fill colours of regions without a single plain type, distinct from the type colours and from one another.
 _FILLS = (
@@ -85,7 +89,7 @@ def _fills(found: Any) -> dict[str, str]:
     return {label: known[label] if label in known and label != "other" else next(own) for label in found.regions}
 
 
-def _regions(ax: Any, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
+def _regions(ax: Axes, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
     """Fill the cells; returns the names that were written into their regions."""
     cells(ax, across.values, up.values, codes, [*fills.values(), "#FFFFFF"])
     (x, columns), (y, rows) = places(across.values, _FINE), places(up.values, _FINE)
@@ -122,7 +126,7 @@ def _on_a_line(found: Any, point: Any) -> bool:
     return any(border.distance(point.values, spans) < _ON_A_LINE for border in found.borders if border.kind == point.kind)
 
 
-def _framed(ax: Any, across: Any, up: Any) -> None:
+def _framed(ax: Axes, across: Any, up: Any) -> None:
     for axis, limit, letter in ((across, ax.set_xlim, "x"), (up, ax.set_ylim, "y")):
         limit(axis.values.min(), axis.values.max())
         logarithmic(ax, letter, axis.values)
@@ -130,7 +134,7 @@ def _framed(ax: Any, across: Any, up: Any) -> None:
     ax.spines[["top", "right"]].set_visible(True)
 
 
-def _legend(ax: Any, fills: dict[str, str], lines: bool, marks: list[Any], missing: bool) -> None:
+def _legend(ax: Axes, fills: dict[str, str], lines: bool, marks: list[Any], missing: bool) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

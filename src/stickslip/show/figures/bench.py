@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from stickslip.analysis.bench import Bench, Benches
 from stickslip.basics.arguments import Page
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.style import COLOURS, DASHES, INK, drawing, prefix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 #: Quantities listed in the last panel, if available.
 _TOLD = (
@@ -100,7 +104,7 @@ def _finite(y: Any) -> Any:
     return y[np.isfinite(y)]
 
 
-def _scales(ax: Any, experiment: Any) -> None:
+def _scales(ax: Axes, experiment: Any) -> None:
     """Logarithmic axes where requested, and a y axis on which a constant looks constant."""
     if "x" in experiment.logarithmic:
         from matplotlib.ticker import NullFormatter
@@ -117,7 +121,7 @@ def _scales(ax: Any, experiment: Any) -> None:
         _no_noise(ax)
 
 
-def _no_noise(ax: Any) -> None:
+def _no_noise(ax: Axes) -> None:
     """Draw a variation below rounding as a flat line."""
     low, high = float(ax.dataLim.y0), float(ax.dataLim.y1)
     size = max(abs(low), abs(high))
@@ -125,7 +129,7 @@ def _no_noise(ax: Any) -> None:
         ax.set_ylim(*((low - 0.5 * size, high + 0.5 * size) if size else (-1.0, 1.0)))
 
 
-def _numbers(ax: Any, found: Bench) -> None:
+def _numbers(ax: Axes, found: Bench) -> None:
     """Names and values in two columns of text."""
     ax.set_axis_off()
     told = [q for q in found.quantities if q.key in _TOLD]
@@ -159,7 +163,7 @@ def _many(found: Benches, figure: Any) -> Any:
     return figure
 
 
-def _name(ax: Any, found: Bench) -> None:
+def _name(ax: Axes, found: Bench) -> None:
     """The law's name, and its drift."""
     ax.set_axis_off()
     drift = next((q for q in found.quantities if q.key == "drift"), None)
@@ -169,7 +173,7 @@ def _name(ax: Any, found: Bench) -> None:
         ax.text(0.0, 0.1, "per period", transform=ax.transAxes, fontsize=6.5)
 
 
-def _sparse(ax: Any, experiment: Any) -> None:
+def _sparse(ax: Axes, experiment: Any) -> None:
     """Few ticks, labelled with their units."""
     from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from stickslip.basics.errors import InputError
 from stickslip.show.figures.spacing import cells, edges, logarithmic
 from stickslip.show.figures.special_kinds import name_of
 from stickslip.show.figures.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above, side_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 #: Colours of a map of motions by period number, chaotic, quasi-periodic, not settled; distinguishable with any colour vision.
 MOTIONS = {
@@ -70,7 +74,7 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     return ax
 
 
-def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
+def _motions(found: Any, ax: Axes, x: Any, y: Any) -> list[Any]:
     from matplotlib.patches import Patch
 
     kinds = _kinds(found)
@@ -88,7 +92,7 @@ def _kinds(found: Any) -> Any:
     return np.ma.masked_where(motion == "not computed", kinds)
 
 
-def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
+def _exponents(found: Any, ax: Axes, x: Any, y: Any) -> list[Any]:
     from matplotlib.colors import TwoSlopeNorm
 
     values = np.ma.masked_invalid(np.where(np.isneginf(found.exponent.values), _LOWEST, found.exponent.values))
@@ -100,7 +104,7 @@ def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
     return []
 
 
-def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, float]) -> list[Any]:
+def _over(curves: Any, ax: Axes, across: tuple[str, float], upward: tuple[str, float]) -> list[Any]:
     """Draw curves of special points in black with a white outline, visible on every colour; returns a handle for each kind."""
     handles: dict[str, Any] = {}
     for curve in curves if isinstance(curves, Iterable) else (curves,):
@@ -113,7 +117,7 @@ def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, fl
     return list(handles.values())
 
 
-def _line(found: Any, ax: Any) -> Any:
+def _line(found: Any, ax: Axes) -> Any:
     name = str(found.period.dims[0])
     right, side = side_of(found[name])
     x, y, error = found[name].values * right, found.exponent.values, found.error.values

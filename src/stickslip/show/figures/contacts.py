@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 from stickslip.analysis.motion import Motion, Motions
@@ -10,6 +10,10 @@ from stickslip.basics.arguments import Ax
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.runs import only_run, span, time_axis
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, name_rows, prefix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 AIR = "#d6e6f5"  # pale: no contact, no friction
 #: Names, colours and hatches of the bars, in the order of the legend: +1, 0, -1, a stop in contact, and flight.
@@ -100,12 +104,12 @@ def pattern(motion: Motion | Motions, ax: Ax = None) -> Any:
     return ax
 
 
-def _lost(run: Any, start: float, end: float) -> dict[str, list[float]]:
+def _lost(run: Trajectory, start: float, end: float) -> dict[str, list[float]]:
     """Times at which contacts were lost, by name."""
     return {event.part: [event.t] for event in run.events if event.kind == "contact lost" and start <= event.t <= end}
 
 
-def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, time: float) -> list[Any]:
+def _bars(ax: Axes, rows: list[str], bars: dict[str, list[Any]], start: float, time: float) -> list[Any]:
     """Draw the bars; returns handles for the legend."""
     from matplotlib.patches import Patch
 

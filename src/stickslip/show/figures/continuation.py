@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 _STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
 _UNSTABLE: dict[str, Any] = {"linestyle": (0, (3, 1.5)), "linewidth": 0.9}
@@ -155,7 +159,7 @@ def _strobed(orbit: Any, observable: str) -> Any:
     return found if found.ndim == 1 else found[:, int(observable[len(family) :] or 0)]
 
 
-def _line(ax: Any, branch: Any, observable: str, values: Any, right: float, up: float, colour: str, name: str) -> None:
+def _line(ax: Axes, branch: Any, observable: str, values: Any, right: float, up: float, colour: str, name: str) -> None:
     x, values, stable = _with_changes(branch, observable, values / up)
     x, values = x * right, values * up
     for column in values.T:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.edge_states import EdgeState
 from stickslip.models.switching_flow import is_flow
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, named, scaled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @drawing
@@ -52,7 +55,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     return ax
 
 
-def _over_two(ax: Any, edge: Any, places: list[int], sizes: list[float]) -> None:
+def _over_two(ax: Axes, edge: Any, places: list[int], sizes: list[float]) -> None:
     (i, j), (right, up) = places, sizes
     ax.plot(edge.track[:, i] * right, edge.track[:, j] * up, ".", color=INK, markersize=2.5, alpha=0.5, label="track along the border")
     for k, end in enumerate(edge.attractors):
@@ -61,7 +64,7 @@ def _over_two(ax: Any, edge: Any, places: list[int], sizes: list[float]) -> None
     ax.plot(points[:, i] * right, points[:, j] * up, "x", color=INK, markersize=6, label=edge.kind)
 
 
-def _over_periods(ax: Any, edge: Any, places: list[int], sizes: list[float]) -> None:
+def _over_periods(ax: Axes, edge: Any, places: list[int], sizes: list[float]) -> None:
     (i,), (up,) = places, sizes
     count = np.arange(len(edge.track))
     ax.plot(count, edge.track[:, i] * up, ".-", color=INK, markersize=2.5, linewidth=0.6, label="track along the border")

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.energy import Energy
 from stickslip.basics.arguments import Ax
 from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, legend_above, prefix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 _COLOUR = {"drive": COLOURS[0], "gravity": COLOURS[4], "friction": COLOURS[1], "damping": COLOURS[5]}
 _NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
@@ -66,7 +70,7 @@ def _works(found: Any) -> dict[str, Any]:
     return {name: work for name, work in works.items() if np.max(abs(work), initial=0.0) > _NONE * largest}
 
 
-def _axes(ax: Any, count: int, letter: str) -> None:
+def _axes(ax: Axes, count: int, letter: str) -> None:
     from matplotlib.ticker import MaxNLocator
 
     ax.set_xlim(0.5, count + 0.5)

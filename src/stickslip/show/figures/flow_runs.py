@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.results.flow_run import FlowRun
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _POINTS = 1200
 
@@ -74,7 +78,7 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
     return ax
 
 
-def _check(run: Any, names: Any) -> None:
+def _check(run: Trajectory | FlowRun, names: Any) -> None:
     if not isinstance(run, FlowRun):
         raise InputError(
             "plot",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from stickslip.show.figures.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.show.figures.spacing import logarithmic
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, prefix
 from stickslip.studies.result_columns import is_of_cases
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @drawing
@@ -69,7 +72,7 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
     return ax
 
 
-def _chosen(grid: Any, along: str, at: dict[str, Any] | None) -> Any:
+def _chosen(grid: xr.Dataset, along: str, at: dict[str, Any] | None) -> Any:
     dims = [str(d) for d in grid["mean_velocity"].dims]
     if along not in dims:
         raise InputError("line_cut", [f"along = {along!r} is not an axis of the dataset; it has {', '.join(dims)}"])

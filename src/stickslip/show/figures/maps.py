@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,11 @@ from stickslip.results.steadiness import STEADINESS, UNSETTLED
 from stickslip.show.figures.spacing import cells, edges, logarithmic, places
 from stickslip.show.figures.style import INK, axes, drawing, legend_above, prefix, symbols
 from stickslip.studies.result_columns import column_of, is_of_cases
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
 
 #: Fill colours of the motion types: greys without sliding, then alternately light and dark, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
@@ -144,7 +149,7 @@ def velocity_map(
     return _framed(ax, grid, across, up)
 
 
-def _numbers(grid: Any, quantity: str) -> Any:
+def _numbers(grid: xr.Dataset, quantity: str) -> Any:
     """A numeric column of a dataset."""
     column = column_of("plot", grid, quantity)
     if column.dtype.kind != "f":
@@ -162,21 +167,21 @@ class _Axis(NamedTuple):
     label: str
 
 
-def scaled(grid: Any, name: str) -> _Axis:
+def scaled(grid: xr.Dataset, name: str) -> _Axis:
     """An axis of a dataset, scaled for drawing."""
     values, unit = np.asarray(grid[name].values, float), grid[name].attrs.get("units", "1")
     factor, letter = prefix(values) if unit in _PREFIXED else (1.0, "")
     return _Axis(values * factor, factor, plain_label(grid, name, letter))
 
 
-def plain_label(grid: Any, name: str, letter: str = "") -> str:
+def plain_label(grid: xr.Dataset, name: str, letter: str = "") -> str:
     """Name and unit of an axis, without a prefix if none is given."""
     unit = grid[name].attrs.get("units", "1")
     shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({letter}{unit})"
     return symbols(grid[name].attrs.get("long_name", name)) + shown
 
 
-def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
+def _framed(ax: Axes, grid: xr.Dataset, across: _Axis, up: _Axis) -> Any:
     """Set limits, labels, frame and title of a map."""
     for axis, limit in ((across, ax.set_xlim), (up, ax.set_ylim)):
         if np.ptp(axis.values) > 0:
@@ -191,7 +196,7 @@ def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
     return ax
 
 
-def _mapped(grid: Any) -> str:
+def _mapped(grid: xr.Dataset) -> str:
     """The law and the fixed numbers of a map, as far as its dataset contains them."""
     law = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {}).get("law", "")
     fixed = json.loads(grid.attrs.get("fixed", "{}"))
@@ -217,7 +222,7 @@ def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
     return x, y, codes[np.ix_(rows, columns)]
 
 
-def name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
+def name_region(ax: Axes, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
     """Write a type's name into the widest part of its largest region; False if there is no room."""
     from scipy.ndimage import distance_transform_edt
 
@@ -229,7 +234,7 @@ def name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bo
     return True
 
 
-def _parts_them(grid: Any) -> bool:
+def _parts_them(grid: xr.Dataset) -> bool:
     """Whether the motion types of the map are those of Coulomb friction, except for cells on a border."""
     if not {"alpha_plus", "alpha_minus"} <= set(grid.variables):
         return False
@@ -240,7 +245,7 @@ def _parts_them(grid: Any) -> bool:
     return bool(np.mean(coulomb_type(plus[known], minus[known]) == types[known]) > _OWN) if known.any() else False
 
 
-def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+def _draw_borders(ax: Axes, grid: xr.Dataset, first: str, second: str, across: _Axis, up: _Axis) -> bool:
     try:
         curves = coulomb_borders(grid, first, second)
     except InputError:
@@ -250,13 +255,13 @@ def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up
     return bool(curves)
 
 
-def outlined(ax: Any, x: Any, y: Any) -> None:
+def outlined(ax: Axes, x: Any, y: Any) -> None:
     """Draw a black line with a white outline, visible on every colour."""
     ax.plot(x, y, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
     ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
 
 
-def _hatch_unsettled(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+def _hatch_unsettled(ax: Axes, grid: xr.Dataset, first: str, second: str, across: _Axis, up: _Axis) -> bool:
     """Hatch the cells whose mean velocity has not settled; False if there are none."""
     if "steadiness" not in grid:
         return False
@@ -271,7 +276,7 @@ def _hatch_unsettled(ax: Any, grid: Any, first: str, second: str, across: _Axis,
     return True
 
 
-def _legend(ax: Any, names: list[str], line: str | None, unsettled: bool = False) -> None:
+def _legend(ax: Axes, names: list[str], line: str | None, unsettled: bool = False) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -282,7 +287,7 @@ def _legend(ax: Any, names: list[str], line: str | None, unsettled: bool = False
         legend_above(ax, handles=handles, ncols=4, handlelength=1.4, columnspacing=1.0)
 
 
-def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+def _type_lines(ax: Axes, grid: xr.Dataset, first: str, second: str, across: _Axis, up: _Axis) -> bool:
     """Draw lines between regions of different type, with rounded cell corners and without specks; False if there are none."""
     import contourpy
 

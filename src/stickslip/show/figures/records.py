@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from stickslip.inverse.identification.fit import Fit
 from stickslip.records.record import Record
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, legend_above, prefix
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
 _DOTS = 3000  # largest number of samples drawn
 _BINS = 40  # bins of the drive's phase in which residuals are averaged
 
@@ -24,7 +28,7 @@ def _dots(x: Any, y: Any) -> tuple[Any, Any]:
     return x[::step], y[::step]
 
 
-def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
+def _measured(ax: Axes, x: Any, y: Any, factor: float, label: str) -> None:
     ax.plot(*_dots(x, y * factor), ".", color=INK, markersize=1.6, alpha=0.35, linewidth=0, label=label, rasterized=True)
 
 
@@ -108,7 +112,7 @@ def fitted(fit: Fit, record: int = 0, ax: Ax = None) -> Any:
     return ax
 
 
-def _target(fit: Any, record: int) -> Any:
+def _target(fit: Fit, record: int) -> Any:
     """The fitted data of one record; `InputError` if there is no record of this number."""
     targets = fit.problem.targets
     if not is_whole(record) or not 0 <= record < len(targets):
@@ -116,11 +120,11 @@ def _target(fit: Any, record: int) -> Any:
     return targets[record]
 
 
-def _rest(fit: Any, record: int) -> Any:
+def _rest(fit: Fit, record: int) -> Any:
     return fit.problem.parts(fit.residuals * fit.problem.sigma)[record]
 
 
-def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
+def _abscissa(fit: Fit, record: int) -> tuple[Any, str]:
     target = _target(fit, record)
     if target.kind == "force":
         moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.compared]
@@ -131,7 +135,7 @@ def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
     return np.mod(fit.problem.model._phase(fit.place, record), 1.0), "drive periods"
 
 
-def _means(fit: Any, ax: Any) -> Any:
+def _means(fit: Fit, ax: Axes) -> Any:
     """Mean velocities: fitted against measured."""
     y, model = fit.problem.y, np.concatenate(fit.predicted)
     factor, unit = prefix(y, model)

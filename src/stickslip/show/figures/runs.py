@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.basics.arguments import Ax
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
 from stickslip.models.friction.law_adapter import law_of
@@ -22,6 +23,10 @@ from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
 from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, prefix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 _POINTS = 1200  # per curve
 _WIDE = 30  # letters in a row of the legend
@@ -37,7 +42,7 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
     return [r.parted if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
 
 
-def only_run(run: Any) -> Any:
+def only_run(run: Trajectory) -> Any:
     """The single run of any machine; `InputError` for several runs."""
     runs = _runs(run, several=True)
     return runs[0] if len(runs) == 1 else _runs(None)
@@ -70,7 +75,7 @@ def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
     return list(labels) if labels is not None else [machine_of(r.model).law_names for r in runs]
 
 
-def span(run: Any, periods: float | None = None, duration: float | None = None) -> tuple[float, float]:
+def span(run: Trajectory, periods: float | None = None, duration: float | None = None) -> tuple[float, float]:
     """The last `periods` whole drive periods of a run, or its last `duration` [s]; all of it without a drive."""
     first, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
     if duration is not None:
@@ -95,7 +100,7 @@ def _span(start: float, end: float, asked: str) -> tuple[float, float]:
     return start, end
 
 
-def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
+def sampled(run: Trajectory, start: float, end: float, column: str) -> tuple[Any, Any]:
     """A column over a span, with a pair of points at each event, so that corners and jumps are sharp."""
     driven = run.model.period is not None
     events = np.array([e.t for e in run.events if start < e.t < end])
@@ -105,14 +110,14 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
     return t, run.at(np.clip(t, start, end))[column]
 
 
-def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
+def rests(run: Trajectory, start: float, end: float) -> list[tuple[float, float]]:
     """Intervals in which the only contact sticks: exact for a set-valued law, by the rule of `motion` for one with inner states."""
     (stretches,) = contact_modes(run, start, end).values()
     always = all(sign == 0 for _, _, sign in stretches)
     return [] if always and law_of(run.model).dynamic else [(a, b) for a, b, sign in stretches if sign == 0]
 
 
-def _finish(ax: Any, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
+def _finish(ax: Axes, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
     """Add a legend above the axes: the names of several curves, and additional handles."""
     curves = ax.get_legend_handles_labels()[0] if len(drawn) > 1 else []
     if curves or more:
@@ -127,7 +132,7 @@ def _columns(handles: Sequence[Any]) -> int:
     return 4 if sum(longest) <= _WIDE else 3
 
 
-def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float, name: str = "") -> list[Any]:
+def _shade(ax: Axes, rests: list[tuple[float, float]], start: float, factor: float, name: str = "") -> list[Any]:
     """Shade the intervals in which the contact sticks; returns a handle for the legend."""
     from matplotlib.patches import Patch
 
@@ -136,7 +141,7 @@ def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: floa
     return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label=f"{name} sticks".lstrip())] if rests else []
 
 
-def time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
+def time_axis(ax: Axes, run: Trajectory, span: tuple[float, float], factor: float, unit: str) -> None:
     """Set up a time axis that starts at the first drive period shown."""
     since = (
         f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}$ s" if span[0] else "$t$"
@@ -263,7 +268,7 @@ def phase(
     return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
 
 
-def _displacement(model: Any) -> str:
+def _displacement(model: Model) -> str:
     if model.period is not None:
         return "displacement without drift $x - Vt$"
     return "displacement from the pulled end $x - ut$" if machine_of(model).is_pulled else "displacement $x$"
@@ -277,14 +282,14 @@ def _strobe_word() -> Any:
     return Line2D([], [], label="start of a drive period", **style)
 
 
-def _shown(run: Any) -> int | None:
+def _shown(run: Trajectory) -> int | None:
     """One motion period, or up to 16 drive periods if none was found; None without a drive."""
     if run.model.period is None:
         return None
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
-def _orbit(run: Any, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any, Any]:
+def _orbit(run: Trajectory, span: tuple[float, float], own: Any) -> tuple[Any, Any, Any, Any]:
     """Displacement without drift and velocity over a span, and both at the strobe times (empty without a drive)."""
     start, end = span
     if run.model.period is None:
@@ -354,7 +359,7 @@ def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duratio
     return ax
 
 
-def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: float | None) -> Any:
+def _forces_of_contacts(run: Trajectory, periods: float | None, ax: Any, duration: float | None) -> Any:
     """Friction force of each contact."""
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
     curves = _sampled([run], [""], [(start, end)], "friction_force", "contact")
@@ -370,7 +375,7 @@ def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: floa
     return _finish(ax, curves)
 
 
-def limits(run: Any, t: Any) -> tuple[Any, ...]:
+def limits(run: Trajectory, t: Any) -> tuple[Any, ...]:
     """Break-away forces at given times: a set-valued law's own; for a dynamic law with static coefficients, the load times these."""
     law, load = law_of(run.model), normal_load(run.model, t, 0.0) + 0.0 * t
     limits = law.limits(load) if not law.dynamic or hasattr(law.law, "f_plus") else None

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.maths import exp
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def geometric(values: Any) -> bool:
@@ -28,7 +31,7 @@ def edges(values: Any) -> Any:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def cells(ax: Any, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
+def cells(ax: Axes, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
     """Fill the cells around grid points with the colours of their codes."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -36,7 +39,7 @@ def cells(ax: Any, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
     ax.pcolormesh(edges(x), edges(y), codes, cmap=ListedColormap(colours), norm=norm, rasterized=True)
 
 
-def logarithmic(ax: Any, letter: str, values: Any) -> None:
+def logarithmic(ax: Axes, letter: str, values: Any) -> None:
     """Make an axis logarithmic, with plain numbers, if its values grow by a constant factor."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from stickslip.dynamics.continuation.two_parameters import Curve
 from stickslip.show.figures.spacing import logarithmic
 from stickslip.show.figures.special_kinds import marker_of, name_once
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, labelled, legend_above, scaled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 _STAYS = 1e-6  # relative change of a parameter that counts as constant
 
@@ -63,7 +67,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     return ax
 
 
-def _widened(ax: Any, side: str, values: Any) -> None:
+def _widened(ax: Axes, side: str, values: Any) -> None:
     """Widen the axis of a parameter that is constant along the curve, so that rounding errors do not fill the figure."""
     middle = float(np.median(values))
     if np.ptp(values) <= _STAYS * abs(middle):

@@ -6,12 +6,16 @@ import contextlib
 import re
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.quantities import LINES, SUBSCRIPTS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -88,7 +92,7 @@ def name_rows(ax: Any, names: Sequence[str], room: float = 0.0) -> None:
     ax.tick_params(axis="y", length=0)
 
 
-def legend_above(ax: Any, *entries: Any, **options: Any) -> None:
+def legend_above(ax: Axes, *entries: Any, **options: Any) -> None:
     """A legend above the frame, right-aligned; entries and options as for ``ax.legend``."""
     ax.legend(*entries, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, **options)
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.inverse.optimisation.propagation import Propagated
 from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @drawing
@@ -59,7 +62,7 @@ def tornado(found: Propagated, ax: Ax = None) -> Any:
     return ax
 
 
-def _indices(ax: Any, found: Any, order: list[str]) -> None:
+def _indices(ax: Axes, found: Any, order: list[str]) -> None:
     """First and total index at the right end of each row."""
     if found.indices is None:
         return

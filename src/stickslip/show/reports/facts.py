@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.charts import Table, tables_of
 
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
+
 Row = tuple[str, ...]
 
 
-def facts(run: Any) -> list[tuple[str, str]]:
+def facts(run: Trajectory) -> list[tuple[str, str]]:
     """Names and values for the page of a run."""
     if not machine_of(run.model).is_single:
         return _of_machine(run)
@@ -33,19 +38,19 @@ def joules(work: float) -> str:
     return f"{factor * work:.6g} {unit}J".replace("-", "−")
 
 
-def mean_of(run: Any, body: str | None = None) -> float:
+def mean_of(run: Trajectory, body: str | None = None) -> float:
     """Mean velocity of the machine or of a body [m/s]; values within rounding count as 0."""
     from stickslip.analysis.steady import mean_velocity
 
     return _told(run, float(mean_velocity(run, body=body)))
 
 
-def _told(run: Any, v: float) -> float:
+def _told(run: Trajectory, v: float) -> float:
     """A velocity; 0 if it is rounding."""
     return v if abs(v) > 1e-11 * float(machine_of(run.model).velocity_scale) else 0.0
 
 
-def _of_robot(run: Any) -> list[tuple[str, str]]:
+def _of_robot(run: Trajectory) -> list[tuple[str, str]]:
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity, velocity_range
@@ -72,13 +77,13 @@ def _repeats(period: int | None) -> str:
     return "not found: the mean velocity still depends on the length of the run" if period is None else f"{period}"
 
 
-def _status(run: Any) -> str:
+def _status(run: Trajectory) -> str:
     if run.model.period is None:
         return f"{run.status}, {float(run.pieces.t[-1] - run.pieces.t[0]):.6g} s"
     return f"{run.status}, {run.periods} drive periods, {run.settle} of them to settle"
 
 
-def _of_bench(run: Any) -> list[tuple[str, str]]:
+def _of_bench(run: Trajectory) -> list[tuple[str, str]]:
     """The facts on an autonomous mechanism."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.run_segments import shares
@@ -98,7 +103,7 @@ def _of_bench(run: Any) -> list[tuple[str, str]]:
 
 
 # ---- several bodies ----
-def _of_machine(run: Any) -> list[tuple[str, str]]:
+def _of_machine(run: Trajectory) -> list[tuple[str, str]]:
     from stickslip.analysis.motion import motion
 
     law = machine_of(run.model).law_names
@@ -116,12 +121,12 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
     return [*found, *_balance(run), ("status", _status(run))]
 
 
-def _whose(model: Any) -> str:
+def _whose(model: Model) -> str:
     """The body to which the mean velocity of a machine refers, or "the centre of mass"."""
     return machine_of(model).principal or "the centre of mass"
 
 
-def _balance(run: Any) -> list[tuple[str, str]]:
+def _balance(run: Trajectory) -> list[tuple[str, str]]:
     from stickslip.analysis.energy import energy
 
     try:
@@ -139,14 +144,14 @@ def _mean(works: Any, settle: int) -> float:
     return float(works[min(settle, len(works) - 1) :].mean())
 
 
-def tables(run: Any) -> list[dict[str, Any]]:
+def tables(run: Trajectory) -> list[dict[str, Any]]:
     """Tables of the bodies, contacts, links and stops of a machine of several bodies; empty for a single body."""
     if machine_of(run.model).is_single:
         return []
     return tables_of((_bodies(run), _contacts(run), _links(run)))
 
 
-def _bodies(run: Any) -> Table:
+def _bodies(run: Trajectory) -> Table:
     from stickslip.show.reports.moving import shown_span
 
     start, parts = shown_span(run)[0], machine_of(run.model).mechanics.parts  # type: ignore[attr-defined]
@@ -159,7 +164,7 @@ def _bodies(run: Any) -> Table:
     return "The bodies.", ("body", "inertia" if turns else "mass", "mean velocity", "velocity"), rows
 
 
-def _contacts(run: Any) -> Table:
+def _contacts(run: Trajectory) -> Table:
     """Motion of each contact and its friction loss."""
     from stickslip.analysis.contact_modes import FLIGHT, contact_modes
     from stickslip.show.reports.moving import shown_span
@@ -176,7 +181,7 @@ def _contacts(run: Any) -> Table:
     return f"The contacts, over the {'last motion period' if words else 'whole run'}.", head, rows
 
 
-def _motions(run: Any) -> dict[str, Row]:
+def _motions(run: Trajectory) -> dict[str, Row]:
     from stickslip.analysis.motion import motion
 
     if run.model.period is None:
@@ -185,7 +190,7 @@ def _motions(run: Any) -> dict[str, Row]:
     return {name: (m.type, m.pattern.replace("-", "−")) for name, m in found.contacts.items()}
 
 
-def _losses(run: Any, which: str) -> dict[str, str]:
+def _losses(run: Trajectory, which: str) -> dict[str, str]:
     """Losses of the parts per period, or in the run, with units; empty if energy is not balanced."""
     from stickslip.analysis.energy import energy
 
@@ -196,7 +201,7 @@ def _losses(run: Any, which: str) -> dict[str, str]:
     return {name: joules(_mean(works, balance.settle)) for name, works in getattr(balance, which).items()}
 
 
-def _links(run: Any) -> Table:
+def _links(run: Trajectory) -> Table:
     """Losses of links and stops, and the number of hits on stops."""
     from stickslip.analysis.contact_modes import hits
     from stickslip.analysis.works import label_of_stop

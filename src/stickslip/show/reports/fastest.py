@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stickslip.results.trajectory import Trajectory
 
 
-def order(grid: Any, most: int) -> list[dict[str, int]]:
+def order(grid: xr.Dataset, most: int) -> list[dict[str, int]]:
     """Indices of the fastest cases, the fastest first; cases without a velocity are left out.
 
     Examples
@@ -23,7 +28,7 @@ def order(grid: Any, most: int) -> list[dict[str, int]]:
     return [dict(zip(map(str, V.dims), map(int, np.unravel_index(i, V.shape)), strict=True)) for i in first]
 
 
-def run_again(grid: Any) -> Any:
+def run_again(grid: xr.Dataset) -> Any:
     """A run of the fastest case; None if the study does not contain its robot, or if the motion differs.
 
     A study contains the name of a preset, or the robot itself, and the arguments only. User functions are not looked up.
@@ -77,7 +82,7 @@ def _arguments(case: Any, known: Any) -> dict[str, Any]:
     }
 
 
-def _alike(run: Any, velocity: float) -> bool:
+def _alike(run: Trajectory, velocity: float) -> bool:
     """Whether the run agrees with the case of the study; with coexisting motions it may not."""
     from stickslip.analysis.steady import mean_velocity
 

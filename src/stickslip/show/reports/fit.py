@@ -6,7 +6,12 @@ import platform
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stickslip.inverse.identification.fit import Fit
+    from stickslip.records.record import Record
+
 
 _SHOWN = 8  # records with pictures of their own
 
@@ -48,7 +53,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
     return report.write(path, made)
 
 
-def _told(fit: Any) -> dict[str, Any]:
+def _told(fit: Fit) -> dict[str, Any]:
     from stickslip.inverse.identification.fit_text import cost_lines, input_lines, known_line, parameter_rows, sensor_lines
     from stickslip.show import figures as plot
 
@@ -77,7 +82,7 @@ def _sources(fits: list[Any], comparison: Any) -> list[dict[str, Any]]:
     return [_source(i, rec) for i, rec in once.values()]
 
 
-def _source(number: int, rec: Any) -> dict[str, Any]:
+def _source(number: int, rec: Record) -> dict[str, Any]:
     told = {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")}
     if "between" in rec.source:
         told["part"] = "{:g} to {:g} s".format(*rec.source["between"])

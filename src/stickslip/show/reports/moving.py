@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
 
 _MOMENTS = 480  # frames of the animation
 _LONGEST = 4  # largest number of drive periods shown
 _DIGITS = 6
 
 
-def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]:
+def moments(run: Trajectory, span: tuple[float, float] | None = None) -> dict[str, Any]:
     """All moving parts over the last motion period, or over the whole run of an autonomous system.
 
     Parameters
@@ -48,7 +53,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     }
 
 
-def shown_span(run: Any) -> tuple[float, float]:
+def shown_span(run: Trajectory) -> tuple[float, float]:
     """The last motion period of a run, or its last drive periods if it does not repeat soon; the whole run without a drive."""
     from stickslip.analysis.steady import period_number
 
@@ -64,7 +69,7 @@ def _plain(values: Any) -> list[float]:
 
 
 # ---- bodies ----
-def stage(model: Any) -> list[dict[str, Any]]:
+def stage(model: Model) -> list[dict[str, Any]]:
     """Name, mass [kg] and place of each body: (position on the track from left to right, level above it).
 
     Bodies in contact with the track stand on it, ordered by initial position, the head in front; others are placed above the body to
@@ -116,7 +121,7 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
     return {name: found.get(name) for name in mechanics.bodies}
 
 
-def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
+def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
     """Each body with its position and velocity; for a robot also its inner masses, without velocities."""
     parts = stage(run.model)
     single = machine_of(run.model).is_single
@@ -131,7 +136,7 @@ def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str,
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
 
 
-def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
+def _lifts(run: Trajectory, at: dict[str, Any]) -> dict[str, list[float]]:
     """Height of each body that can leave its track above it [mm]."""
     from stickslip.analysis.moving_tracks import gaps
 
@@ -139,7 +144,7 @@ def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
     return {mechanics.joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}
 
 
-def _links(model: Any) -> list[list[int]]:
+def _links(model: Model) -> list[list[int]]:
     """Pairs of linked bodies by index, with 1 for elastic links and 0 for others; the ground is -1."""
     machine = machine_of(model)
     if machine.is_single:
@@ -151,7 +156,7 @@ def _links(model: Any) -> list[list[int]]:
 
 
 # ---- contacts ----
-def _rows(run: Any, start: float, end: float, factor: float) -> list[dict[str, Any]]:
+def _rows(run: Trajectory, start: float, end: float, factor: float) -> list[dict[str, Any]]:
     """A row for each contact, and one for each stop."""
     from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 

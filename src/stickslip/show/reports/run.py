@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description, leaves
 from stickslip.basics.quantities import axis_in, pretty_unit
@@ -15,11 +16,15 @@ from stickslip.show.reports.facts import facts, tables
 from stickslip.show.reports.html import page
 from stickslip.show.reports.moving import moments
 
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
+
+
 #: The remark on a page about dimensionless robots.
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 
 
-def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False, search: dict[str, Any] | None = None) -> str:
+def run_page(run: Trajectory, title: str, command: str = "", dimensionless: bool = False, search: dict[str, Any] | None = None) -> str:
     """The page on a run of any machine.
 
     Parameters
@@ -68,7 +73,7 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
     )
 
 
-def _figures(run: Any) -> list[Figure]:
+def _figures(run: Trajectory) -> list[Figure]:
     """Velocity, contacts of a machine with several bodies, forces, phase portrait."""
     from stickslip.show import figures as plot
     from stickslip.show.reports import run_charts
@@ -91,7 +96,7 @@ def _figures(run: Any) -> list[Figure]:
     return [*found, Figure(phase, svg(lambda ax: plot.phase(run, ax=ax)))]
 
 
-def _equations(model: Any) -> str:
+def _equations(model: Model) -> str:
     """The equations as LaTeX; empty if a part of the machine is not a formula, such as a record."""
     from stickslip.engine.latex import latex
 
@@ -111,12 +116,12 @@ def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: boo
     return found
 
 
-def numbers_of(model: Any) -> list[tuple[str, str, str]]:
+def numbers_of(model: Model) -> list[tuple[str, str, str]]:
     """`numbers` for any machine, as described by its fields."""
     return numbers((name, value, axis_in(field_description(model, name))) for name, value in leaves(model))
 
 
-def _toml(run: Any) -> str:
+def _toml(run: Trajectory) -> str:
     """The robot as a study file; empty if a part of it is a user-defined class."""
     length = float(run.pieces.t[-1] - run.pieces.t[0])
     how = f"duration = {length!r}" if run.model.period is None else f"periods = {run.periods}\nsettle = {run.settle}"
@@ -126,13 +131,13 @@ def _toml(run: Any) -> str:
         return ""
 
 
-def _provenance(run: Any) -> list[tuple[str, str]]:
+def _provenance(run: Trajectory) -> list[tuple[str, str]]:
     made = run.provenance
     told = [*made.get("versions", {}).items(), *made.get("settings", {}).items()]
     return [(name, "-" if value is None else str(value)) for name, value in told]
 
 
-def sources(model: Any) -> list[str]:
+def sources(model: Model) -> list[str]:
     """The references in the docstrings of a machine and its parts, without repetition."""
     import inspect
     import re

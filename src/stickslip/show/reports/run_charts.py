@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.figures.runs import limits, rests, sampled, span
 from stickslip.show.reports.charts import chart, curve
 
+if TYPE_CHECKING:
+    from stickslip.results.trajectory import Trajectory
 
-def velocity(run: Any) -> dict[str, Any]:
+
+def velocity(run: Trajectory) -> dict[str, Any]:
     """Velocity over three drive periods [mm/s over ms], shaded where the only contact sticks; over the whole run [s] without a drive.
 
     Examples
@@ -32,7 +35,7 @@ def _by_part(names: Any, columns: Any) -> list[Any]:
     return [] if columns.ndim == 1 else [curve(name, y, number=i) for i, (name, y) in enumerate(zip(names, columns.T, strict=True))]
 
 
-def forces(run: Any) -> dict[str, Any]:
+def forces(run: Trajectory) -> dict[str, Any]:
     """Drive force, if any, and friction force over two drive periods [mN over ms]; over the whole run [s] without a drive."""
     names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
     t, found, shade, across = _columns(run, 2, names)
@@ -47,16 +50,16 @@ def forces(run: Any) -> dict[str, Any]:
     return chart(f"{'drive force and ' * (len(names) - 1)}friction force {shown}", t, across, ("force", "mN"), curves, shade)
 
 
-def _clock(run: Any) -> tuple[float, str]:
+def _clock(run: Trajectory) -> tuple[float, str]:
     """The unit of the time axis: milliseconds of drive periods, seconds without a drive."""
     return (1e3, "ms") if run.model.period is not None else (1.0, "s")
 
 
-def _shown(run: Any, periods: float) -> tuple[float, float]:
+def _shown(run: Trajectory, periods: float) -> tuple[float, float]:
     return span(run, periods if run.model.period is not None else None)
 
 
-def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
+def _columns(run: Trajectory, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
     """Times from the start of the span, columns, intervals of sticking, and the label of the time axis."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
     found = [sampled(run.parted, start, end, name) for name in names]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.reports.charts import chart_library
 from stickslip.show.reports.fastest import order, run_again
@@ -13,10 +13,14 @@ from stickslip.show.reports.study_charts import speeds
 from stickslip.show.reports.study_figures import figures, plain
 from stickslip.studies.result_columns import column_of, is_of_cases
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+
 _BEST = 12  # rows in the table of the fastest cases
 
 
-def study_page(grid: Any, title: str, command: str = "") -> str:
+def study_page(grid: xr.Dataset, title: str, command: str = "") -> str:
     """The page on the results of `sweep` or `map`.
 
     Parameters
@@ -58,7 +62,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
     )
 
 
-def _provenance(grid: Any) -> list[tuple[str, str]]:
+def _provenance(grid: xr.Dataset) -> list[tuple[str, str]]:
     """Provenance of the numbers, one line for each entry."""
     import json
 
@@ -68,7 +72,7 @@ def _provenance(grid: Any) -> list[tuple[str, str]]:
     return [(str(k), "-" if v is None else str(v)) for k, v in [*rest, *parts]]
 
 
-def _axes(grid: Any) -> list[tuple[str, str]]:
+def _axes(grid: xr.Dataset) -> list[tuple[str, str]]:
     """Each axis with its range, and each single argument with its value."""
     import json
 
@@ -86,7 +90,7 @@ def _axes(grid: Any) -> list[tuple[str, str]]:
     return [*found, *((name, str(value)) for name, value in fixed.items() if name not in grid.coords)]
 
 
-def _numbers(grid: Any) -> list[tuple[str, str, str]]:
+def _numbers(grid: xr.Dataset) -> list[tuple[str, str, str]]:
     """The numbers that the robots of all cases share, besides the axes and arguments."""
     import json
 
@@ -96,7 +100,7 @@ def _numbers(grid: Any) -> list[tuple[str, str, str]]:
     return numbers(((name, value, described.get(name)) for name, value in own.items()), units=bool(speeds(grid)[1]))
 
 
-def _shares(grid: Any) -> list[tuple[str, int, float]]:
+def _shares(grid: xr.Dataset) -> list[tuple[str, int, float]]:
     """Number and share of each motion type; with several contacts, for each of them."""
     if is_of_cases(grid, "motion_type") or "contact" not in grid.dims:
         return _counted(column_of("report", grid, "motion_type").values)
@@ -113,14 +117,14 @@ def _counted(values: Any) -> list[tuple[str, int, float]]:
     return [(str(names[i]), int(counts[i]), 100 * counts[i] / values.size) for i in order]
 
 
-def _ends(grid: Any) -> list[tuple[str, int, float]]:
+def _ends(grid: xr.Dataset) -> list[tuple[str, int, float]]:
     """Number and share of each status, in words."""
     from stickslip.basics.status import STATUS
 
     return [(STATUS.get(int(code), "settled"), n, share) for code, n, share in _counted(grid["status"].values)]
 
 
-def _best(grid: Any) -> tuple[list[str], list[list[str]]]:
+def _best(grid: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """The fastest cases, as a table."""
     dims = [str(d) for d in grid["mean_velocity"].dims]
     head = [*(headed(grid, d) for d in dims), headed(grid, "mean_velocity"), "type", "period", "margin"]
@@ -133,14 +137,14 @@ def _best(grid: Any) -> tuple[list[str], list[list[str]]]:
     return head, rows
 
 
-def headed(grid: Any, name: str) -> str:
+def headed(grid: xr.Dataset, name: str) -> str:
     """A name and its unit, if it has one."""
     unit = grid[name].attrs.get("units", "1") if name in grid.variables else "1"
     name = name.replace("mean_velocity", "mean velocity")
     return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
-def _notes(grid: Any) -> list[str]:
+def _notes(grid: xr.Dataset) -> list[str]:
     import json
 
     from stickslip.results.steadiness import unsettled_note

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.figures.style import prefix
 from stickslip.show.reports.charts import chart, curve
 from stickslip.studies.result_columns import is_of_cases
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+
 _LINES = 5
 _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
 
 
-def speeds(grid: Any) -> tuple[float, str]:
+def speeds(grid: xr.Dataset) -> tuple[float, str]:
     """Factor and unit for the velocities of a study in a figure; the unit is "" for dimensionless robots."""
     unit = str(grid["mean_velocity"].attrs.get("units", "m/s"))
     return (1e3, "mm/s") if unit == "m/s" else (1.0, "" if unit == "1" else unit)
 
 
-def types_of(grid: Any) -> Any:
+def types_of(grid: xr.Dataset) -> Any:
     """The motion type of each case; empty with several contacts, which have one each."""
     import numpy as np
 
     return grid["motion_type"].values if is_of_cases(grid, "motion_type") else np.full(grid["mean_velocity"].shape, "")
 
 
-def _up(grid: Any) -> tuple[str, str]:
+def _up(grid: xr.Dataset) -> tuple[str, str]:
     return ("mean velocity V", speeds(grid)[1])
 
 
-def along(grid: Any, axis: str, label: str = "") -> dict[str, Any]:
+def along(grid: xr.Dataset, axis: str, label: str = "") -> dict[str, Any]:
     """The mean velocity along the only axis, and the same by motion type, as points."""
     import numpy as np
 
@@ -51,7 +55,7 @@ def together(parts: list[tuple[str, Any]], axis: str) -> dict[str, Any]:
     return chart(f"mean velocity along {axis}", x, across, _up(parts[0][1]), curves)
 
 
-def cuts(grid: Any, across: str, other: str, label: str = "") -> dict[str, Any]:
+def cuts(grid: xr.Dataset, across: str, other: str, label: str = "") -> dict[str, Any]:
     """The mean velocity along one axis of a plane, for up to five values of the other.
 
     Examples
@@ -76,7 +80,7 @@ def chosen(count: int) -> list[int]:
     return [int(i) for i in np.unique(np.linspace(0, count - 1, min(_LINES, count)).round())]
 
 
-def _axis(grid: Any, name: str, sort: bool = True) -> tuple[Any, Any, tuple[str, str]]:
+def _axis(grid: xr.Dataset, name: str, sort: bool = True) -> tuple[Any, Any, tuple[str, str]]:
     """Sorting order, values with an SI prefix, and name with unit."""
     import numpy as np
 

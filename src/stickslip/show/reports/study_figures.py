@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.reports.charts import Figure
 from stickslip.show.reports.drawn import svg
 from stickslip.studies.result_columns import is_of_cases
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def plain(value: Any) -> str:
@@ -15,11 +18,11 @@ def plain(value: Any) -> str:
     return f"{value:.6g}" if numeric else str(value)
 
 
-def _numeric(grid: Any) -> list[str]:
+def _numeric(grid: xr.Dataset) -> list[str]:
     return [str(d) for d in grid["mean_velocity"].dims if d in grid.coords and grid[d].dtype.kind in "if" and grid.sizes[d] > 1]
 
 
-def figures(grid: Any) -> list[Figure]:
+def figures(grid: xr.Dataset) -> list[Figure]:
     """Two maps of a plane and cuts through it, or curves along one axis, repeated for up to four combinations of other axes."""
     from stickslip.show import figures as plot
     from stickslip.show.reports.study_charts import along, chosen, cuts, together, types_of
@@ -56,7 +59,7 @@ def _type_maps(part: Any, label: str) -> list[Figure]:
     return [Figure(f"Motion types of {name}{label}.", svg(_drawer(plot.motion_map, one), 4.2, 3.6)) for name, one in maps]
 
 
-def _parts(grid: Any, axes: list[str]) -> list[tuple[str, Any]]:
+def _parts(grid: xr.Dataset, axes: list[str]) -> list[tuple[str, Any]]:
     """The dataset for each combination of the other axes, up to four, with a label."""
     from itertools import islice, product
 
@@ -70,7 +73,7 @@ def _parts(grid: Any, axes: list[str]) -> list[tuple[str, Any]]:
     return found
 
 
-def _drawer(draw: Any, grid: Any, **more: Any) -> Any:
+def _drawer(draw: Any, grid: xr.Dataset, **more: Any) -> Any:
     return lambda ax: draw(grid, ax=ax, **more)
 
 
@@ -87,7 +90,7 @@ def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
     ax.legend()
 
 
-def _curve(grid: Any, ax: Any) -> None:
+def _curve(grid: xr.Dataset, ax: Any) -> None:
     """Mean velocity along one axis, a point for each case."""
     from stickslip.show.figures.maps import TYPE_COLOURS, scaled
     from stickslip.show.reports.study_charts import speeds, types_of

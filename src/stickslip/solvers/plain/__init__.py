@@ -14,6 +14,7 @@ from functools import partial
 from typing import Any
 
 from stickslip.basics.batch import cases_of
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import SolveError
 from stickslip.basics.status import Status
 from stickslip.models.machine_adapter import machine_of
@@ -45,7 +46,7 @@ def _case(todo: Request, i: int) -> Any:
     return case
 
 
-def _nothing(model: Any) -> dict[str, Any]:
+def _nothing(model: Model) -> dict[str, Any]:
     """Results of a case that could not be solved."""
     if machine_of(model).is_single:
         return dict(strobes.NOTHING)
@@ -62,7 +63,7 @@ def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], RawResults]]:
         todo.progress(i + 1, todo.cases)
 
 
-def _solved(todo: Request, model: Any, i: int) -> dict[str, Any]:
+def _solved(todo: Request, model: Model, i: int) -> dict[str, Any]:
     """The results of one case; one that fails has a status."""
     try:
         run = marched(todo, model, i)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
@@ -27,7 +28,7 @@ _ABOVE = 1e-9  # of the size of forces: what is no rounding of a coefficient
 _SOON = 1e-9  # of a period: when a body that begins at rest under a dynamic law is asked which way it went
 
 
-def begun(e: Equations, t: float, y: Any, memory: tuple[tuple[int, ...], ...]) -> tuple[Any, ContactModes]:
+def begun(e: Equations, t: float, y: ArrayLike, memory: tuple[tuple[int, ...], ...]) -> tuple[Any, ContactModes]:
     """State and mode at the start of a run."""
     u = e.state(y)[1]
     sides = [0 if w == 0.0 else _sign(w) for w in e.slips(t, u)]
@@ -47,7 +48,7 @@ def _sign(value: float) -> int:
     return 1 if value >= 0 else -1
 
 
-def _stops(e: Equations, t: float, y: Any) -> dict[int, int]:
+def _stops(e: Equations, t: float, y: ArrayLike) -> dict[int, int]:
     """Stops that touch without speed may be closed."""
     q, u = e.state(y)
     gaps, rates, small = e.gaps(t, q), e.slips(t, u)[e.k :], e.noise_of_gaps(q)
@@ -58,7 +59,7 @@ def _stops(e: Equations, t: float, y: Any) -> dict[int, int]:
     return {e.k + s: 0 if gap <= small and abs(rate) <= still else 1 for s, (gap, rate) in enumerate(zip(gaps, rates, strict=True))}
 
 
-def conditioned(e: Equations, t: float, y: Any, mode: ContactModes) -> ContactModes:
+def conditioned(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> ContactModes:
     """The mode with all conditions of forces and loads as they are; one that is at its kink as it will be a moment later."""
     now = e.differences(t, y, (None, None))
     if not any(now):
@@ -74,7 +75,7 @@ def _above(now: Sequence[float], later: Sequence[float] = ()) -> tuple[bool, ...
     return tuple(a > 0 if a != 0 else b > 0 for a, b in zip(now, later, strict=True))
 
 
-def _drift(e: Equations, t: float, y: Any, mode: ContactModes) -> Any:
+def _drift(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> Any:
     held = mode.moved({i: 1 for i, side in enumerate(mode.sides) if side == 0})
     return e.right(held)(t, y)
 
@@ -95,7 +96,7 @@ class _Problem:
 
 
 def chosen(
-    e: Equations, t: float, y: Any, mode: ContactModes, touched: Sequence[int] = (), forced: dict[int, int] | None = None
+    e: Equations, t: float, y: ArrayLike, mode: ContactModes, touched: Sequence[int] = (), forced: dict[int, int] | None = None
 ) -> tuple[Any, ContactModes]:
     """State and mode after an event.
 
@@ -124,13 +125,13 @@ def chosen(
     return y, resting.moved({i: _reversed(e, t, y, resting, i) for i in turned})
 
 
-def _reversed(e: Equations, t: float, y: Any, mode: ContactModes, i: int) -> int:
+def _reversed(e: Equations, t: float, y: ArrayLike, mode: ContactModes, i: int) -> int:
     """The side of a dynamic contact whose slip came to zero."""
     before = mode.sides[i]
     return -before if e.slip_rates(t, y, mode)[i] * before <= 0 else before
 
 
-def _at_once(e: Equations, t: float, y: Any, mode: ContactModes, problem: _Problem, forced: dict[int, int]) -> Answer:
+def _at_once(e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: _Problem, forced: dict[int, int]) -> Answer:
     """The problem of the accelerations."""
     push = e.motion(t, y, mode.moved(dict.fromkeys(problem.rows, 0))).push
     loads = e.pressed(e.time(t), e.state(y)[0], mode)
@@ -180,7 +181,7 @@ def _order(c: Any) -> list[int]:
 
 
 def _by_derivatives(
-    e: Equations, t: float, y: Any, mode: ContactModes, problem: _Problem, answer: Answer, forced: dict[int, int]
+    e: Equations, t: float, y: ArrayLike, mode: ContactModes, problem: _Problem, answer: Answer, forced: dict[int, int]
 ) -> dict[int, int]:
     """Contacts that rest exactly at a limit and leave it after all, with their sides."""
     limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
@@ -219,12 +220,12 @@ def _ahead(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) 
 
     right = e.right(mode)
 
-    def look(at: float, state: Any) -> Any:
+    def look(at: float, state: ArrayLike) -> Any:
         limits = e.limits(e.pressed(e.time(at), e.state(state)[0], mode))
         push = e.motion(at, state, mode).push
         return np.array([[push[i], *limits[i]] for i in rows]).T.ravel()
 
-    def values(times: Any) -> Any:
+    def values(times: Array) -> Any:
         states = [y]
         for span in itertools.pairwise(times):  # one after the other, for a dense output is of lower order
             solution = scipy.integrate.solve_ivp(right, span, states[-1], "DOP853", rtol=1e-13, atol=1e-15 * e.sizes(t, y))

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import SolveError
 
 ROUNDING = 64 * float(np.finfo(float).eps)
@@ -341,7 +342,7 @@ def _highest(rows: Any, left: Any) -> tuple[Any, float]:
     return (at[best, :n], float(at[best, n])) if len(at) else (np.zeros(n), least)
 
 
-def _goes(block: _Block, sides: Sequence[int], R: Any) -> bool:
+def _goes(block: _Block, sides: Sequence[int], R: ArrayLike) -> bool:
     """Whether every sliding contact goes the way that its friction says; resting ones stay."""
     rates, noise = block.beta - block.G @ R, block.noise(R)
     return all(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.models.state_layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
@@ -23,7 +24,7 @@ class DensePart:
     mode: tuple[int, ...]  # of each contact
     memory: tuple[int, ...]
 
-    def end_at(self, values: Any) -> None:
+    def end_at(self, values: ArrayLike) -> None:
         """An event was found to rounding only: take that rounding off."""
         self.coefficients[:, -1] += np.asarray(values) - self.coefficients.sum(axis=1)
 

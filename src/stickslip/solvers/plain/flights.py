@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
 
 
-def begun_aloft(e: Equations, t: float, y: Any) -> frozenset[int]:
+def begun_aloft(e: Equations, t: float, y: ArrayLike) -> frozenset[int]:
     """The contacts that begin a run in flight: above what they rub on, moving away from it, or pulled off it."""
     loads = e.loads(t, y)
     return frozenset(i for i in e.flying if any(v > 0.0 for v in e.z(y, i)) or loads[i] <= 0.0)
@@ -20,13 +21,13 @@ def turned_aloft(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[
     return mode.moved({i: 1 if rates[i] >= 0.0 else -1 for i in rows})
 
 
-def taken_off(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> ContactModes:
+def taken_off(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> ContactModes:
     """The mode once some contacts have left."""
     mode = replace(mode, aloft=mode.aloft | set(rows))
     return turned_aloft(e, t, y, mode, [i for i in rows if mode.sides[i] == 0])
 
 
-def landed(e: Equations, t: float, y: Any, mode: ContactModes, i: int) -> tuple[Any, ContactModes, bool]:
+def landed(e: Equations, t: float, y: Array, mode: ContactModes, i: int) -> tuple[Any, ContactModes, bool]:
     """State and mode after a hit across, with its impulse along; whether the slip has come to zero."""
     gap, c, e_n = e.inner[i][0], e.alone[i] or 0, float(e.laws[i].restitution)
     mass, side, speed = e.masses[c], mode.sides[i], -float(y[gap + 1])

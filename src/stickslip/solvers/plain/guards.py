@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
@@ -49,14 +50,14 @@ def guards(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
     return guards + _kinks(e, t, y, mode)
 
 
-def _of_load(e: Equations, y: Any, mode: ContactModes, i: int, load: float) -> Guard:
+def _of_load(e: Equations, y: ArrayLike, mode: ContactModes, i: int, load: float) -> Guard:
     """Guards that end the touch of a contact, or its flight."""
     if i in mode.aloft:
         return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
     return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)
 
 
-def _limits(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
+def _limits(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:
     if 0 not in mode.sides:
         return []
     R = e.motion(t, y, mode).R
@@ -68,7 +69,7 @@ def _limits(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
     return limit_guards
 
 
-def _kinks(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
+def _kinks(e: Equations, t: float, y: ArrayLike, mode: ContactModes) -> list[Guard]:
     if not any(mode.kinks):
         return []
     kinks = []

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
 from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
@@ -13,14 +14,14 @@ from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equatio
 _MOST = 100  # hits, one handing on the next, at one instant
 
 
-def touching(e: Equations, t: float, y: Any, fired: list[int]) -> list[int]:
+def touching(e: Equations, t: float, y: ArrayLike, fired: list[int]) -> list[int]:
     """Rows of all stops that touch."""
     q, _ = e.state(y)
     small = e.noise_of_gaps(q)
     return [e.k + s for s, gap in enumerate(e.gaps(t, q)) if gap <= small or e.k + s in fired]
 
 
-def rebound(e: Equations, t: float, y: Any, rows: list[int]) -> tuple[Any, dict[int, float]]:
+def rebound(e: Equations, t: float, y: Numeric, rows: list[int]) -> tuple[Any, dict[int, float]]:
     """The state after all hits at one instant, and the velocity of approach of each stop that was hit [m/s]."""
     y, n, hits = np.array(y, float), e.n, dict[int, float]()
     G = np.array([[e.G[i][j] for j in rows] for i in rows])
@@ -53,7 +54,7 @@ def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: flo
     return sum(np.array(e.weights[i]) * force for i, force in zip(rows, impulses.R, strict=True))
 
 
-def closing(e: Equations, t: float, y: Any, mode: ContactModes, rows: list[int]) -> dict[int, float]:
+def closing(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> dict[int, float]:
     """Stops whose rebounds have become a geometric series that ends at once, or too low to be told from rounding, and when it does [s]."""
     rates = e.slips(t, e.state(y)[1])
     accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.maths import function_value
 
 Sides = tuple[bool, ...]
@@ -90,17 +91,17 @@ class Watching:
     def __init__(self, function: Callable[..., Any]):
         self.function = function
 
-    def __call__(self, sides: Sides, t: Any, *vectors: Sequence[float]) -> list[float]:
+    def __call__(self, sides: Sides, t: Numeric, *vectors: Sequence[float]) -> list[float]:
         """Its values; with plain numbers where it has no condition."""
         if sides:
             return self._asked(_Book(sides), t, vectors)
         return [float(value) for value in self.function(t, *vectors)]
 
-    def differences(self, sides: Sides | None, t: Any, *vectors: Sequence[float]) -> list[float]:
+    def differences(self, sides: Sides | None, t: Numeric, *vectors: Sequence[float]) -> list[float]:
         """The differences whose signs its conditions test."""
         book = _Book(sides)
         self._asked(book, t, vectors)
         return book.differences
 
-    def _asked(self, book: _Book, t: Any, vectors: Sequence[Sequence[float]]) -> list[float]:
+    def _asked(self, book: _Book, t: Numeric, vectors: Sequence[Sequence[float]]) -> list[float]:
         return [float(value) for value in self.function(t, *([_Number(value, book) for value in vector] for vector in vectors))]

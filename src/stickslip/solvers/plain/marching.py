@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import Interrupted, look
 from stickslip.basics.status import Status
@@ -44,14 +45,14 @@ class Hit:
     velocity: float
 
 
-def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
+def march(todo: Request, model: Model, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
     """The dense output of one case, what it cost, and how it ended: finished, a contact lost, or (of one run) interrupted."""
     run = marched(todo, model, case)
     status = Status.NOT_COMPUTED if run.interrupted else Status.LOST if run.lost else Status.FINISHED
     return run.pieces(), run.counts, status
 
 
-def marched(todo: Request, model: Any, case: int) -> Run:
+def marched(todo: Request, model: Model, case: int) -> Run:
     """The run of one case."""
     equations = Equations(model)
     run = Run(todo, equations, todo.start[case])
@@ -74,7 +75,7 @@ def marched(todo: Request, model: Any, case: int) -> Run:
     return run
 
 
-def _known(model: Any, end: float) -> list[tuple[float, Jumps, bool]]:
+def _known(model: Model, end: float) -> list[tuple[float, Jumps, bool]]:
     """The instants that are known beforehand, with the jumps at each, and whether controllers take a sample there."""
     instants, between = _without_samples(model, end), machine_of(model).mechanics.controllers.sample
     if between is None:
@@ -86,7 +87,7 @@ def _known(model: Any, end: float) -> list[tuple[float, Jumps, bool]]:
     return sorted([*marked, *((t, still, True) for t in more)], key=lambda known: known[0])
 
 
-def _without_samples(model: Any, end: float) -> list[tuple[float, Jumps]]:
+def _without_samples(model: Model, end: float) -> list[tuple[float, Jumps]]:
     """Start, breaks, impulses, borders of their periods, end."""
     machine = machine_of(model)
     nothing = (0.0,) * len(machine.mechanics.masses)
@@ -117,7 +118,7 @@ class Run:
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
 
-    def _memories(self, values: Any) -> tuple[tuple[int, ...], ...]:
+    def _memories(self, values: Array) -> tuple[tuple[int, ...], ...]:
         whole = iter([int(m) for m in values])
         return tuple(tuple(itertools.islice(whole, law.modes)) for law in self.equations.laws)
 

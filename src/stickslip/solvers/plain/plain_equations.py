@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.models.friction.law_adapter import TINY, Switches
 from stickslip.models.machine_adapter import machine_of
@@ -59,7 +60,7 @@ class Rates:
 class Equations:
     """The equations of a machine within one interval between known instants."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: Model):
         machine = machine_of(model)
         self.model, self.mechanics = model, (mechanics := machine.mechanics)
         self.laws, self.stops, self.single, self.principal = mechanics.laws, mechanics.stops, machine.is_single, machine.principal
@@ -119,7 +120,7 @@ class Equations:
         """States of the controllers."""
         return list(map(float, y[self.held]))
 
-    def sampled(self, t: float, y: Any) -> Any:
+    def sampled(self, t: float, y: Numeric) -> Any:
         """The state after a sample of the controllers."""
         y, (q, u) = np.array(y, float), self.state(y)
         y[self.held] = list(map(float, self.mechanics.control_sampled(self.time(t), q, u, self.controlled(y))))
@@ -166,7 +167,7 @@ class Equations:
         return ROUNDING * (max(map(abs, q)) + 0.01 * self.scale_of_velocity * self.scale_of_time) if self.stops else 0.0
 
     # ---- forces ----
-    def loads(self, t: float, y: Any, mode: ContactModes | None = None) -> Floats:
+    def loads(self, t: float, y: ArrayLike, mode: ContactModes | None = None) -> Floats:
         """Normal forces [N]."""
         return self.pressing(mode.kinks[1] if mode else (), self.time(t), self.state(y)[0])
 
@@ -214,7 +215,9 @@ class Equations:
                 a[c] = (0.0 - rates[i]) / self.rows[i][c]
         return Rates(u, a, inner, R, push)
 
-    def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: ContactModes) -> tuple[Floats, Floats]:
+    def _friction(
+        self, t: float, q: Floats, u: Floats, y: ArrayLike, w: Floats, loads: Floats, mode: ContactModes
+    ) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
         without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))[: self.n] if self.applied else []
@@ -245,7 +248,7 @@ class Equations:
             together |= ends if together & ends else set()
         return together
 
-    def _flight(self, t: float, q: Floats, y: Any, mode: ContactModes, i: int) -> tuple[float, float]:
+    def _flight(self, t: float, q: Floats, y: ArrayLike, mode: ContactModes, i: int) -> tuple[float, float]:
         """Rates of a contact's gap and of that rate."""
         if i not in mode.aloft:
             return 0.0, 0.0
@@ -260,7 +263,7 @@ class Equations:
     def right(self, mode: ContactModes) -> Callable[[float, Any], Floats]:
         """The right side of y' in a mode."""
 
-        def finite(t: float, y: Any) -> Floats:
+        def finite(t: float, y: Array) -> Floats:
             try:
                 motion = self.motion(t, y, mode)
             except ArithmeticError:  # a trial step far too long: the integrator takes a shorter one
@@ -269,7 +272,7 @@ class Equations:
 
         return finite
 
-    def slip_rates(self, t: float, y: Any, mode: ContactModes) -> Floats:
+    def slip_rates(self, t: float, y: ArrayLike, mode: ContactModes) -> Floats:
         """Rates of all slips in a mode [m/s^2]."""
         a, rates = self.motion(t, y, mode).accelerations, self.offset_rates(self.time(t))
         return [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
@@ -296,18 +299,18 @@ class Equations:
                     u = [value - weight * impulse for value, weight in zip(u, self.weights[i], strict=True)]
         return u
 
-    def at_rest(self, t: float, y: Any, mode: ContactModes) -> Any:
+    def at_rest(self, t: float, y: ArrayLike, mode: ContactModes) -> Any:
         """The state with resting rows settled."""
         y = np.array(y, float)
         y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
         return y
 
     # ---- memories and conditions ----
-    def switches(self, y: Any, i: int, mode: ContactModes, w: float, load: float) -> Switches:
+    def switches(self, y: ArrayLike, i: int, mode: ContactModes, w: float, load: float) -> Switches:
         """The switches of a law, at its slip and load: (guard, new memory, new inner states or None)."""
         return self.laws[i].switches(held(w, mode.sides[i]), self.z(y, i), load, mode.memory[i])
 
-    def passed_zero(self, t: float, y: Any, i: int, mode: ContactModes) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def passed_zero(self, t: float, y: ArrayLike, i: int, mode: ContactModes) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Inner states and memory after the switches that wait for the slip velocity to pass zero."""
         load = self.pressed(self.time(t), self.state(y)[0], mode)[i]
         return self.laws[i].passed_zero(self.z(y, i), load, mode.memory[i], mode.sides[i] or 1)
@@ -317,7 +320,7 @@ class Equations:
         t, (q, u) = self.time(t), self.state(y)
         return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
 
-    def output(self, t: float, y: Any, mode: ContactModes) -> Floats:
+    def output(self, t: float, y: Array, mode: ContactModes) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
         return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]

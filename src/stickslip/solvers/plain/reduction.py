@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.results.steadiness import outcome_of
@@ -15,7 +16,7 @@ from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
 
 
-def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
+def reduced(todo: Request, model: Model, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
     """Raw results of one case."""
     T = float(todo.span[case])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)

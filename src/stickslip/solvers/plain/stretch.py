@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import is_stopped
 from stickslip.basics.status import Status
@@ -93,11 +94,11 @@ class _Step:
             if j != k and guard.value <= max(guard.noise, ROUNDING * size[j]) and late[j] < early[j] and late[j] < 0
         ]  # fmt: skip
 
-    def _holds_until(self, k: int, t: float, times: Any, g: Any) -> bool:
+    def _holds_until(self, k: int, t: float, times: Array, g: Any) -> bool:
         """Whether a guard is positive at t and at all looks before."""
         return bool(np.all(g[2:][times[2:] <= t] >= 0)) and self.guards(t)[k] > 0
 
-    def _root(self, k: int, times: Any, g: Any, fresh: bool, noise: float) -> float | None:
+    def _root(self, k: int, times: Array, g: Any, fresh: bool, noise: float) -> float | None:
         below = np.flatnonzero(g[2:-1] < -noise) + 2
         if len(below) == 0:
             return self._dip(k, times, g, self.end, noise)
@@ -118,7 +119,7 @@ class _Step:
             return low
         return float(brentq(lambda t: self.guards(t)[k], low, high, xtol=1e-300, rtol=1e-15))
 
-    def _dip(self, k: int, times: Any, g: Any, end: float, noise: float) -> float | None:
+    def _dip(self, k: int, times: Array, g: Any, end: float, noise: float) -> float | None:
         """The zero of a guard that is below zero only between two looks; the looks beside the step serve for its ends."""
         from scipy.optimize import minimize_scalar
 
@@ -183,13 +184,13 @@ def _begin(equations: Equations, right: Any, t: float, y: Any, mode: ContactMode
     return fresh, [before[k] for k in asked if later[k].value < before[k].value - before[k].noise]
 
 
-def _later(right: Any, t: float, y: Any, moment: float) -> Any:
+def _later(right: Any, t: float, y: ArrayLike, moment: float) -> Any:
     """The state a moment later, to second order: a position moves although its velocity begins at zero."""
     middle = np.asarray(y) + 0.5 * moment * np.asarray(right(t, y))
     return np.asarray(y) + moment * np.asarray(right(t + 0.5 * moment, middle))
 
 
-def _solver(todo: Request, e: Equations, right: Any, t: float, y: Any, end: float, first: float | None = None) -> Any:
+def _solver(todo: Request, e: Equations, right: Any, t: float, y: ArrayLike, end: float, first: float | None = None) -> Any:
     import scipy.integrate
 
     method = getattr(scipy.integrate, NAMES[todo.method])
@@ -252,7 +253,7 @@ def _again(todo: Request, equations: Equations, step: _Step, end: float) -> list
     return taken or [step]
 
 
-def _correction(equations: Equations, step: _Step, t: float, y: Any, k: int) -> float:
+def _correction(equations: Equations, step: _Step, t: float, y: Numeric, k: int) -> float:
     """How much later a guard is zero, by its slope along the motion; 0 where it only grazes."""
     right, moment = equations.right(step.mode), 1e-4 * (step.end - step.start)
     slope_of_y = np.asarray(right(t, y))
