@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import cases_of
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.kinds import known_kind
@@ -28,7 +29,7 @@ _SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to se
 _checked: Remembered[bool] = Remembered()
 
 
-def check_as_written(model: Any) -> None:
+def check_as_written(model: Model) -> None:
     """`InputError` where the traced functions of a machine differ from trace to trace, or from what plain Python gives."""
     _checked(known_kind(model), lambda: _check(model))
 
@@ -36,7 +37,7 @@ def check_as_written(model: Any) -> None:
 class _Traced:
     """All functions of a machine, called with symbols once."""
 
-    def __init__(self, model: Any, m: Mechanics):
+    def __init__(self, model: Model, m: Mechanics):
         self.graph = graph = Graph()
         graph.at_once, graph.begins_anew = True, model.period is not None
         own = fresh_mechanics(replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}))
@@ -62,7 +63,7 @@ class _Traced:
             return type(error).__name__
 
 
-def _check(model: Any) -> bool:
+def _check(model: Model) -> bool:
     what = type(model).__name__
     case = cases_of(model, slice(1))[0]
     m = fresh_mechanics(case)

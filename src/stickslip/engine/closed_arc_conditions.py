@@ -7,11 +7,10 @@ all rows of a batch are a few products of columns (`rows_with`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.maths import pi
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.remembered import Remembered
@@ -74,7 +73,7 @@ _arcs: Remembered[Closed] = Remembered()
 _forces: Remembered[tuple[list[tuple[Sym, Sym]], Sym] | None] = Remembered()
 
 
-def closed_of(model: Any) -> Closed:
+def closed_of(model: Model) -> Closed:
     """The closed arcs of the kind of a driven model with a set-valued law."""
     return _arcs(kind_of(model), lambda: _closed(trace(model)))
 
@@ -116,7 +115,7 @@ def _words(eq: System, key: tuple[int, ...]) -> str:
     return "time in another way than one sine" if "t" in names else "a condition"
 
 
-def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
+def steady_force(model: Model, known: dict[str, Array]) -> Array | None:
     """Forces on the body besides friction and the drive's inertia [N], row by row; None if they are not constant."""
     parts = _forces(kind_of(model), lambda: _force_pairs(trace(model)))
     if parts is None:

@@ -6,12 +6,13 @@ import dataclasses
 import hashlib
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.engine.observed import Observed
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.trace import trace
 
 
-def equation_hash(model: Any, observe: Observed = ()) -> str:
+def equation_hash(model: Model, observe: Observed = ()) -> str:
     """Hash of the equations of a model, and of the observables that are evaluated beside them.
 
     The numbers of the model are symbols in it; numbers that its methods take from elsewhere are constants.

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import function, header, written
@@ -46,7 +47,7 @@ class FixedStepKernel:
     states: int
 
 
-def traced_slopes(model: Any) -> TracedSlopes:
+def traced_slopes(model: Model) -> TracedSlopes:
     """The right side of a model's equations, for a law of either kind; what a plain Runge-Kutta script does not do is refused."""
     eq = trace(model)
     if why := lacks(eq):
@@ -75,7 +76,7 @@ def _usual_practice(eq: System) -> TracedSlopes:
     return TracedSlopes(eq.names, eq.t, eq.y, (slides,), eq.guards[: eq.signs], held, eq.clocks, eq.period)
 
 
-def fixed_step_kernel(model: Any) -> FixedStepKernel:
+def fixed_step_kernel(model: Model) -> FixedStepKernel:
     """The compiled loop of a model's kind."""
     s, name = traced_slopes(model), label(model)
     source = header(f"{name}, RK4") + written({"advance": _KIND}, _Loop(s).text())

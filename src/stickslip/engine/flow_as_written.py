@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,12 +17,16 @@ from stickslip.engine.symbolic import SPAN
 from stickslip.engine.values import values_of
 from stickslip.models.declaration import NOT_REPEATABLE, Calls, answers, check_repeatable
 
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
+
 _POINTS, _ASIDE = 6, 1e-12
 _SIZES = (1.0, 0.1, 10.0, 1e-3, 1.0, 0.3)
 _WHAT = "SwitchingFlow"
 
 
-def _calls(flow: Any, t: float, y: list[float]) -> Calls:
+def _calls(flow: SwitchingFlow, t: float, y: list[float]) -> Calls:
     """Every function of a flow without numbers, each with a state of its own."""
 
     def called(f: Callable[..., Any]) -> Callable[[], Any]:
@@ -45,12 +49,12 @@ def _numbers(value: Any) -> tuple[Any, ...]:
     return tuple(float(row) if np.ndim(row) == 0 else float(np.ravel(row)[0]) for row in rows)
 
 
-def _plain(flow: Any) -> Any:
+def _plain(flow: SwitchingFlow) -> Any:
     """The flow with the numbers of its first case."""
     return flow.replace({name: float(np.ravel(v)[0]) if is_array(v) else v for name, v in flow.numbers.items()}).plain
 
 
-def _points(flow: Any, n: int) -> list[tuple[float, list[float]]]:
+def _points(flow: SwitchingFlow, n: int) -> list[tuple[float, list[float]]]:
     """Times and states at which a flow is asked, always the same."""
     draw, period = random.Random(20261128), flow.period
     scales = [float(np.ravel(s)[0]) for s in flow.scales or (1.0,) * n]
@@ -61,7 +65,7 @@ def _points(flow: Any, n: int) -> list[tuple[float, list[float]]]:
     ]  # fmt: skip
 
 
-def first_of(flow: Any, n: int) -> First:
+def first_of(flow: SwitchingFlow, n: int) -> First:
     """The functions of a flow, to be asked whether they have changed, and whether they give the same twice."""
     plain = _plain(flow)
     (t, y), (s, x), *_ = _points(flow, n)
@@ -72,7 +76,7 @@ def first_of(flow: Any, n: int) -> First:
     return First(lambda: answers(_calls(plain, t, y)), check, (plain,))
 
 
-def check_flow_as_written(flow: Any, n: int) -> None:
+def check_flow_as_written(flow: SwitchingFlow, n: int) -> None:
     """`InputError` where traced functions of a flow differ from trace to trace, or from what plain Python gives."""
     one, other = TracedFlow(flow, n), TracedFlow(flow, n)
     for name, expressions in one.expressions.items():
@@ -94,7 +98,7 @@ def check_flow_as_written(flow: Any, n: int) -> None:
             compare(_WHAT, name, f"t = {t:.6g}, y = {[float(f'{v:.6g}') for v in y]}", given, values)
 
 
-def _values(traced: TracedFlow, flow: Any, points: list[tuple[float, list[float]]], aside: float) -> dict[str, list[Any]]:
+def _values(traced: TracedFlow, flow: SwitchingFlow, points: list[tuple[float, list[float]]], aside: float) -> dict[str, list[Any]]:
     """Values of the expressions at some states, which may be moved a little."""
     moved, count = np.random.default_rng(0), len(points)
     own = {name: float(np.ravel(value)[0]) for name, value in flow.numbers.items()} | dict(traced.graph.constants)

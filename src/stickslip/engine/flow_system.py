@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.status import Status
 from stickslip.engine.symbolic import SPAN
@@ -20,6 +20,10 @@ from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
 from stickslip.engine.system import System, TracedSwitch
 from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
 
 #: Columns of a row beside a flow's own numbers: the time at the start, the most switches, and what each state is measured against.
 BEGIN, MOST, SIZE = "#begin", "#most", "#size"
@@ -104,7 +108,7 @@ class _Choice:
 class TracedFlow:
     """One flow of n states, called with symbols."""
 
-    def __init__(self, flow: Any, n: int):
+    def __init__(self, flow: SwitchingFlow, n: int):
         self.flow, self.n, self.graph = flow, n, _Asking()
         graph = self.graph
         self.modes = tuple(flow.fields)
@@ -235,7 +239,7 @@ class TracedFlow:
         return readers
 
 
-def flow_system(flow: Any, n: int) -> FlowSystem:
+def flow_system(flow: SwitchingFlow, n: int) -> FlowSystem:
     """The equations of a flow of n states.
 
     Raises

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.basics.batch import cases_of
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.references import References
@@ -92,7 +93,7 @@ class First:
 _editions = Editions()
 
 
-def _parts_of(model: Any) -> tuple[Any, ...]:
+def _parts_of(model: Model) -> tuple[Any, ...]:
     numbers = set(numbers_of(model))
     return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
@@ -100,12 +101,12 @@ def _parts_of(model: Any) -> tuple[Any, ...]:
 _known_parts: OfFrozen[tuple[Any, ...]] = OfFrozen(_parts_of)
 
 
-def kind_of(model: Any) -> tuple[Any, ...]:
+def kind_of(model: Model) -> tuple[Any, ...]:
     """The parts of a model that determine its equations: classes, names of the numbers, fields that are not numbers, and the edition."""
     return _with_edition(_parts_of(model))
 
 
-def known_kind(model: Any) -> tuple[Any, ...]:
+def known_kind(model: Model) -> tuple[Any, ...]:
     """The same; of a frozen record it is known as long as it lives."""
     return _with_edition(_known_parts(model))
 
@@ -117,7 +118,7 @@ def _with_edition(parts: tuple[Any, ...]) -> tuple[Any, ...]:
         return parts
 
 
-def edition_of(model: Any) -> int | None:
+def edition_of(model: Model) -> int | None:
     """How often functions of a model's kind have changed; None where nothing is cached about it."""
     try:
         return _editions.of(_known_parts(model))
@@ -125,7 +126,7 @@ def edition_of(model: Any) -> int | None:
         return None
 
 
-def check_functions(model: Any) -> None:
+def check_functions(model: Model) -> None:
     """Notice functions that have changed since the kind was met; `InputError` for functions that give another value each time.
 
     Examples

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.status import Status
 from stickslip.engine import cache, driver, slaved, taylor
@@ -121,7 +122,7 @@ _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
 
 def kernel_of(
-    model: Any, tableau: Tableau | Series | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
+    model: Model, tableau: Tableau | Series | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
     noted: bool = False,
 ) -> Kernel:  # fmt: skip
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
@@ -189,7 +190,7 @@ def ordered(k: Kernel, order: int) -> Kernel:
     return replace(k, table=table)
 
 
-def layout_of(model: Any) -> StateLayout:
+def layout_of(model: Model) -> StateLayout:
     """The layout of the states of a model's kernels; nothing is compiled, and a known kind costs nothing.
 
     Examples
@@ -201,12 +202,12 @@ def layout_of(model: Any) -> StateLayout:
     return _arranged(model)[0]
 
 
-def needed_positions(model: Any) -> tuple[int, ...]:
+def needed_positions(model: Model) -> tuple[int, ...]:
     """Numbers of the coordinates whose positions (or differences to that of the first) stand in a force, a load or a guard."""
     return _arranged(model)[1]
 
 
-def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
+def _arranged(model: Model) -> tuple[StateLayout, tuple[int, ...]]:
     return _layouts(known_kind(model), lambda: _arrangement(trace(model)))
 
 

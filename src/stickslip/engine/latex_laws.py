@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Law
 from stickslip.engine.letters import Formula, symbol
 from stickslip.engine.tex import subscripted, text_of
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
 
-def lines_of_law(law: Any, load: Any, slip: str, index: str = "") -> list[str]:
+def lines_of_law(law: Law, load: Any, slip: str, index: str = "") -> list[str]:
     """The lines of a law whose numbers are symbols, under a load, with the letter of its velocity and the index of its contact."""
     traced, R = adapted(law), subscripted("R", index)
     sides = [_equations(traced, symbol(slip, sign), load, index) for sign in (1, -1)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Law, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_laws import lines_of_law
@@ -30,7 +31,7 @@ class _Pull:
 class _Parts(SeveralBodies):
     """A machine of parts whose bodies' positions and velocities are symbols of their own, and whose links are."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: Model):
         super().__init__(model)
         self.index = dict(zip(self.bodies, indices(self.bodies), strict=True))
         self.x, self.v = _states(list(self.index.values()))
@@ -53,7 +54,7 @@ class _Parts(SeveralBodies):
         return tuple(slip + offset for slip, offset in zip(own, self.offsets(t), strict=True))
 
 
-def lines_of_motion(model: Any) -> list[str]:
+def lines_of_motion(model: Model) -> list[str]:
     """All lines of a machine; `InputError` if a part of it is no formula."""
     letters = letters_of(model, [name for name, _ in leaves(model)])
     traced = replace_leaf(model, letters.symbols)
@@ -216,7 +217,7 @@ def _with_ranges(blocks: list[tuple[list[str], list[str]]]) -> list[str]:
     return lines
 
 
-def _renumbered(letters: Letters, law: Any, slip: Any, load: Any, index: str) -> tuple[Any, Any, Any, str]:
+def _renumbered(letters: Letters, law: Law, slip: Any, load: Any, index: str) -> tuple[Any, Any, Any, str]:
     """Law, slip and load of a contact, with i for its index and for the number that its symbols share."""
     numbers = dict(leaves(law))
     new = letters.renumbered([load, slip, *numbers.values()], "i")
@@ -230,17 +231,17 @@ def _velocity_letter(slip: Any, index: str, v: tuple[Formula, ...]) -> str:
     return text_of(slip) if slip in v else subscripted("w", index)
 
 
-def _slip_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
+def _slip_lines(law: Law, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     letter = _velocity_letter(slip, index, v)
     return [] if letter == text_of(slip) else [f"{letter} &= {text_of(slip)}"]
 
 
-def _load_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
+def _load_lines(law: Law, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     N = subscripted("N", index)
     return [] if load == 1 or text_of(load) == N else [f"{N} &= {text_of(load)}"]
 
 
-def _law_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
+def _law_lines(law: Law, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     """Under a load of one the coefficients are forces."""
     N = load if load == 1 else symbol(subscripted("N", index))
     return lines_of_law(law, N, _velocity_letter(slip, index, v), index)

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Law, Model
 from stickslip.basics.errors import InputError, Problems, StickslipError
 from stickslip.engine.symbols import TraceError
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.machine_adapter import machine_of
 
 
-def explained(work: Any, model: Any) -> Any:
+def explained(work: Any, model: Model) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
     laws = machine_of(model).mechanics.laws
     law_name = laws[0].name if machine_of(model).is_single else type(model).__name__
@@ -56,14 +57,14 @@ ARGUMENTS = {
 }  # fmt: skip
 
 
-def _arguments(law: Any, name: str) -> tuple[str, ...]:
+def _arguments(law: Law, name: str) -> tuple[str, ...]:
     """Arguments of a law's method: with modes if the law has any, and the holding force if the method takes it."""
     known = adapted(law)
     remembers = ("mode",) if known.switching and name in ("rate", "force", "switches") else ()
     return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and known.needs_applied else ())
 
 
-def check_signatures(law: Any) -> None:
+def check_signatures(law: Law) -> None:
     """A law's methods take what the engine gives, in that order."""
     problems = Problems(type(law).__name__)
     for name in ARGUMENTS:
@@ -88,7 +89,7 @@ _BOTH = (
 
 
 @contextlib.contextmanager
-def finite(law: Any) -> Iterator[None]:
+def finite(law: Law) -> Iterator[None]:
     """Runs plain Python with a law; infinite or undefined numbers become an error in words."""
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
@@ -97,12 +98,12 @@ def finite(law: Any) -> Iterator[None]:
         raise InputError(type(law).__name__, [f"it gives a number that is not finite ({error}); {_BOTH}"]) from error
 
 
-def check_numbers(model: Any) -> None:
+def check_numbers(model: Model) -> None:
     """Call the law with plain floats of the first case; a law that returns NaN is said here, before any compiling."""
     explained(_check_numbers, model)
 
 
-def _check_numbers(model: Any) -> None:
+def _check_numbers(model: Model) -> None:
     from stickslip.basics.batch import cases_of
 
     case = cases_of(model, slice(1))[0]

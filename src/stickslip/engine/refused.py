@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 
 #: Contacts of one group, of which all combinations of rest and slip are tried.
@@ -25,7 +26,7 @@ def _apart(stops: tuple[Any, ...]) -> bool:
     return all(sum(column) <= 1.0 for column in zip(*rows, strict=True))
 
 
-def refused(model: Any) -> str:
+def refused(model: Model) -> str:
     """The reason why the compiled methods refuse a machine; "" if they accept it.
 
     Examples

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import STATE, Graph, Sym
 from stickslip.models.machine_adapter import machine_of
@@ -12,7 +13,7 @@ from stickslip.models.machine_adapter import machine_of
 SPAN = "span"
 
 
-def numbers_of(model: Any) -> tuple[str, ...]:
+def numbers_of(model: Model) -> tuple[str, ...]:
     """Names of the numbers that make a case's row.
 
     An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
@@ -30,7 +31,7 @@ AS_IT_IS = object()  # stops are closed as their modes say
 class Symbolic:
     """A model with symbols for its numbers, time, velocities and positions."""
 
-    def __init__(self, model: Any, cyclic: bool):
+    def __init__(self, model: Model, cyclic: bool):
         self.graph = graph = Graph()
         graph.begins_anew = model.period is not None
         self.cyclic = cyclic

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import replace_leaf
 from stickslip.basics.maths import maximum, pi
@@ -28,7 +29,7 @@ from stickslip.models.position_dependence import knows_position
 _NO_DRIVE = 1e-12  # m/s: a velocity for steps where the drive is off and the law has no velocity of its own
 
 
-def label(model: Any) -> str:
+def label(model: Model) -> str:
     """The name of a model's kind: ``LuGre × Harmonic``."""
     drive, track = machine_of(model).drive, machine_of(model).track
     if not machine_of(model).is_single:
@@ -40,7 +41,7 @@ def label(model: Any) -> str:
     return " × ".join(parts)
 
 
-def trace(model: Any, observe: Observed = (), noted: bool = False) -> System:
+def trace(model: Model, observe: Observed = (), noted: bool = False) -> System:
     """The equations of a model; `InputError` says what to change in a law, or an observable, that cannot be traced.
 
     With `noted` one body on one contact has signals too, as others have.
@@ -48,7 +49,7 @@ def trace(model: Any, observe: Observed = (), noted: bool = False) -> System:
     return explained(lambda model: _trace(model, observe, noted), model)
 
 
-def _trace(model: Any, observe: Observed, noted: bool) -> System:
+def _trace(model: Model, observe: Observed, noted: bool) -> System:
     if machine_of(model).is_single:
         _check_contact(model)
         eq = _traced(model, not knows_position(model), observe, noted)
@@ -83,7 +84,7 @@ def _only_differences(eq: System) -> bool:
     return True
 
 
-def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) -> System:
+def _traced(model: Model, cyclic: bool, observe: Observed, noted: bool = False) -> System:
     m = Symbolic(model, cyclic)
     graph, zero = m.graph, m.graph.constant(0.0)
     speeds = [law.velocity_scale() for law in m.laws]
@@ -164,7 +165,7 @@ def _offered(m: Symbolic) -> Sym | None:
     return total if m.graph.varies(total) <= {"t"} else None
 
 
-def _check_contact(model: Any) -> None:
+def _check_contact(model: Model) -> None:
     """Refuse a contact whose velocity is not that of the body less a number of the case: steps know the two by their difference."""
     graph = Graph()
     v = graph.variable("v")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+from stickslip.basics.contracts import Law
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import is_array, leaves, replace_leaf
 from stickslip.engine.symbolic import numbers_of
@@ -31,7 +32,7 @@ class TracedLaw:
     (['mu_plus', 'mu_minus', 'sigma0'], multiply(sigma0, z0), True)
     """
 
-    def __init__(self, law: Any):
+    def __init__(self, law: Law):
         self.graph = graph = Graph()
         graph.at_once = True
         plain = adapted(law)

@@ -243,7 +243,7 @@ def _mechanics_of_parts(model: Model) -> Mechanics:
     return made
 
 
-def fresh_mechanics(model: Model) -> Mechanics:
+def fresh_mechanics(model: Any) -> Mechanics:
     """The equations of a machine, made now: its bodies and contacts are asked again."""
     if not declares_parts(model):
         return OneBody(model)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import is_array, leaves
 from stickslip.basics.jsontext import plain
@@ -45,7 +46,7 @@ def names_of(run: Any) -> dict[str, list[str]]:
     return {} if layout.own else {"body": [b.name for b in layout.bodies], "contact": [c.name for c in layout.contacts]}
 
 
-def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, ...]:
+def dims_of(name: str, column: Array, names: dict[str, list[str]]) -> tuple[str, ...]:
     """The dimensions of a column, given the names of the bodies and contacts."""
     return tuple(dim for dim in VARIABLES[name].dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
 
@@ -133,7 +134,7 @@ def write_csv(head: Sequence[str], columns: Sequence[Any], file: TextIO) -> None
         rows.writerows(zip(*(np.asarray(values).tolist() for values in columns), strict=True))
 
 
-def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
+def _parts(name: str, column: Array, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
     """One-dimensional parts of a column, with their names."""
     dims = dims_of(name, column, names)[1:]
     for index in np.ndindex(column.shape[1:]):

@@ -105,7 +105,7 @@ class Steadiness:
         return f"the motion has not settled: {change}, and {far}; {self.advice}"
 
 
-def judged(mean: Any, approached: Any, period: Any, free_velocity: Any, tolerance: Any) -> Any:
+def judged(mean: ArrayLike, approached: ArrayLike, period: Any, free_velocity: Any, tolerance: Any) -> Any:
     """Codes of steadiness from mean velocities and those that they approach [m/s]."""
     mean, approached = np.asarray(mean, float), np.asarray(approached, float)
     with np.errstate(invalid="ignore"):
@@ -130,7 +130,7 @@ def mean_tolerance(method: str, rtol: float) -> float:
     return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
 
 
-def outcome_of(model: Model, strobe: Any, method: str, rtol: float) -> tuple[int, float]:
+def outcome_of(model: Model, strobe: ArrayLike, method: str, rtol: float) -> tuple[int, float]:
     """Period number of a run (0: none) and the displacement in a drive period that it approaches [m]; see `recurrence.outcome`.
 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
@@ -151,7 +151,7 @@ def _with_position(model: Model, strobe: Any) -> tuple[Any, Any]:
     return points, scales_of(model, strobe, matters)
 
 
-def _outcome(strobe: Any, scales: Any, tolerance: float) -> tuple[int, float]:
+def _outcome(strobe: ArrayLike, scales: Any, tolerance: float) -> tuple[int, float]:
     points = np.ascontiguousarray(strobe, float)[1:]
     last = len(points) - 1
     if last < 0:
@@ -169,7 +169,7 @@ def _position_matters(model: Any, x: Array) -> bool:
     return bool(np.ptp(np.array(forces), axis=0).any())
 
 
-def scales_of(model: Model, strobe: Any, with_position: bool) -> Any:
+def scales_of(model: Model, strobe: Array, with_position: bool) -> Any:
     """Sizes of v, of each inner state, and of x where the motion depends on it.
 
     Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
@@ -183,7 +183,7 @@ def scales_of(model: Model, strobe: Any, with_position: bool) -> Any:
     return np.where(scales > 0, scales, 1.0)
 
 
-def unsettled_note(codes: ArrayLike, errors: Any) -> list[str]:
+def unsettled_note(codes: ArrayLike, errors: ArrayLike) -> list[str]:
     """A sentence on the cases of a batch or a sweep that have not settled, and what to type; none where there are none.
 
     Examples

@@ -11,11 +11,12 @@ import io
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics import hdf5
+from stickslip.basics.contracts import Machine
 from stickslip.basics.errors import InputError, as_path, is_one_of
 from stickslip.basics.jsontext import plain
 from stickslip.basics.unpacking import Allowance
@@ -29,6 +30,10 @@ from stickslip.models.robot import Robot
 from stickslip.models.tables import document_of
 from stickslip.results.datasets import attributes, names_of, trajectory_dataset, write_csv
 from stickslip.results.dense_output import kind_of, pieces_from_arrays
+
+if TYPE_CHECKING:
+    from stickslip.results.flow_run import FlowRun
+    from stickslip.results.trajectory import Trajectory
 
 #: Version of the file format; a reader refuses a newer one, and format 1, which no release has written.
 FORMAT = 2
@@ -89,7 +94,7 @@ def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doi
     return path
 
 
-def _model_attributes(model: Any) -> dict[str, str]:
+def _model_attributes(model: Machine) -> dict[str, str]:
     """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
     if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"

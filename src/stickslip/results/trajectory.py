@@ -307,7 +307,7 @@ class Trajectory(Drawn, RunFiles):
         layout = self.pieces.layout
         return self if layout.principal is None else replace(self, pieces=replace(self.pieces, layout=replace(layout, principal=None)))
 
-    def _flat(self, column: Any) -> Any:
+    def _flat(self, column: Array) -> Any:
         """A column without its axis of bodies or contacts, where the machine has one of each by its kind."""
         return column[:, 0] if self.pieces.layout.single else column
 
@@ -320,7 +320,7 @@ class Trajectory(Drawn, RunFiles):
         own = column[:, layout.own[dim]]
         return own if name != "z" else _as_column(own.reshape(len(own), -1)[:, : len(layout.contacts[layout.own[dim]].inner)])
 
-    def _part(self, column: Any, number: int) -> Any:
+    def _part(self, column: Array, number: int) -> Any:
         """The column of one body or contact."""
         return column if self.pieces.layout.single else column[:, number]
 

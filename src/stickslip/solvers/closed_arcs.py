@@ -71,7 +71,7 @@ def reduced(model: Model) -> Arcs:
     return Arcs(**{name: value + np.zeros(count) for name, value in _rows(model, numbers).numbers.items()})
 
 
-def _rows(model: Any, numbers: dict[str, Any]) -> ArcNumbers:
+def _rows(model: Model, numbers: dict[str, Any]) -> ArcNumbers:
     """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
 
     def evaluated() -> ArcNumbers:

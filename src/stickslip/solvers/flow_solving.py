@@ -24,6 +24,7 @@ from stickslip.solvers.request import check_duration, check_keep, check_rtol, ve
 from stickslip.solvers.stopped import FAILURES
 
 if TYPE_CHECKING:
+    from stickslip.basics.progress import Reported
     from stickslip.models.switching_flow import SwitchingFlow
 
 
@@ -60,7 +61,7 @@ def solve(
     keep: Any,
     samples: Any,
     method: Any,
-    progress: Any,
+    progress: Reported | bool | None,
     duration: Any,
     options: dict[str, Any],
     rtol: Any,
@@ -86,8 +87,8 @@ def check_others(rtol: Any, workers: Any, of_machines: dict[str, Any], problems:
 
 
 def asked_of(
-    flow: SwitchingFlow, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any,
-    problems: Problems | None = None,
+    flow: SwitchingFlow, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any,
+    duration: Any, options: Any, problems: Problems | None = None,
 ) -> Asked:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once, after the problems that there are."""
     problems = Problems("solve") if problems is None else problems

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from stickslip.models.machine_adapter import MachineAdapter, is_machine, machine
 from stickslip.models.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.methods import METHODS
+
+if TYPE_CHECKING:
+    from stickslip.basics.progress import Reported
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +70,9 @@ class Request:
 
 
 def request(
-    model: Model, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
-    dwell: Any, progress: Any, options: dict[str, Any], duration: Any = None, observe: Any = None,
+    model: Model, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any,
+    method: Any, slip_ratio: Any, dwell: Any, progress: Reported | bool | None, options: dict[str, Any],
+    duration: Any = None, observe: Any = None,
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")

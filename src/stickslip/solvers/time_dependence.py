@@ -39,7 +39,7 @@ def check_period(model: Model, machine: MachineAdapter | None = None) -> None:
         known.add(edition)
 
 
-def _check(model: Any, machine: MachineAdapter | None) -> None:
+def _check(model: Model, machine: MachineAdapter | None) -> None:
     mechanics = (machine or machine_of(model)).mechanics
     _check_samples(model, mechanics)
     try:

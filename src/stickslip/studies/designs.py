@@ -9,11 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, Problems, as_path
 from stickslip.basics.fields import masked_in
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +123,7 @@ def table(rows: Any, dim: str = "case") -> Design:
     return Design(dim, made.columns, {"design": "table"})
 
 
-def _read(path: Any) -> dict[str, list[Any]]:
+def _read(path: str | Path) -> dict[str, list[Any]]:
     import csv
 
     try:

@@ -19,6 +19,7 @@ from stickslip.studies.progress import Watch
 from stickslip.studies.space import Space, space_of
 
 if TYPE_CHECKING:
+    from stickslip.basics.progress import Reported
     from stickslip.models.switching_flow import SwitchingFlow
 
 
@@ -26,8 +27,8 @@ _START = "start."
 
 
 def sweep_of_flow(
-    flow: Any, designs: Sequence[Any], axes: dict[str, Any], rtol: float, workers: int, progress: Any, of_machines: dict[str, Any],
-    **arguments: Any,
+    flow: Any, designs: Sequence[Any], axes: dict[str, Any], rtol: float, workers: int, progress: Reported | bool | None,
+    of_machines: dict[str, Any], **arguments: Any,
 ) -> Any:  # fmt: skip
     """The dataset: for each case the result of `solve` with ``keep="summary"``."""
     import xarray as xr

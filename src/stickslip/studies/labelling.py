@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
@@ -30,7 +30,7 @@ from stickslip.studies.space import Column
 WAYS = np.array(["up", "down"])
 
 
-def maker_of(make: Any) -> str:
+def maker_of(make: Model | Callable[..., Any]) -> str:
     """The name of a maker."""
     return getattr(make, "__name__", None) or type(make).__name__
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.fingerprints import fingerprint
 from stickslip.basics.jsontext import plain
 from stickslip.basics.references import References
@@ -90,7 +91,7 @@ def manifest(plan: Plan, there: dict[str, Any] | None = None) -> dict[str, Any]:
     return {**made, SEAL: of_manifest(made)}
 
 
-def code_of(make: Any) -> str:
+def code_of(make: Model | Callable[..., Any]) -> str:
     """The fingerprint of a maker that makes the same models whenever it is called: of all that it reads; empty if something is unknown.
 
     Examples

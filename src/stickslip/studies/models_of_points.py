@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,9 @@ class Group:
         self.at, self.robot, self.start = at, robot, start
 
 
-def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | None) -> tuple[list[Group], dict[int, str]]:
+def groups_of(
+    make: Model | Callable[..., Any], space: Space, points: Array, start: dict[str, Any] | None
+) -> tuple[list[Group], dict[int, str]]:
     """The robots for some points, one group for each kind; and the reason for each place without a robot.
 
     A place is an index into `points`. A non-finite number, or a combination that the maker refuses, affects its own case only.
@@ -50,7 +52,9 @@ def _by_words(columns: dict[str, Array], places: Array) -> Iterator[tuple[Array,
         yield np.array(at), dict(zip(words, choice, strict=True))
 
 
-def _made(make: Any, fixed: dict[str, Any], numbers: dict[str, Array], at: Array, refused: dict[int, str]) -> Iterator[tuple[Array, Any]]:
+def _made(
+    make: Model | Callable[..., Any], fixed: dict[str, Any], numbers: dict[str, Array], at: Array, refused: dict[int, str]
+) -> Iterator[tuple[Array, Any]]:
     """Robots for these places. If the maker refuses them together, they are split in halves until the invalid ones are isolated."""
     if not len(at):
         return
@@ -91,7 +95,7 @@ def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) 
     return varying | {n.partition(".")[2]: fixed[n] for n in START if n in fixed}
 
 
-def shared_numbers(make: Any, space: Space) -> dict[str, float]:
+def shared_numbers(make: Model | Callable[..., Any], space: Space) -> dict[str, float]:
     """The numbers that the robots of all cases share, by their dotted names: those that are constant along every axis.
 
     They are compared at the first case and at the middle and the end of each axis through it.
@@ -106,7 +110,7 @@ def shared_numbers(make: Any, space: Space) -> dict[str, float]:
     return {n: float(v[0]) for n, v in first.items() if all(n in table and np.all(np.asarray(table[n]) == v) for table in tables)}
 
 
-def refusals(make: Any, space: Space) -> list[str]:
+def refusals(make: Model | Callable[..., Any], space: Space) -> list[str]:
     """Errors for axis values that the maker refuses whatever the others are: input errors, reported before the work."""
     found: list[str] = []
     for name, column in space.columns.items():
@@ -119,7 +123,7 @@ def refusals(make: Any, space: Space) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _said(make: Any, space: Space, name: str, values: Array, end: int) -> list[str]:
+def _said(make: Model | Callable[..., Any], space: Space, name: str, values: Array, end: int) -> list[str]:
     """The errors of an axis with all others at their first or last finite value."""
     others = {n: _end(c.values, end) for n, c in space.columns.items() if n not in (name, *START)}
     fixed = {**{n: v for n, v in space.fixed.items() if n not in START}, **others}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import Labels, some_of, spread
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import machine_of
@@ -122,7 +122,15 @@ class Plan:
         return next((groups[0].robot for groups in tried if groups), None)
 
 
-def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
+def planned(
+    make: Model | Callable[..., Any],
+    designs: Sequence[Any],
+    axes: dict[str, Any],
+    start: Any,
+    along: Any,
+    tile: Any,
+    **options: Any,
+) -> Plan:
     """Check all arguments of a sweep, and divide it into tiles."""
     space = space_of(make, designs, axes, [*_ARGUMENTS])
     problems = Problems("sweep")

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from stickslip.basics.arguments import parameters_of
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.basics.fields import leaves, masked_in
 from stickslip.basics.number_names import numbers_meant
@@ -75,7 +75,7 @@ class Space:
         return {name: column.values[tuple(index[d] for d in column.dims)] for name, column in self.columns.items()}
 
 
-def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: Sequence[str] = ()) -> Space:
+def space_of(make: Model | Callable[..., Any], designs: Sequence[Any], axes: dict[str, Any], options: Sequence[str] = ()) -> Space:
     """The space of these designs and axes; all errors are reported together.
 
     `options` are the names of other arguments, for the suggestion if a name is unknown.
@@ -94,7 +94,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     return space
 
 
-def _count(space: Space, make: Any) -> None:
+def _count(space: Space, make: Model | Callable[..., Any]) -> None:
     """Convert arguments declared as ``int`` to integers: as counts, like words, each value gives machines of another kind."""
     counts = {p.name for p in parameters_of(make) if p.annotation in (int, "int")} if callable(make) else set()
     for name in counts & set(space.columns):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Maker, explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
@@ -119,8 +119,8 @@ def atlas(
 
 
 def _planned(
-    what: str, make: Any, over: Any, starts: Any, settle: Any, limit: Any, rtol: Any, branches: Any, refine: Any, workers: Any, resume: Any,
-    out: Any, fixed: dict[str, Any],
+    what: str, make: Model | Callable[..., Any], over: Any, starts: Any, settle: Any, limit: Any, rtol: Any, branches: Any,
+    refine: Any, workers: Any, resume: Any, out: Any, fixed: dict[str, Any],
 ) -> tuple[Plane, Look]:  # fmt: skip
     """The plane and how it is looked at, all arguments checked."""
     most = 0

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
@@ -137,7 +137,9 @@ class Plane:
         return self.starts if isinstance(self.starts, int) else int(np.prod([len(axis) for axis in self._start_axes.values()]))
 
 
-def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None]) -> Plane:
+def plane_over(
+    what: str, make: Model | Callable[..., Any], over: Any, starts: Any, fixed: dict[str, Any], check: Callable[[Problems], None]
+) -> Plane:
     """The plane over two numbers, checked with everything else that was given; `InputError` with all that is wrong."""
     problems = Problems(what)
     axes = _axes(make, over, problems)
@@ -158,7 +160,7 @@ def plane_over(what: str, make: Any, over: Any, starts: Any, fixed: dict[str, An
 _TYPE = 'type over={"amplitude": (2e-4, 8e-4), "tilt_deg": (0.5, 4.0)}'
 
 
-def _axes(make: Any, over: Any, problems: Problems) -> dict[str, Array]:
+def _axes(make: Model | Callable[..., Any], over: Any, problems: Problems) -> dict[str, Array]:
     if not isinstance(over, dict) or len(over) != 2 or not all(isinstance(name, str) for name in over):
         problems.add(f"over = {over!r}; allowed are two numbers of the machine by name, each with its range; {_TYPE}")
         return {}

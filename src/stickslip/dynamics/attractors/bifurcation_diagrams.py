@@ -167,7 +167,7 @@ def checked_values(problems: Problems, values: Array, robots: Family) -> Array:
     return array
 
 
-def _hysteresis(found: dict[str, Array], how: _Look, values: Array, first: Array, progress: Any) -> None:
+def _hysteresis(found: dict[str, Array], how: _Look, values: Array, first: Array, progress: Report | None) -> None:
     """Upwards and downwards side by side, each value from the end of the one before, into the columns."""
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     for k in range(n):

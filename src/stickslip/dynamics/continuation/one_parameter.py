@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.basics.batch import made_model
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import Model, Numeric
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
 from stickslip.basics.number_names import numbers_meant
@@ -83,7 +84,7 @@ class Family:
         return {"long_name": known[0], "units": known[1]} if known else {"long_name": parameter, "units": "1"}
 
 
-def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
+def family(what: str, make: Model | Callable[..., Any], parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
     """A family, its names checked."""
     problems = Problems(what)
     check_names(make, [*fixed, *parameters], (), problems)

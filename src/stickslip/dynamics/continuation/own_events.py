@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.limit_cycles import LimitCycle
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
 
 Event = Callable[[Any], float]
 KINDS = ("fold", "flip", "neimark-sacker", "branch-point", "grazing", "type-border", "hopf")  # that have their own meaning
@@ -28,7 +33,7 @@ def checked_events(what: str, events: Any) -> dict[str, Event]:
     return dict(events)
 
 
-def number_of(name: str, event: Event, orbit: Any) -> float:
+def number_of(name: str, event: Event, orbit: PeriodicOrbit | LimitCycle) -> float:
     """The value of an event for a motion; `InputError` if it is not a number.
 
     Examples

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.dynamics.continuation.cycle_paths import CyclePath
@@ -11,10 +11,14 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+
+
 _TOLERANCE = 1e-12
 
 
-def path_of(family: Family, orbit: Any, origin: Any, span: Numeric, period: int | None = None) -> Path:
+def path_of(family: Family, orbit: PeriodicOrbit | LimitCycle, origin: Any, span: Numeric, period: int | None = None) -> Path:
     """The path of motions like this one.
 
     Parameters

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
-from stickslip.basics.contracts import Array
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
@@ -229,7 +230,7 @@ def _check_border(special: Special) -> None:
         raise InputError("special_curve", [f"{why}; {allowed}; type ss.continuation at each value"])
 
 
-def _default(make: Any, parameter: str) -> dict[str, float]:
+def _default(make: Model | Callable[..., Any], parameter: str) -> dict[str, float]:
     """The value of a parameter that was not given: the maker's own."""
     import inspect
 

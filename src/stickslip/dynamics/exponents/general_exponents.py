@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import described_as, explains_arguments
-from stickslip.basics.contracts import Array, Numeric
+from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
@@ -132,7 +132,7 @@ def gathered(logs: Array, time: float, unit: str) -> Lyapunov:
     return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time)
 
 
-def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
+def _checked(what: str, x0: ArrayLike, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
     """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
     problems = Problems(what)
     x = np.atleast_1d(floats(x0))
@@ -163,7 +163,7 @@ def exponents_of(flow: Any, state: Numeric, mode: Any, *, duration: float, settl
 @explains_arguments
 @interruptible
 def lyapunov_of_map(
-    f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
+    f: Callable[..., Any], x0: ArrayLike, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
 ) -> Lyapunov:
     """Lyapunov exponents of a map x -> f(x), per iteration.
 
@@ -225,7 +225,7 @@ _MOST = 1e8  # parts of a run in which growth is measured
 @interruptible
 def lyapunov_of_flow(
     f: Callable[..., Any],
-    x0: Any,
+    x0: ArrayLike,
     *,
     duration: float = 500.0,
     settle: float = 50.0,
@@ -298,7 +298,7 @@ def lyapunov_of_flow(
     return _noted(logs, done, every, "unit of time", ending)
 
 
-def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: Any) -> Array:
+def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: ArrayLike) -> Array:
     """The state of a flow after some time; `since` and `x0` say in a message where it came from."""
     from scipy.integrate import solve_ivp
 

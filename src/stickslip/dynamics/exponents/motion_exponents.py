@@ -89,7 +89,7 @@ def lyapunov(
     return exponents_along(model, periods, settle, start, rtol, progress)[0]
 
 
-def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Any) -> tuple[Lyapunov, bool]:
+def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: float, progress: Report | None) -> tuple[Lyapunov, bool]:
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if is_flow(model):
         return _of_flow(model, periods, settle, start), False

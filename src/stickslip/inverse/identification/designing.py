@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
@@ -210,7 +210,14 @@ def design(
 
 
 def _checked(
-    make: Any, free: dict[str, Any], experiments: Any, noise: float, samples: int, together: int, using: str, arguments: dict[str, Any]
+    make: Model | Callable[..., Any],
+    free: dict[str, Any],
+    experiments: Any,
+    noise: float,
+    samples: int,
+    together: int,
+    using: str,
+    arguments: dict[str, Any],
 ) -> tuple[Parameters, list[dict[str, Any]]]:
     """Parameters and settings of all experiments; everything wrong with what the user gave is reported at once."""
     problems = Problems("design")
@@ -273,7 +280,7 @@ def with_unit(value: Any, unit: str) -> str:
     return f"{value:.5g} {unit}".rstrip() if is_number(value) else str(value)
 
 
-def units_of_settings(make: Any, free: Iterable[str], settings: list[dict[str, Any]]) -> dict[str, str]:
+def units_of_settings(make: Model | Callable[..., Any], free: Iterable[str], settings: list[dict[str, Any]]) -> dict[str, str]:
     """Units of the parameters and of what experiments set, as their maker describes them."""
     units = {name: unit_in(name, make) for name in dict.fromkeys([*free, *(name for chosen in settings for name in chosen)])}
     return {name: unit for name, unit in units.items() if unit}

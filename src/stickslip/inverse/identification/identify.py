@@ -178,8 +178,8 @@ def as_list(records: Any) -> list[Any]:
 
 
 def problem_of(
-    records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
-    frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
+    records: list[Any], make: Model | Callable[..., Any], free: dict[str, Any], tied: dict[str, Any] | None, using: str,
+    noise: float | None, frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
     settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
     body: str | None = None, harmonics: Any = None,
 ) -> Sensed:  # fmt: skip

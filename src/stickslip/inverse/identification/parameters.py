@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -11,6 +12,7 @@ import numpy as np
 
 from stickslip.basics.arguments import parameters_of
 from stickslip.basics.batch import made_model, stacked
+from stickslip.basics.contracts import Model
 from stickslip.basics.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
@@ -178,7 +180,12 @@ class Parameters:
 
 
 def parameters(
-    make: Any, free: dict[str, Any], tied: dict[str, Any] | None, arguments: dict[str, Any], count: int, what: str = "identify"
+    make: Model | Callable[..., Any],
+    free: dict[str, Any],
+    tied: dict[str, Any] | None,
+    arguments: dict[str, Any],
+    count: int,
+    what: str = "identify",
 ) -> Parameters:
     """Check what the user gave; everything wrong with it is reported at once."""
     problems = Problems(what)
@@ -204,7 +211,7 @@ def parameters(
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
 
 
-def _known(make: Any) -> list[str] | None:
+def _known(make: Model | Callable[..., Any]) -> list[str] | None:
     """Names of the arguments; None if any is allowed."""
     if not callable(make):
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
@@ -212,7 +219,7 @@ def _known(make: Any) -> list[str] | None:
     return None if any(p.kind is p.VAR_KEYWORD for p in found) else [p.name for p in found]
 
 
-def _needed(make: Any) -> list[str]:
+def _needed(make: Model | Callable[..., Any]) -> list[str]:
     """Arguments that have no default."""
     if not callable(make):
         return []
@@ -220,7 +227,7 @@ def _needed(make: Any) -> list[str]:
     return [p.name for p in found if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
 
 
-def _free(make: Any, free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
+def _free(make: Model | Callable[..., Any], free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
     found = []
     for name, typed in free.items():
         bounds = in_its_unit(name.partition("[")[0], typed, make, problems, f"free: {name}")

@@ -17,6 +17,7 @@ from stickslip.inverse.identification.uncertainty import widening
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stickslip.basics.progress import Reported
     from stickslip.inverse.identification.fit import Fit
 
 _NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
@@ -28,7 +29,13 @@ _SPREAD = 0.5  # standard errors within which walkers begin
 
 @interruptible
 def sample(
-    fit: Fit, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
+    fit: Fit,
+    draws: int = 1000,
+    *,
+    walkers: int | None = None,
+    burn: int | None = None,
+    seed: int = 0,
+    progress: Reported | bool | None = None,
 ) -> xr.Dataset:
     """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Interrupted, look, looking, partial_result
 from stickslip.basics.one_thread import in_one_thread
+
+if TYPE_CHECKING:
+    from stickslip.basics.progress import Reported
+
 
 _ALIGNED = 16  # places that are judged by their curves
 _POLISHED = 3  # places from which steps are taken
@@ -81,7 +85,7 @@ def searched(
 
 
 def _ends(
-    problem: Any, starts: int, seed: int, progress: Any, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
+    problem: Any, starts: int, seed: int, progress: Reported | None, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
 ) -> list[Found]:
     """Where steps from the best places end; the places that were judged by their curves are noted."""
     places = starting_places(problem.parameters, starts, seed)

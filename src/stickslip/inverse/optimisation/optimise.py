@@ -23,6 +23,7 @@ from stickslip.inverse.optimisation.uncertainty_samples import check_sample, che
 from stickslip.inverse.optimisation.unknowns import Unknowns, Varied, checked_over
 
 if TYPE_CHECKING:
+    from stickslip.basics.progress import Reported
     from stickslip.inverse.identification.fit import Fit
 
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
@@ -43,7 +44,7 @@ def optimise(
     starts: str | None = "closed",
     seed: int = 0,
     workers: int = 1,
-    progress: Any = None,
+    progress: Reported | bool | None = None,
 ) -> Optimum:
     """The best numbers and drives of a machine, within limits.
 

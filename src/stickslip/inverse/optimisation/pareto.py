@@ -20,6 +20,8 @@ from stickslip.models.naming import axis_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stickslip.basics.progress import Reported
+
 _ABOVE = 1e-6  # of the least value: how far above it the first level is, so that of equally cheap machines the best is found
 
 
@@ -35,7 +37,7 @@ def pareto(
     starts: str | None = "closed",
     seed: int = 0,
     workers: int = 1,
-    progress: Any = None,
+    progress: Reported | bool | None = None,
 ) -> xr.Dataset:
     """The Pareto front of two quantities: the largest value of one under several limits on the other.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.maths import sqrt, where, within
 from stickslip.basics.quantities import PERIOD, positive, quantity
 from stickslip.models.drives.drive import PeriodicDrive, completed
@@ -48,13 +48,13 @@ class BangBang(PeriodicDrive):
 
     def __init__(
         self,
-        a1: Any = None,
-        a2: Any = None,
-        period: Any = None,
-        frequency: Any = None,
-        stroke: Any = None,
-        t1: Any = None,
-        t2: Any = None,
+        a1: ArrayLike | None = None,
+        a2: ArrayLike | None = None,
+        period: ArrayLike | None = None,
+        frequency: ArrayLike | None = None,
+        stroke: ArrayLike | None = None,
+        t1: ArrayLike | None = None,
+        t2: ArrayLike | None = None,
     ):
         ways = {
             "period": lambda T: T,

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import checked_number, describe, everywhere, is_array, number
 from stickslip.basics.quantities import between
 
+if TYPE_CHECKING:
+    from stickslip.models.drives.piezo_beam import PiezoBeam
 
-def take_damping(beam: Any, problems: Problems) -> None:
+
+def take_damping(beam: PiezoBeam, problems: Problems) -> None:
     """One ratio for all modes (or an array of cases), or a tuple with one for each."""
     value, allowed = beam.damping, "allowed is above 0 and below 1, or a tuple with one for each mode; type for example damping=0.02"
     try:

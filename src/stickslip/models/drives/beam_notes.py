@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.models.drives.patch_moment import modal_amplitudes
+
+if TYPE_CHECKING:
+    from stickslip.models.drives.piezo_beam import PiezoBeam
+
 
 #: Range of the voltage [V] and bound of the frequency [Hz] of the paper's hardware (section 3.1).
 VOLTAGE, FREQUENCY = (10.0, 150.0), 5000.0
@@ -15,7 +19,7 @@ SLOPE = 0.15
 PLACES = 24
 
 
-def of_beam(beam: Any) -> list[str]:
+def of_beam(beam: PiezoBeam) -> list[str]:
     """Remarks on the beam alone."""
     import numpy as np
 
@@ -29,7 +33,7 @@ def of_beam(beam: Any) -> list[str]:
     ]
 
 
-def of_use(beam: Any, voltage: Numeric, frequency: Numeric) -> list[str]:
+def of_use(beam: PiezoBeam, voltage: Numeric, frequency: Numeric) -> list[str]:
     """Remarks on driving it with this voltage [V] and frequency [Hz]."""
     import numpy as np
 

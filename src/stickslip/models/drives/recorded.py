@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import OfPeriod, Remarked
@@ -47,11 +48,11 @@ class Recorded(OfPeriod, Remarked, OfCoefficients, FourierDrive):
     @classmethod
     def from_samples(
         cls,
-        t: Any,
-        position: Any = None,
-        velocity: Any = None,
-        acceleration: Any = None,
-        period: Any = None,
+        t: ArrayLike | None,
+        position: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        period: ArrayLike | None = None,
         tolerance: float = 1e-3,
         order: int | None = None,
     ) -> Recorded:

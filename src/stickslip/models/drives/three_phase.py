@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import maximum, sqrt, where, within
@@ -57,7 +57,15 @@ class ThreePhase(PeriodicDrive):
         metadata=quantity("acceleration in the third phase", "m/s^2", "w_{3}", example=12.0, rule=positive, range=(1.0, 60.0))
     )
 
-    def __init__(self, u1: Any = None, w1: Any = None, w2: Any = None, w3: Any = None, stroke: Any = None, u3: Any = None):
+    def __init__(
+        self,
+        u1: ArrayLike | None = None,
+        w1: ArrayLike | None = None,
+        w2: ArrayLike | None = None,
+        w3: ArrayLike | None = None,
+        stroke: ArrayLike | None = None,
+        u3: ArrayLike | None = None,
+    ):
         ways = {
             "u1": lambda u: u,
             "stroke": lambda L: sqrt(2 * L / (1 / self.w1 + 1 / self.w2)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import ArrayLike, Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import bisected, maximum, where, within
@@ -59,7 +59,15 @@ class Trapezoid(PeriodicDrive):
     )
     period: float = field(metadata=PERIOD | {"example": 0.25, "range": (0.05, 0.6)})
 
-    def __init__(self, u1: Any = None, u2: Any = None, ramp: Any = None, period: Any = None, frequency: Any = None, stroke: Any = None):
+    def __init__(
+        self,
+        u1: ArrayLike | None = None,
+        u2: ArrayLike | None = None,
+        ramp: ArrayLike | None = None,
+        period: ArrayLike | None = None,
+        frequency: ArrayLike | None = None,
+        stroke: ArrayLike | None = None,
+    ):
         ways = {"period": lambda T: T, "frequency": lambda f: 1 / f, "stroke": self._period_of}
         given = {"period": period, "frequency": frequency, "stroke": stroke}
         completed(self, _EXAMPLE, ("u1", "u2", "ramp"), ways, u1=u1, u2=u2, ramp=ramp, **given)

@@ -77,7 +77,7 @@ class Bristle(Law):
         """Friction force R [N]."""
         return self.sigma0 / self.bristles * sum(each(z))
 
-    def switches(self, v: Numeric, z: Any, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: tuple[Numeric, ...], load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
         """A bristle snaps where it is bent too far in the direction of motion."""
         reach = by_side(v, 1.5 * self.mu_plus, -1.5 * self.mu_minus) * load / self.sigma0  # signed
         switches: list[tuple[Any, Any, Any]] = []

@@ -73,7 +73,7 @@ class ElastoPlastic(Fading, Bristles):
     z_ba: float = field(metadata=_ELASTIC)
     z_ba_minus: float | None = field(default=None, metadata=_ELASTIC | {"example": 3e-7, "symbol": "z_{ba,-}"})
 
-    def rate(self, v: Numeric, z: Any, load: Numeric) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
         bent, steady = by_side(v, z, -z), load * fading(self, v) / self.sigma0
         elastic = minimum(by_side(v, self.z_ba, self.z_ba if self.z_ba_minus is None else self.z_ba_minus), _MOST * steady)

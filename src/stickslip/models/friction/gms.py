@@ -106,7 +106,7 @@ class GMS(Fading, Bristles):
         """Number of memories: each element sticks (0) or slips (1)."""
         return len(self.weights)
 
-    def rate(self, v: Numeric, z: Any, load: Numeric, mode: tuple[Numeric, ...]) -> Any:
+    def rate(self, v: Numeric, z: Numeric, load: Numeric, mode: tuple[Numeric, ...]) -> Any:
         """Rates of the deflections dz_i/dt [m/s]."""
         pull, signed = by_side(v, self.attraction, -self.attraction), by_side(v, 1.0, -1.0) / (load * fading(self, v))
         rates = []
@@ -119,7 +119,7 @@ class GMS(Fading, Bristles):
         """Friction force R [N]."""
         return self.sigma0 * sum(kappa * zi for kappa, zi in zip(self.stiffness, each(z), strict=True)) + self.sigma2 * v
 
-    def switches(self, v: Numeric, z: Any, load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
+    def switches(self, v: Numeric, z: tuple[Numeric, ...], load: Numeric, mode: Any) -> list[tuple[Any, Any, Any]]:
         """All elements stick when v passes zero; one slips when its force reaches its share of the Stribeck curve."""
         switches: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
         grip, z = fading(self, v), each(z)

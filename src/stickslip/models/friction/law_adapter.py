@@ -82,7 +82,7 @@ class LawAdapter:
         return self.law.force(v, self._own(z), self._own(zdot), load, *more)
 
     def response(
-        self, v: Numeric, z: States, load: Numeric, mode: States = (), applied: Numeric = 0.0, least: Any = 0.0
+        self, v: Numeric, z: States, load: Numeric, mode: States = (), applied: Numeric = 0.0, least: Numeric = 0.0
     ) -> tuple[Any, States]:
         """Friction force [N], and the rates of the inner states."""
         zdot = self.rate(v, z, load, mode)
@@ -234,7 +234,7 @@ def _is_dynamic(value: Any) -> bool:
     return hasattr(value, "rate") and hasattr(value, "force")
 
 
-def adapted(law: Law, restitution: Any = None) -> LawAdapter:
+def adapted(law: Law, restitution: Numeric | None = None) -> LawAdapter:
     """A law, to be asked in one way; with a restitution its contact may fly, unless it has inner states, which no hit throws."""
     dynamic = _is_dynamic(law)
     switching = dynamic and hasattr(law, "switches")

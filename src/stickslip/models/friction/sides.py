@@ -15,12 +15,12 @@ def by_side(v: Numeric, plus: Any, minus: Any) -> Any:
     return where(v > 0, plus, minus)
 
 
-def static(f: Any, mu: Numeric) -> Any:
+def static(f: Numeric | None, mu: Numeric) -> Any:
     """The break-away coefficient; ``None`` means that it is the kinetic one."""
     return mu if f is None else f
 
 
-def stribeck(v: Numeric, mu: Numeric, f: Any, v_s: Any) -> Any:
+def stribeck(v: Numeric, mu: Numeric, f: Numeric | None, v_s: Numeric | None) -> Any:
     """Steady friction coefficient: from f at rest to mu at speed (the bracket of Eq. 2.6)."""
     return mu + (f - mu) * exp(-((v / v_s) ** 2))
 

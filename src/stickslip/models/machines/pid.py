@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, ClassVar
@@ -148,11 +148,11 @@ class Loop:
         """Rate of the integral; what is held has none."""
         return (self.pid.ki * self._error(t, x),) if self.sample is None else (0.0, 0.0, 0.0)
 
-    def sampled(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+    def sampled(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Numeric]) -> tuple[Any, ...]:
         """The states after a sample."""
         return self._sampled(t, self._error(t, x), z[1], z[2])
 
-    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
+    def forces(self, t: Numeric, x: Mapping[str, Any], v: Mapping[str, Any], z: Sequence[Numeric]) -> Mapping[str, Any]:
         """Its torque [N m], on the side of the joint."""
         return {self.driven: self.gear * (z[0] if self.sample is not None else self._torque(t, x, v, z[0]))}
 

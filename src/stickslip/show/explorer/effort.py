@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.models.friction.law_adapter import LawAdapter
 from stickslip.models.machine_adapter import machine_of
@@ -24,7 +25,7 @@ _SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 _PART, _SLOW = 1e-3, 1e-12
 
 
-def effort(robot: Any) -> tuple[Any, Any]:
+def effort(robot: Model) -> tuple[Any, Any]:
     """Oscillations of mass and bristles, and decay times of a damped law, in one drive period; arrays for a batch.
 
     Examples
@@ -87,7 +88,7 @@ def too_much(swings: Any, decays: Any) -> Any:
     return (swings > MOST) | (decays > MOST_DECAYS)
 
 
-def affordable(robot: Any, periods: int) -> int:
+def affordable(robot: Model, periods: int) -> int:
     """The number of periods, reduced if the bristles oscillate too fast; `InputError` if even a few periods would take too long."""
     swings, decays = map(float, effort(robot))
     if swings > MOST:

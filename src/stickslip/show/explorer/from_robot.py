@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 from urllib.parse import urlencode
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import Problems, StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.models.drives import Harmonic, MultiHarmonic, Pieces, Recorded, Reversed, TwoPhase, VerticalVibration
@@ -121,7 +122,7 @@ def _places(robot: Any) -> Iterator[tuple[str, str, Values]]:
         yield from (("varying", name, values | varying) for name, values in contacts)
 
 
-def _differences(robot: Any, state: State) -> list[str]:
+def _differences(robot: Model, state: State) -> list[str]:
     """The differences between the page's robot and this one."""
     try:
         shown = dict(leaves(state.robot(), kinds=True))

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from stickslip.basics.contracts import Model
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
 from stickslip.models.machine_adapter import machine_of
@@ -26,7 +27,7 @@ Found = State | Shown
 Helper = subprocess.Popen[str]
 
 
-def key_of(robot: Any, many: bool) -> Key:
+def key_of(robot: Model, many: bool) -> Key:
     """The key of a robot's kernel: its classes, the names of its numbers, and the fields that are not numbers."""
     numbers = {name for name, _ in leaves(robot)}
     return (many, *((name, None if name in numbers else str(value)) for name, value in leaves(robot, kinds=True)))
@@ -78,7 +79,7 @@ class Kernels:
         self._thread = threading.Thread(target=self._work, name="kernels", daemon=True)
         self._thread.start()
 
-    def ready(self, found: Found, law: str, robot: Any, many: bool) -> bool:
+    def ready(self, found: Found, law: str, robot: Model, many: bool) -> bool:
         """Whether this kind of robot can be solved immediately; if not, preparation of its kernel is requested."""
         key = key_of(robot, many)
         with self._changed:

@@ -40,7 +40,7 @@ _ON_A_LINE = 0.05  # fraction of the axis ranges: marks closer to a line of thei
 
 
 @drawing
-def atlas(found: Any, ax: Ax = None, points: bool = True) -> Any:
+def atlas(found: Atlas, ax: Ax = None, points: bool = True) -> Any:
     """Regions of an atlas with their names, the followed borders as lines, and the special points that lie on no line.
 
     Parameters

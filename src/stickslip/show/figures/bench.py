@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.analysis.bench import Bench, Benches
 from stickslip.basics.arguments import Page
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.style import COLOURS, DASHES, INK, drawing, prefix
 
@@ -99,7 +100,7 @@ def _draw(ax: Any, experiment: Any, small: bool = False) -> None:
         ax.legend(loc=place, fontsize=6, handlelength=1.9, borderaxespad=0.2, ncols=2 if experiment.key == "stick_slip" else 1)
 
 
-def _finite(y: Any) -> Any:
+def _finite(y: ArrayLike) -> Any:
     y = np.asarray(y, float)
     return y[np.isfinite(y)]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.spacing import cells, edges, logarithmic
 from stickslip.show.figures.special_kinds import name_of
@@ -74,7 +75,7 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     return ax
 
 
-def _motions(found: Any, ax: Axes, x: Any, y: Any) -> list[Any]:
+def _motions(found: Any, ax: Axes, x: ArrayLike, y: ArrayLike) -> list[Any]:
     from matplotlib.patches import Patch
 
     kinds = _kinds(found)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
@@ -170,7 +171,7 @@ def _line(ax: Axes, branch: Any, observable: str, values: Any, right: float, up:
     ax.plot([], [], color=colour, label=name)
 
 
-def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, Any]:
+def _with_changes(branch: Any, observable: str, values: Array) -> tuple[Any, Any, Any]:
     """Parameter, observable and stability along a branch, including the special points at which the stability changes."""
     x, stable = branch.values, np.array([o.stable for o in branch.orbits])
     places, extra = [], []

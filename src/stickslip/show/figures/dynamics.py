@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, is_whole
 from stickslip.dynamics.attractors.basins import Basins
 from stickslip.dynamics.attractors.edge_states import EdgeState
@@ -188,7 +189,7 @@ def _pale(colour: str) -> tuple[float, ...]:
     return tuple(0.45 * int(colour[i : i + 2], 16) / 255 + 0.55 for i in (1, 3, 5))
 
 
-def _edges(values: Any) -> tuple[float, float]:
+def _edges(values: Array) -> tuple[float, float]:
     """The outer edges of cells around evenly spaced values."""
     half = 0.5 * (values[-1] - values[0]) / max(len(values) - 1, 1)
     return float(values[0] - half), float(values[-1] + half)

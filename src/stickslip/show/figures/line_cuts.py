@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import masked_in
 from stickslip.show.figures.maps import DARK, TYPE_COLOURS, plain_label, scaled
@@ -98,7 +99,7 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
     return [known[i] for i in np.unique(np.linspace(0, len(known) - 1, min(3, len(known))).round().astype(int))]
 
 
-def _strips(ax: Any, curves: list[Any], x: Any) -> None:
+def _strips(ax: Any, curves: list[Any], x: ArrayLike) -> None:
     """Draw the motion types along the axis: a strip below the curves for each curve, with the curve's line style at its left end."""
     height = 0.06
     if not all(is_of_cases(curve, "motion_type") for curve in curves):  # with several contacts, each has its own type
@@ -118,7 +119,7 @@ def _strips(ax: Any, curves: list[Any], x: Any) -> None:
         ax.set_yticks([t for t in ax.get_yticks() if low <= t <= high])
 
 
-def _strip(ax: Any, types: Any, x: Any, bottom: float, top: float) -> None:
+def _strip(ax: Any, types: Any, x: ArrayLike, bottom: float, top: float) -> None:
     order = np.argsort(x)
     x, types = np.asarray(x)[order], types[order]
     edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])

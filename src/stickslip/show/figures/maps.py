@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.basics.arguments import Ax, Grid
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.results.steadiness import STEADINESS, UNSETTLED
 from stickslip.show.figures.spacing import cells, edges, logarithmic, places
@@ -222,7 +223,7 @@ def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
     return x, y, codes[np.ix_(rows, columns)]
 
 
-def name_region(ax: Axes, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
+def name_region(ax: Axes, x: Array, y: Array, codes: Any, code: int, name: str) -> bool:
     """Write a type's name into the widest part of its largest region; False if there is no room."""
     from scipy.ndimage import distance_transform_edt
 
@@ -255,7 +256,7 @@ def _draw_borders(ax: Axes, grid: xr.Dataset, first: str, second: str, across: _
     return bool(curves)
 
 
-def outlined(ax: Axes, x: Any, y: Any) -> None:
+def outlined(ax: Axes, x: ArrayLike, y: ArrayLike) -> None:
     """Draw a black line with a white outline, visible on every colour."""
     ax.plot(x, y, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
     ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, is_whole
 from stickslip.basics.units import SI, quantity_of
 from stickslip.inverse.identification.comparing import Comparison
@@ -22,13 +23,13 @@ _DOTS = 3000  # largest number of samples drawn
 _BINS = 40  # bins of the drive's phase in which residuals are averaged
 
 
-def _dots(x: Any, y: Any) -> tuple[Any, Any]:
+def _dots(x: Array, y: Array) -> tuple[Any, Any]:
     """At most as many samples as a figure can show, evenly spaced."""
     step = max(len(x) // _DOTS, 1)
     return x[::step], y[::step]
 
 
-def _measured(ax: Axes, x: Any, y: Any, factor: float, label: str) -> None:
+def _measured(ax: Axes, x: Array, y: Array, factor: float, label: str) -> None:
     ax.plot(*_dots(x, y * factor), ".", color=INK, markersize=1.6, alpha=0.35, linewidth=0, label=label, rasterized=True)
 
 

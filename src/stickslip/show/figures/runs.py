@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.basics.arguments import Ax
-from stickslip.basics.contracts import Model
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.variables import unit_of
 from stickslip.models.friction.law_adapter import law_of
@@ -48,7 +48,7 @@ def only_run(run: Trajectory) -> Any:
     return runs[0] if len(runs) == 1 else _runs(None)
 
 
-def _parts(run: Any, dim: str) -> list[str]:
+def _parts(run: Trajectory, dim: str) -> list[str]:
     """Names of the bodies or contacts of a machine with several; empty for a robot or a bench."""
     return [] if machine_of(run.model).is_single else names_of(run.parted)[dim]
 
@@ -375,7 +375,7 @@ def _forces_of_contacts(run: Trajectory, periods: float | None, ax: Any, duratio
     return _finish(ax, curves)
 
 
-def limits(run: Trajectory, t: Any) -> tuple[Any, ...]:
+def limits(run: Trajectory, t: Array) -> tuple[Any, ...]:
     """Break-away forces at given times: a set-valued law's own; for a dynamic law with static coefficients, the load times these."""
     law, load = law_of(run.model), normal_load(run.model, t, 0.0) + 0.0 * t
     limits = law.limits(load) if not law.dynamic or hasattr(law.law, "f_plus") else None

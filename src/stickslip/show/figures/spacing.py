@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.maths import exp
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def edges(values: Any) -> Any:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def cells(ax: Axes, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
+def cells(ax: Axes, x: ArrayLike, y: ArrayLike, codes: Any, colours: Sequence[str]) -> None:
     """Fill the cells around grid points with the colours of their codes."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
@@ -39,7 +40,7 @@ def cells(ax: Axes, x: Any, y: Any, codes: Any, colours: Sequence[str]) -> None:
     ax.pcolormesh(edges(x), edges(y), codes, cmap=ListedColormap(colours), norm=norm, rasterized=True)
 
 
-def logarithmic(ax: Axes, letter: str, values: Any) -> None:
+def logarithmic(ax: Axes, letter: str, values: ArrayLike) -> None:
     """Make an axis logarithmic, with plain numbers, if its values grow by a constant factor."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
@@ -52,7 +53,7 @@ def logarithmic(ax: Axes, letter: str, values: Any) -> None:
     axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
 
 
-def places(values: Any, count: int) -> tuple[Any, Any]:
+def places(values: ArrayLike, count: int) -> tuple[Any, Any]:
     """`count` points over the range of the values, uniform on their axis, and the index of the nearest value at each."""
     values = np.asarray(values, float)
     seen = np.log(values) if geometric(np.sort(values)) else values

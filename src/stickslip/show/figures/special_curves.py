@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.continuation.two_parameters import Curve
 from stickslip.show.figures.spacing import logarithmic
@@ -67,7 +68,7 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     return ax
 
 
-def _widened(ax: Axes, side: str, values: Any) -> None:
+def _widened(ax: Axes, side: str, values: Array) -> None:
     """Widen the axis of a parameter that is constant along the curve, so that rounding errors do not fill the figure."""
     middle = float(np.median(values))
     if np.ptp(values) <= _STAYS * abs(middle):

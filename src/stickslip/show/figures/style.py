@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from stickslip.basics.arguments import explains_arguments
+from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.quantities import LINES, SUBSCRIPTS
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def named(text: str, unit: str, factor_prefix: str = "") -> str:
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
-def scaled(values: Any, unit: str) -> tuple[float, str]:
+def scaled(values: ArrayLike, unit: str) -> tuple[float, str]:
     """The scale factor and SI prefix of an axis with a unit; numbers without a unit are not scaled."""
     return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
 

@@ -7,6 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from stickslip.basics.contracts import ArrayLike
+
 _DIGITS = 6
 _DASHES = ((), (7, 3), (2, 3), (8, 3, 2, 3), (5, 5), (1, 4))
 
@@ -27,7 +29,7 @@ class Figure(NamedTuple):
     chart: dict[str, Any] | None = None
 
 
-def curve(label: str, y: Any, points: bool = False, number: int = 0, emphasis: bool = False) -> dict[str, Any]:
+def curve(label: str, y: ArrayLike, points: bool = False, number: int = 0, emphasis: bool = False) -> dict[str, Any]:
     """One curve of a chart.
 
     Parameters
@@ -46,7 +48,7 @@ def curve(label: str, y: Any, points: bool = False, number: int = 0, emphasis: b
             "plain": emphasis}  # fmt: skip
 
 
-def chart(title: str, x: Any, across: tuple[str, str], up: tuple[str, str], curves: Iterable[Any], shade: Any = ()) -> dict[str, Any]:
+def chart(title: str, x: ArrayLike, across: tuple[str, str], up: tuple[str, str], curves: Iterable[Any], shade: Any = ()) -> dict[str, Any]:
     """A chart as plain data.
 
     Parameters

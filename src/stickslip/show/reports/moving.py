@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stickslip.basics.contracts import Model
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
 
@@ -131,7 +131,7 @@ def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, An
         yield part, at["x"] + drive.position(at["t"]), None
 
 
-def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str, Any]:
+def _body(part: dict[str, Any], x: Array, v: Any, at: dict[str, Any]) -> dict[str, Any]:
     first = at["x"][0] if v is None else x[0]
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
 

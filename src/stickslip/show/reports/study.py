@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stickslip.basics.contracts import Array
 from stickslip.show.reports.charts import chart_library
 from stickslip.show.reports.fastest import order, run_again
 from stickslip.show.reports.html import page
@@ -109,7 +110,7 @@ def _shares(grid: xr.Dataset) -> list[tuple[str, int, float]]:
     return [(f"{name}: {kind}", count, share) for name, values in named for kind, count, share in _counted(values)]
 
 
-def _counted(values: Any) -> list[tuple[str, int, float]]:
+def _counted(values: Array) -> list[tuple[str, int, float]]:
     import numpy as np
 
     names, counts = np.unique(values, return_counts=True)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import SolveError
 
 ROUNDING = 64 * float(np.finfo(float).eps)
@@ -90,7 +90,7 @@ def blocks(G: Any) -> list[list[int]]:
     return blocks
 
 
-def is_common(G: Any) -> bool:
+def is_common(G: Array) -> bool:
     """Whether all contacts act on one common coordinate."""
     G = np.asarray(G, float)
     size = np.sqrt(np.outer(np.diag(G), np.diag(G)))
@@ -299,7 +299,7 @@ def _forces(block: _Block, sides: Sequence[int]) -> Any:
     return R
 
 
-def hold(G: Any, beta: Any, lo: Any, hi: Any, noise: Any) -> Any:
+def hold(G: Array, beta: Array, lo: Sequence[float], hi: Sequence[float], noise: Any) -> Any:
     """Forces within their limits that hold all contacts of a set; None where there are none."""
     if np.linalg.cond(G) < 1 / _SAME:
         R = np.linalg.solve(G, beta)
@@ -309,7 +309,7 @@ def hold(G: Any, beta: Any, lo: Any, hi: Any, noise: Any) -> Any:
     return R if R is not None and margin >= -ROUNDING * 16 and np.all(abs(G @ R - beta) <= 16 * noise) else None
 
 
-def most_slack(G: Any, beta: Any, lo: Any, hi: Any) -> tuple[Any, float]:
+def most_slack(G: Array, beta: Array, lo: Any, hi: Any) -> tuple[Any, float]:
     """Of the forces that hold a dependent set those farthest from their limits, and how far, in parts of the limits' distance."""
     G, beta = np.asarray(G, float), np.asarray(beta, float)
     values, vectors = np.linalg.eigh(G)

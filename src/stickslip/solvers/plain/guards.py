@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from stickslip.basics.contracts import ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.plain_equations import ContactModes, Equations
 
@@ -25,7 +25,7 @@ class Guard(NamedTuple):
     noise: float  # rounding: nothing has happened before it lies this far below zero
 
 
-def guards(e: Equations, t: float, y: Any, mode: ContactModes) -> list[Guard]:
+def guards(e: Equations, t: float, y: Array, mode: ContactModes) -> list[Guard]:
     """All of a mode, in an order that the mode alone decides."""
     q, u = e.state(y)
     w = e.slips(t, u)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import ArrayLike, Numeric
+from stickslip.basics.contracts import Array, ArrayLike, Numeric
 from stickslip.basics.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
 from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equations
@@ -47,7 +47,7 @@ def _common_restitution(e: Equations, rows: list[int]) -> float:
     return values.pop()
 
 
-def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: float, G: Any) -> Any:
+def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: float, G: Array) -> Any:
     """Change of the coordinates' velocities: impulses >= 0 with (rate after) >= -e (rate before) at each stop."""
     wanted = [(1 + restitution) * rates[i] if rates[i] < 0 else rates[i] for i in rows]
     impulses = decide(G, wanted, [-np.inf] * len(rows), [0.0] * len(rows))

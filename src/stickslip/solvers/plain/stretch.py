@@ -137,7 +137,7 @@ class _Step:
 
 
 def integrate(
-    todo: Request, equations: Equations, t: float, y: Any, end: float, mode: ContactModes, left: Callable[[float], float]
+    todo: Request, equations: Equations, t: float, y: Array, end: float, mode: ContactModes, left: Callable[[float], float]
 ) -> Stretch:
     """Integrate up to the first event, or to `end`, or until no more steps are left at a time."""
     right = equations.right(mode)
@@ -169,7 +169,7 @@ def integrate(
     return done
 
 
-def _begin(equations: Equations, right: Any, t: float, y: Any, mode: ContactModes, before: list[Guard]) -> tuple[set[int], list[Guard]]:
+def _begin(equations: Equations, right: Any, t: float, y: Array, mode: ContactModes, before: list[Guard]) -> tuple[set[int], list[Guard]]:
     """Guards that begin at zero and rise, and those that begin at zero and fall: an event at once."""
     fresh = {k for k, guard in enumerate(before) if guard.value <= 0.0}
     rates = equations.slips(t, equations.state(y)[1])
