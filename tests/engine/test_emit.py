@@ -15,7 +15,7 @@ import pytest
 from llvmlite import ir
 
 from rows import each_row
-from stickslip.engine import cache, emit
+from stickslip.engine import cache, emit, expressions
 from stickslip.engine.kernel_text import header
 from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import Layout, step_text
@@ -190,10 +190,10 @@ def test_vectors_that_do_not_fit_into_registers_lie_within_lines_of_the_cache():
 
 def test_the_lines_above_hold_every_operation_there_is():
     nodes = {type(node) for node in ast.walk(ast.parse("\n".join(LINES + BRANCH)))}
-    assert nodes >= {*emit.ON_FLOATS, *emit.ON_INTEGERS, *emit.COMPARED, *emit.JOIN}
+    assert nodes >= {*expressions.ON_FLOATS, *expressions.ON_INTEGERS, *expressions.COMPARED, *emit.JOIN}
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse("\n".join(LINES))) if isinstance(node, ast.Call)}
-    assert calls == {*emit.FUNCTIONS, *emit.CASTS, "row", "range", *emit.ROUNDS}
-    visited = {name.removeprefix("visit_") for name in vars(emit._Vector) if name.startswith("visit_")}
+    assert calls == {*expressions.INTRINSICS, *emit.CASTS, "row", "range", *emit.ROUNDS}
+    visited = {name.removeprefix("visit_") for name in dir(emit._Vector) if name.startswith("visit_")}
     assert visited | {"For"} <= {node.__name__ for node in nodes}
 
 

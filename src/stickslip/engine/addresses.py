@@ -9,7 +9,8 @@ from llvmlite import ir
 from numba import int64
 from numba.np.arrayobj import populate_array
 
-from stickslip.engine.functions import INT64, KINDS, View, at_points
+from stickslip.engine.expressions import INT64
+from stickslip.engine.functions import KINDS, View, at_points
 
 
 def outside(context: Any, functions: dict[str, str], shared: dict[str, str]) -> dict[str, Any]:

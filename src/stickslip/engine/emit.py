@@ -16,48 +16,34 @@ instruction, and nothing is fused or reordered that is not written so: the bits 
 from __future__ import annotations
 
 import ast
-import math
 from typing import Any
 
 from llvmlite import ir
 
-from stickslip.engine.functions import COMPARED, FLOAT64, INT64, ON_FLOATS, ON_INTEGERS
+from stickslip.engine.expressions import FLOAT64, INT64, INTRINSICS, ON_INTEGERS, Expressions
 
 FOLDED = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}  # done at once with numbers that are known
 JOIN = {ast.And: "and_", ast.Or: "or_"}
-FUNCTIONS = {"fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt"}
-TAKES = {"fma": 3, "abs": 1, "math.sqrt": 1}
 CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole", "real"), "np.int64": ("fptosi", "real", "whole")}
 
 
 LINE_OF_CACHE = 64  # bytes
-COUNT, NUMBER = INT64, FLOAT64  # of one number for all lanes: what loops count, and what is made of it
 
 
-class _Vector(ast.NodeVisitor):
+class _Vector(Expressions):
     """Writes lines as instructions on one vector of lanes.
 
     `known` has the value of each name, `rows` where each row begins and how far it is from one of its numbers to the next.
     """
 
+    where = "a line of a step"
+
     def __init__(self, builder: Any, data: Any, first: int, lanes: int, every: int) -> None:
-        self.builder, self.data, self.first, self.lanes, self.every = builder, data, first, lanes, every
+        super().__init__(builder, lanes)
+        self.data, self.first, self.every = data, first, every
         self.known, self.rows, self.unread = dict[str, Any](), dict[str, Any](), dict[str, int]()
-        kinds = (NUMBER, COUNT, ir.IntType(1))
-        self.real, self.whole, self.truth = kinds if lanes == 1 else (ir.VectorType(kind, lanes) for kind in kinds)
 
     # ---- numbers in and out ----
-    def spread(self, x: Any) -> Any:
-        """One number for all lanes."""
-        if self.lanes == 1 or x.type not in (NUMBER, COUNT):
-            return x
-        kind = ir.VectorType(x.type, self.lanes)
-        if isinstance(x, ir.Constant):
-            return ir.Constant(kind, [x.constant] * self.lanes)
-        nothing, zero = ir.Constant(kind, ir.Undefined), ir.IntType(32)
-        first = self.builder.insert_element(nothing, x, ir.Constant(zero, 0))
-        return self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
-
     def read(self, name: str) -> Any:
         """What the lanes have in a field, read where it is first asked for: until then it needs no register."""
         self.known[name] = self.builder.load(self.place(self.unread[name]), align=8)
@@ -74,24 +60,21 @@ class _Vector(ast.NodeVisitor):
         self.builder.store(self.known[name], self.place(at), align=8)
 
     def place(self, at: int) -> Any:
-        place = self.builder.gep(self.data, [ir.Constant(COUNT, at + self.first)])
+        place = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)])
         return self.builder.bitcast(place, self.real.as_pointer())
 
     def held_row(self, name: str, at: int) -> None:
         """A row of fields that the lanes hold, from the one that begins at `at`."""
-        self.rows[name] = self.builder.gep(self.data, [ir.Constant(COUNT, at + self.first)]), self.every
+        self.rows[name] = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)]), self.every
 
     def in_row(self, node: ast.Subscript) -> Any:
         """The place of one number of a row."""
         row, index = self.rows.get(ast.unparse(node.value)), self.visit(node.slice)
-        if row is None or index.type != COUNT:
-            self.generic_visit(node)
+        if row is None or index.type != INT64:
+            self.refuse(node)
         begin, apart = row
-        place = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(COUNT, apart))])
+        place = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(INT64, apart))])
         return self.builder.bitcast(place, self.real.as_pointer())
-
-    def constant(self, kind: Any, value: Any) -> Any:
-        return ir.Constant(kind, value if self.lanes == 1 else [value] * self.lanes)
 
     # ---- statements ----
     def visit_Assign(self, node: ast.Assign) -> None:
@@ -100,7 +83,7 @@ class _Vector(ast.NodeVisitor):
             value = self.spread(self.visit(node.value))
             self.builder.store(self.as_real(node, value), self.in_row(target), align=8)
         elif not isinstance(target, ast.Name):
-            self.generic_visit(node)
+            self.refuse(node)
         elif isinstance(node.value, ast.Call) and ast.unparse(node.value.func) == "row":
             self.rows[target.id] = self.new_row(node.value)
         else:
@@ -109,106 +92,62 @@ class _Vector(ast.NodeVisitor):
     def new_row(self, node: ast.Call) -> tuple[Any, int]:
         """Room for a row, in the memory of this call."""
         (length,) = (self.visit(a) for a in node.args)
-        if not isinstance(length, ir.Constant) or length.type != COUNT:
-            self.generic_visit(node)
+        if not isinstance(length, ir.Constant) or length.type != INT64:
+            self.refuse(node)
         with self.builder.goto_entry_block():
             room = self.builder.alloca(ir.ArrayType(self.real, length.constant))
             return self.builder.bitcast(room, self.real.as_pointer()), 1
 
     # ---- expressions ----
-    def visit_Constant(self, node: ast.Constant) -> Any:
-        if type(node.value) is int:
-            return ir.Constant(COUNT, node.value)
-        kind = {bool: self.truth, float: self.real}.get(type(node.value))
-        return self.generic_visit(node) if kind is None else self.constant(kind, node.value)
-
     def visit_Name(self, node: ast.Name) -> Any:
         if node.id in self.known:
             return self.known[node.id]
-        return self.read(node.id) if node.id in self.unread else self.generic_visit(node, "has no value")
+        return self.read(node.id) if node.id in self.unread else self.refuse(node, "has no value")
 
     def visit_Subscript(self, node: ast.Subscript) -> Any:
         return self.builder.load(self.in_row(node), align=8)
 
-    def visit_Attribute(self, node: ast.Attribute) -> Any:
-        values = {"math.nan": math.nan, "math.inf": math.inf}
-        name = ast.unparse(node)
-        return self.constant(self.real, values[name]) if name in values else self.generic_visit(node)
-
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> Any:
-        x = self.visit(node.operand)
-        if isinstance(node.op, ast.Not) and x.type == self.truth:
-            return self.builder.xor(x, self.constant(self.truth, True))
-        if isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant) and x.type != self.truth:
-            return self.visit(ast.Constant(-node.operand.value))
-        return self.builder.fneg(x) if isinstance(node.op, ast.USub) and x.type == self.real else self.generic_visit(node)
-
-    def visit_BinOp(self, node: ast.BinOp) -> Any:
-        a, b = self.alike(node, self.visit(node.left), self.visit(node.right))
-        if isinstance(node.op, ast.Div):
-            a, b = self.as_real(node, a), self.as_real(node, b)
-        if a.type == COUNT and type(node.op) in FOLDED:
-            return self.whole_number(node.op, a, b)
-        name = {self.real: ON_FLOATS, NUMBER: ON_FLOATS, self.whole: ON_INTEGERS, COUNT: ON_INTEGERS}.get(a.type, {}).get(type(node.op))
-        return getattr(self.builder, name)(a, b) if name else self.generic_visit(node)
+    def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
+        if a.type == b.type == INT64 and type(op) in FOLDED:
+            return self.whole_number(op, a, b)
+        return super().operation(node, op, a, b)
 
     def whole_number(self, op: ast.operator, a: Any, b: Any) -> Any:
         """What is counted with: places in rows that are written out are known, so that such rows need no memory."""
         if isinstance(a, ir.Constant) and isinstance(b, ir.Constant):
-            return ir.Constant(COUNT, FOLDED[type(op)](a.constant, b.constant))
+            return ir.Constant(INT64, FOLDED[type(op)](a.constant, b.constant))
         return getattr(self.builder, ON_INTEGERS[type(op)])(a, b)
 
-    def visit_Compare(self, node: ast.Compare) -> Any:
-        a, b = map(self.spread, self.alike(node, self.visit(node.left), self.visit(node.comparators[0])))
-        sign = COMPARED.get(type(node.ops[0]))
-        if len(node.ops) > 1 or sign is None or a.type != self.real:
-            self.generic_visit(node)
-        return (self.builder.fcmp_unordered if sign == "!=" else self.builder.fcmp_ordered)(sign, a, b)
+    def compared(self, node: ast.AST, sign: str, a: Any, b: Any) -> Any:
+        return super().compared(node, sign, a, b) if {self.real, FLOAT64} & {a.type, b.type} else self.refuse(node)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> Any:
         joined, *others = (self.visit(value) for value in node.values)
         for value in others:
             if {joined.type, value.type} != {self.truth}:
-                self.generic_visit(node)
+                self.refuse(node)
             joined = getattr(self.builder, JOIN[type(node.op)])(joined, value)
         return joined
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         test = self.visit(node.test)
         yes, no = map(self.spread, self.alike(node, self.visit(node.body), self.visit(node.orelse)))
-        return self.builder.select(test, yes, no) if test.type == self.truth else self.generic_visit(node)
+        return self.builder.select(test, yes, no) if test.type == self.truth else self.refuse(node)
 
     def visit_Call(self, node: ast.Call) -> Any:
         name, args = ast.unparse(node.func), [self.spread(self.visit(a)) for a in node.args]
-        if name in FUNCTIONS and len(args) == TAKES[name]:
-            return self.builder.call(self.function(FUNCTIONS[name], len(args)), [self.as_real(node, a) for a in args])
+        if name in INTRINSICS:
+            return self.intrinsic(node, name, args)
         if name == "bits" and [a.type for a in args] == [self.truth]:
-            whole = self.builder.zext(self.builder.bitcast(args[0], ir.IntType(self.lanes)), COUNT)
-            return self.builder.bitcast(whole, NUMBER)
+            whole = self.builder.zext(self.builder.bitcast(args[0], ir.IntType(self.lanes)), INT64)
+            return self.builder.bitcast(whole, FLOAT64)
         cast, given, wanted = CASTS.get(name, ("", "", ""))
         if not cast or [a.type for a in args] != [getattr(self, given)]:
-            self.generic_visit(node)
+            self.refuse(node)
         return getattr(self.builder, cast)(args[0], getattr(self, wanted))
 
-    def function(self, name: str, count: int) -> Any:
-        kind = ir.FunctionType(self.real, [self.real] * count)
-        return self.builder.module.declare_intrinsic(f"{name}.{'f64' if self.lanes == 1 else f'v{self.lanes}f64'}", (), kind)
-
-    def alike(self, node: ast.expr, a: Any, b: Any) -> tuple[Any, Any]:
-        """Two values of one type: a whole number beside a float becomes one, and what is the same for all lanes is so for each."""
-        if {a.type, b.type} & {self.real, NUMBER}:
-            a, b = self.as_real(node, a), self.as_real(node, b)
-        return (a, b) if a.type == b.type else (self.spread(a), self.spread(b))
-
     def as_real(self, node: ast.AST, x: Any) -> Any:
-        if x.type == self.truth:
-            self.generic_visit(node)
-        if isinstance(x, ir.Constant) and x.type == COUNT:
-            return ir.Constant(NUMBER, float(x.constant))
-        return self.builder.sitofp(x, NUMBER if x.type == COUNT else self.real) if x.type in (COUNT, self.whole) else x
-
-    def generic_visit(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
-        raise TypeError(f"{ast.unparse(node)!r} in a line of a step {what}")
+        return self.refuse(node) if x.type == self.truth else super().as_real(node, x)
 
 
 def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: Any, reads: Any, rows: Any, text: str, keeps: Any) -> None:
@@ -232,7 +171,7 @@ def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: 
             vector.keep(name, at)
     own.ret_void()
     for first in range(0, lanes, group):
-        builder.call(function, [builder.gep(data, [ir.Constant(COUNT, first)]), *given])
+        builder.call(function, [builder.gep(data, [ir.Constant(INT64, first)]), *given])
 
 
 def _function(module: Any, kinds: list[Any]) -> Any:
@@ -264,7 +203,7 @@ def _changed(statements: list[ast.stmt]) -> list[str]:
 def _branch(builder: Any, vectors: list[_Vector], node: ast.If) -> None:
     """A branch, taken for all lanes if one of them asks for it; a name that had a value before has one of two after it."""
     if node.orelse:
-        vectors[0].generic_visit(node)
+        vectors[0].refuse(node)
     condition = _condition(builder, vectors, node.test)
     for vector in vectors:
         vector.read_changed(node.body)
@@ -287,18 +226,18 @@ def _condition(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
     """Whether something holds for a lane, or, ``more(this, that)``, for some lanes and for no fewer than something else."""
     if isinstance(test, ast.Call) and ast.unparse(test.func) == "more" and len(test.args) == 2:
         these, those = (_count(builder, vectors, each) for each in test.args)
-        return builder.and_(builder.icmp_signed(">=", these, those), builder.icmp_signed(">", these, ir.Constant(COUNT, 0)))
-    return builder.icmp_signed(">", _count(builder, vectors, test), ir.Constant(COUNT, 0))
+        return builder.and_(builder.icmp_signed(">=", these, those), builder.icmp_signed(">", these, ir.Constant(INT64, 0)))
+    return builder.icmp_signed(">", _count(builder, vectors, test), ir.Constant(INT64, 0))
 
 
 def _count(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
     """For how many lanes something holds."""
-    found = ir.Constant(COUNT, 0)
+    found = ir.Constant(INT64, 0)
     for vector in vectors:
         holds = vector.visit(test)
         if holds.type != vector.truth:
-            vector.generic_visit(test)
-        bits = builder.zext(builder.bitcast(holds, ir.IntType(vector.lanes)), COUNT)
+            vector.refuse(test)
+        bits = builder.zext(builder.bitcast(holds, ir.IntType(vector.lanes)), INT64)
         found = builder.add(found, builder.ctpop(bits))
     return found
 
@@ -307,10 +246,10 @@ def _rounds(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """A loop that is written out, round by round, its number known in each; names go on from round to round."""
     name, ends = _counted(vectors[0], node, *ROUNDS)
     if not all(isinstance(end, ir.Constant) for end in ends):
-        vectors[0].generic_visit(node)
+        vectors[0].refuse(node)
     for k in ROUNDS[ast.unparse(node.iter.func)](*(end.constant for end in ends)):  # type: ignore[attr-defined]
         for vector in vectors:
-            vector.known[name] = ir.Constant(COUNT, k)
+            vector.known[name] = ir.Constant(INT64, k)
         _write_all(builder, vectors, node.body)
 
 
@@ -336,7 +275,7 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     builder.branch(head)
     builder.position_at_end(head)
     changed = {*_changed(node.body)} - {name}
-    count, carried = builder.phi(COUNT), []
+    count, carried = builder.phi(INT64), []
     count.add_incoming(first, start)
     for vector in vectors:
         joined = {key: builder.phi(value.type) for key, value in vector.known.items() if key in changed}
@@ -348,7 +287,7 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     builder.cbranch(more if asking is None else builder.and_(more, _condition(builder, vectors, asking)), body, after)
     builder.position_at_end(body)
     _write_all(builder, vectors, node.body)
-    count.add_incoming(builder.add(count, ir.Constant(COUNT, 1)), builder.block)
+    count.add_incoming(builder.add(count, ir.Constant(INT64, 1)), builder.block)
     for vector, joined, outside in carried:
         for key, phi in joined.items():
             phi.add_incoming(vector.known[key], builder.block)
@@ -366,7 +305,7 @@ def _looped(vector: _Vector, node: ast.For) -> tuple[str, Any, Any, ast.expr | N
         and len(called.args) == 2
         and isinstance(node.target, ast.Name)
     ):
-        return node.target.id, ir.Constant(COUNT, 0), vector.visit(called.args[1]), called.args[0]
+        return node.target.id, ir.Constant(INT64, 0), vector.visit(called.args[1]), called.args[0]
     name, (first, end) = _counted(vector, node, "range")
     return name, first, end, None
 
@@ -375,8 +314,8 @@ def _counted(vector: _Vector, node: ast.For, *over: str) -> tuple[str, list[Any]
     """The name that counts, its first value and the one after its last."""
     called = node.iter
     if not isinstance(node.target, ast.Name) or node.orelse or not isinstance(called, ast.Call) or len(called.args) != 2:
-        vector.generic_visit(node)
+        vector.refuse(node)
     if ast.unparse(called.func) not in over or called.keywords:
-        vector.generic_visit(node)
+        vector.refuse(node)
     ends = [vector.visit(a) for a in called.args]
-    return (node.target.id, ends) if all(end.type == COUNT for end in ends) else vector.generic_visit(node)
+    return (node.target.id, ends) if all(end.type == INT64 for end in ends) else vector.refuse(node)

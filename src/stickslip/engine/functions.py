@@ -13,7 +13,6 @@ as the call. There is no check of bounds, no negative place, and no exception.
 from __future__ import annotations
 
 import ast
-import math
 from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache, reduce
@@ -23,23 +22,16 @@ from llvmlite import ir
 from numba import boolean, float64, int8, int64, types, void
 from numba.core import types as kinds
 
+from stickslip.engine.expressions import BOOL, FLOAT64, INT8, INT64, INTRINSICS, Expressions
+
 #: Types, by the names that they have in a text.
 f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
 KINDS = {
     "void": void, "int64": int64, "float64": float64, "boolean": boolean, "UniTuple": types.UniTuple, "Tuple": types.Tuple,
     "f1": f1, "f2": f2, "f3": f3, "i1": i1, "i2": i2, "b2": b2,
 }  # fmt: skip
-INT64, FLOAT64, BOOL, INT8 = ir.IntType(64), ir.DoubleType(), ir.IntType(1), ir.IntType(8)
-ON_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-ON_INTEGERS = {
-    ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitAnd: "and_", ast.BitOr: "or_",
-    ast.BitXor: "xor",
-}  # fmt: skip
-COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
-OF_FLOATS = {
-    "fma": "llvm.fma.f64", "abs": "llvm.fabs.f64", "math.sqrt": "llvm.sqrt.f64", "math.floor": "llvm.floor.f64",
-    "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1",
-}  # fmt: skip
+#: Of floats, beside `INTRINSICS`.
+OF_FLOATS = {"math.floor": "llvm.floor.f64", "math.log2": "llvm.log2.f64", "math.copysign": "llvm.copysign.f64", "math.expm1": "expm1"}
 
 
 @dataclass(frozen=True)
@@ -123,14 +115,16 @@ class _Program:
         return ir.LiteralStructType(map(self.number, kind.types)) if isinstance(kind, kinds.BaseTuple) else self.number(kind)
 
 
-class _Body(ast.NodeVisitor):
+class _Body(Expressions):
     """The instructions of one function."""
+
+    where = "a function of plain numbers"
 
     def __init__(self, program: _Program, function: Any, text: ast.FunctionDef, signature: Any) -> None:
         self.program, self.function, self.result = program, function, function.function_type.return_type
         self.entry = function.append_basic_block("places")
         start = function.append_basic_block("start")
-        self.builder = ir.IRBuilder(start)
+        super().__init__(ir.IRBuilder(start), lanes=1)
         # of each name its value, or the places where it stands: one of a number, of an array one more for each length
         self.names, self.loops = dict[str, Any](), list[tuple[Any, Any]]()
         self.settled = _settled(text)
@@ -187,7 +181,7 @@ class _Body(ast.NodeVisitor):
 
     def visit_If(self, node: ast.If) -> None:
         yes, no, after = (self.function.append_basic_block(name) for name in ("yes", "no", "after"))
-        self.builder.cbranch(self.holds(node.test), yes, no)
+        self.builder.cbranch(self.condition(node.test), yes, no)
         for block, statements in ((yes, node.body), (no, node.orelse)):
             self.builder.position_at_end(block)
             self.write(statements)
@@ -197,7 +191,7 @@ class _Body(ast.NodeVisitor):
     def visit_While(self, node: ast.While) -> None:
         if node.orelse:
             self.refuse(node)
-        self.loop(lambda: self.holds(node.test), lambda: self.write(node.body))
+        self.loop(lambda: self.condition(node.test), lambda: self.write(node.body))
 
     def visit_For(self, node: ast.For) -> None:
         called, target = node.iter, node.target
@@ -308,10 +302,6 @@ class _Body(ast.NodeVisitor):
         return View(self.builder.gep(array.data, [reduce(self.builder.mul, rest, at)]), rest)
 
     # ---- expressions ----
-    def visit_Constant(self, node: ast.Constant) -> Any:
-        kind = {int: INT64, float: FLOAT64, bool: BOOL}.get(type(node.value))
-        return self.refuse(node) if kind is None else ir.Constant(kind, node.value)
-
     def visit_Name(self, node: ast.Name) -> Any:
         if node.id in self.names:
             known = self.names[node.id]
@@ -328,11 +318,6 @@ class _Body(ast.NodeVisitor):
     def visit_Tuple(self, node: ast.Tuple) -> list[Any]:
         return [self.visit(each) for each in node.elts]
 
-    def visit_Attribute(self, node: ast.Attribute) -> Any:
-        known = {"math.nan": math.nan, "np.nan": math.nan, "math.inf": math.inf}
-        name = ast.unparse(node)
-        return ir.Constant(FLOAT64, known[name]) if name in known else self.refuse(node)
-
     def visit_Subscript(self, node: ast.Subscript) -> Any:
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
             return self.visit(node.value.value).shape[ast.literal_eval(node.slice)]
@@ -342,62 +327,41 @@ class _Body(ast.NodeVisitor):
         found = self.part(node, whole)
         return found if found.shape else self.load(found.data)
 
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> Any:
-        if isinstance(node.op, ast.Not):
-            return self.builder.not_(self.holds(node.operand))
-        if isinstance(node.operand, ast.Constant) and isinstance(node.op, ast.USub):
-            return self.visit_Constant(ast.Constant(-node.operand.value))
-        x = self.visit(node.operand)
-        if isinstance(node.op, ast.USub):
-            return self.builder.fneg(x) if x.type == FLOAT64 else self.builder.neg(self.as_kind(x, INT64))
-        return self.builder.not_(x) if isinstance(node.op, ast.Invert) and x.type == INT64 else self.refuse(node)
-
-    def visit_BinOp(self, node: ast.BinOp) -> Any:
-        return self.operation(node, node.op, self.visit(node.left), self.visit(node.right))
+    def negative(self, node: ast.AST, x: Any) -> Any:
+        return self.builder.neg(self.as_kind(x, INT64))
 
     def operation(self, node: ast.AST, op: ast.operator, a: Any, b: Any) -> Any:
         if isinstance(op, ast.Pow) and isinstance(b, ir.Constant) and b.constant == 0.5:
-            return self.of_floats("llvm.sqrt.f64", [a])
-        if isinstance(op, ast.Div) or FLOAT64 in (a.type, b.type):
-            name = ON_FLOATS.get(type(op))
-            return getattr(self.builder, name)(self.as_kind(a, FLOAT64), self.as_kind(b, FLOAT64)) if name else self.refuse(node)
-        a, b = self.as_kind(a, INT64), self.as_kind(b, INT64)
-        if isinstance(op, (ast.FloorDiv, ast.Mod)):  # towards minus infinity
-            rest = self.builder.srem(a, b)
-            zero = ir.Constant(INT64, 0)
-            off = self.builder.and_(
-                self.builder.icmp_signed("!=", rest, zero), self.builder.icmp_signed("<", self.builder.xor(rest, b), zero)
-            )
-            if isinstance(op, ast.Mod):
-                return self.builder.select(off, self.builder.add(rest, b), rest)
-            return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, INT64))
-        name = ON_INTEGERS.get(type(op))
-        return getattr(self.builder, name)(a, b) if name else self.refuse(node)
+            return self.intrinsic(node, "math.sqrt", [a])
+        if FLOAT64 not in (a.type, b.type):
+            a, b = self.as_kind(a, INT64), self.as_kind(b, INT64)
+            if isinstance(op, (ast.FloorDiv, ast.Mod)):
+                return self.floored(op, a, b)
+        return super().operation(node, op, a, b)
 
-    def visit_Compare(self, node: ast.Compare) -> Any:
-        if len(node.ops) > 1 or type(node.ops[0]) not in COMPARED:
-            self.refuse(node)
-        return self.compared(COMPARED[type(node.ops[0])], *self.alike(self.visit(node.left), self.visit(node.comparators[0])))
-
-    def compared(self, sign: str, a: Any, b: Any) -> Any:
-        if a.type != FLOAT64:
-            return self.builder.icmp_signed(sign, a, b)
-        return (self.builder.fcmp_unordered if sign == "!=" else self.builder.fcmp_ordered)(sign, a, b)
+    def floored(self, op: ast.operator, a: Any, b: Any) -> Any:
+        """Quotient or remainder of whole numbers, towards minus infinity."""
+        rest = self.builder.srem(a, b)
+        zero = ir.Constant(INT64, 0)
+        off = self.builder.and_(self.builder.icmp_signed("!=", rest, zero), self.builder.icmp_signed("<", self.builder.xor(rest, b), zero))
+        if isinstance(op, ast.Mod):
+            return self.builder.select(off, self.builder.add(rest, b), rest)
+        return self.builder.sub(self.builder.sdiv(a, b), self.builder.zext(off, INT64))
 
     def visit_BoolOp(self, node: ast.BoolOp) -> Any:
         """What stands further right is looked at only if the rest does not decide."""
         found, after = [], self.function.append_basic_block("decided")
         for value in node.values[:-1]:
-            holds, next_one = self.holds(value), self.function.append_basic_block("undecided")
+            holds, next_one = self.condition(value), self.function.append_basic_block("undecided")
             found.append((holds, self.builder.block))
             self.builder.cbranch(holds, *((next_one, after) if isinstance(node.op, ast.And) else (after, next_one)))
             self.builder.position_at_end(next_one)
-        found.append((self.holds(node.values[-1]), self.builder.block))
+        found.append((self.condition(node.values[-1]), self.builder.block))
         return self.met(found, after)
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         yes, no, after = (self.function.append_basic_block(name) for name in ("yes", "no", "chosen"))
-        self.builder.cbranch(self.holds(node.test), yes, no)
+        self.builder.cbranch(self.condition(node.test), yes, no)
         values, ends = [], []
         for block, value in ((yes, node.body), (no, node.orelse)):
             self.builder.position_at_end(block)
@@ -434,14 +398,19 @@ class _Body(ast.NodeVisitor):
         if name in ("np.empty", "np.zeros"):
             return self.room(node, args[0], zero=name == "np.zeros")
         if name in ("max", "min"):
-            return reduce(lambda a, b: self.extreme(">" if name == "max" else "<", a, b), args)
+            return reduce(lambda a, b: self.extreme(node, ">" if name == "max" else "<", a, b), args)
         if name in ("np.int64", "np.uint64"):
             return self.builder.fptosi(args[0], INT64) if args[0].type == FLOAT64 else self.as_kind(args[0], INT64)
         if name == "np.float64":
             return self.as_kind(args[0], FLOAT64)
         if name in ("as_bits", "as_float"):
             return self.builder.bitcast(args[0], INT64 if name == "as_bits" else FLOAT64)
-        return self.of_floats(OF_FLOATS[name], args) if name in OF_FLOATS else self.refuse(node)
+        if name == "abs" and args[0].type == INT64:
+            negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
+            return self.builder.select(negative, self.builder.neg(args[0]), args[0])
+        if name in INTRINSICS:
+            return self.intrinsic(node, name, args)
+        return self.of_reals(node, OF_FLOATS[name], args) if name in OF_FLOATS else self.refuse(node)
 
     def called(self, name: str, args: list[Any]) -> Any:
         """A function of the text."""
@@ -463,20 +432,13 @@ class _Body(ast.NodeVisitor):
             self.count(nothing, count, one, lambda at: self.builder.store(ir.Constant(kind, 0), self.builder.gep(data, [at])))
         return View(data, (count,))
 
-    def extreme(self, sign: str, a: Any, b: Any) -> Any:
-        a, b = self.alike(a, b)
-        return self.builder.select(self.compared(sign, b, a), b, a)
-
-    def of_floats(self, name: str, args: list[Any]) -> Any:
-        if name == "llvm.fabs.f64" and args[0].type == INT64:
-            negative = self.builder.icmp_signed("<", args[0], ir.Constant(INT64, 0))
-            return self.builder.select(negative, self.builder.neg(args[0]), args[0])
-        kind = ir.FunctionType(FLOAT64, [FLOAT64] * len(args))
-        function = self.program.module.declare_intrinsic(name, (), kind)
-        return self.builder.call(function, [self.as_kind(arg, FLOAT64) for arg in args])
+    def extreme(self, node: ast.AST, sign: str, a: Any, b: Any) -> Any:
+        a, b = self.alike(node, a, b)
+        return self.builder.select(self.compared(node, sign, b, a), b, a)
 
     # ---- types ----
-    def holds(self, node: ast.expr) -> Any:
+    def condition(self, node: ast.expr) -> Any:
+        """Whether a number is not zero, or a truth value."""
         value = self.visit(node)
         if value.type == BOOL:
             return value
@@ -487,9 +449,12 @@ class _Body(ast.NodeVisitor):
         """The type of either of two numbers."""
         return FLOAT64 if FLOAT64 in (a.type, b.type) else BOOL if a.type == b.type == BOOL else INT64
 
-    def alike(self, a: Any, b: Any) -> tuple[Any, Any]:
+    def alike(self, node: ast.AST, a: Any, b: Any) -> tuple[Any, Any]:
         kind = self.common(a, b)
         return self.as_kind(a, kind), self.as_kind(b, kind)
+
+    def as_real(self, node: ast.AST, x: Any) -> Any:
+        return self.as_kind(x, FLOAT64)
 
     def as_kind(self, value: Any, kind: Any) -> Any:
         """A number as one of another type that can hold it."""
@@ -500,11 +465,6 @@ class _Body(ast.NodeVisitor):
         if kind == INT64 and value.type == BOOL:
             return self.builder.zext(value, INT64)
         raise TypeError(f"a number of type {value.type} is given to a name, a place or an argument of type {kind}")
-
-    def refuse(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
-        raise TypeError(f"{ast.unparse(node)!r} in a function of plain numbers {what}")
-
-    generic_visit = refuse  # type: ignore[assignment]
 
 
 def _settled(text: ast.FunctionDef) -> set[str]:
