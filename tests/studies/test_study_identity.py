@@ -8,6 +8,7 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from dataclasses import dataclass, field, make_dataclass
 from types import SimpleNamespace
 
@@ -288,17 +289,51 @@ def test_code_alone_tells_another_model(way, monkeypatch):
     assert made[-1] == range(3)
 
 
-def test_a_study_goes_on_without_making_all_of_its_models(tmp_path, monkeypatch):
+def tiles_made(monkeypatch):
+    """The tiles whose models are identified, call by call."""
     from stickslip.studies import manifest as module
 
     made, of_tiles = [], module.ModelIdentities.of_tiles
     monkeypatch.setattr(module.ModelIdentities, "of_tiles", lambda self, tiles: made.append(list(tiles)) or of_tiles(self, tiles))
+    return made
+
+
+def test_all_models_are_made_again_where_that_takes_no_second(tmp_path, monkeypatch):
+    made = tiles_made(monkeypatch)
+    amplitude, make = np.linspace(4e-4, 8e-4, 12), closure(0.5)
+    ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, shard=(1, 2))
+    whole = ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, resume=True)
+    again = [k for tiles in made[1:] for k in tiles]
+    assert made[0] == list(range(6)) and again[:3] == [0, 3, 5] and sorted(again) == list(range(6))
+    assert "notes" not in whole.attrs
+    wanted = ss.sweep(make, amplitude=amplitude, tile=2)
+    assert np.array_equal(whole.mean_velocity, wanted.mean_velocity)
+
+
+def test_a_study_that_goes_on_without_making_all_of_its_models_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr("stickslip.studies.manifest.SECONDS", 0.0)
+    made = tiles_made(monkeypatch)
     amplitude, make = np.linspace(4e-4, 8e-4, 12), closure(0.5)
     ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, shard=(1, 2))
     whole = ss.sweep(make, amplitude=amplitude, out=tmp_path / "a", tile=2, resume=True)
     assert made == [list(range(6)), [0, 3, 5]]
-    wanted = ss.sweep(make, amplitude=amplitude, tile=2)
-    assert np.array_equal(whole.mean_velocity, wanted.mean_velocity)
+    assert "the models of 2 of 3 finished tiles, which were not made again" in whole.attrs["notes"]
+
+
+def test_models_that_are_made_one_by_one_are_made_once(tmp_path):
+    calls = Counter()
+
+    def make(amplitude, omega):
+        calls[float(amplitude), omega] += 1  # of an array it is a TypeError: this maker is called case by case
+        return robot(0.5, amplitude, omega)
+
+    axes = dict(amplitude=np.linspace(4e-4, 8e-4, 5), omega=np.linspace(190.0, 210.0, 5))
+    whole = ss.sweep(make, **axes, out=tmp_path / "a", tile=3)
+    inside = [
+        calls[a, w] for a in axes["amplitude"][[1, 3]].tolist() for w in axes["omega"][[1, 3]].tolist()
+    ]  # ends and middles are asked before
+    assert inside == [1] * 4
+    assert whole.mean_velocity.values.tobytes() == ss.sweep(make, **axes, tile=3).mean_velocity.values.tobytes()
 
 
 @each_row("way", SETTINGS)
@@ -368,9 +403,17 @@ def test_a_maker_that_changes_its_mind_on_the_way_keeps_nothing_wrong(tmp_path, 
         numbers["factor"] = 0.5
 
     monkeypatch.setattr(Study, "write", write_and_change)
+    options = dict(amplitude=AMPLITUDES, tile=2)
+    # a maker of arrays is called for each tile: the second tile is of another model
     with pytest.raises(ss.InputError, match=r"cases 2 to 3 were computed with other models than those of the study"):
-        ss.sweep(lambda amplitude: robot(numbers["factor"], amplitude), amplitude=AMPLITUDES, tile=2, out=tmp_path / "study")
-    assert ss.open_study(tmp_path / "study").status.values[2:].tolist() == [101] * 4
+        ss.sweep(lambda amplitude: of_law(ss.Coulomb(0.2 * numbers["factor"], 0.3))(amplitude), **options, out=tmp_path / "arrays")
+    assert ss.open_study(tmp_path / "arrays").status.values[2:].tolist() == [101] * 4
+    # one that is called case by case has made all models before it changes
+    numbers["factor"] = 1.0
+    found = ss.sweep(lambda amplitude: robot(numbers["factor"], amplitude), **options, out=tmp_path / "study")
+    numbers["factor"] = 1.0
+    wanted = ss.sweep(lambda amplitude: robot(numbers["factor"], amplitude), **options)
+    assert found.mean_velocity.values.tobytes() == wanted.mean_velocity.values.tobytes()
 
 
 MODULE = '''

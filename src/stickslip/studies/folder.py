@@ -19,7 +19,8 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, StickslipError, as_path
 from stickslip.basics.whole_files import whole_file
 from stickslip.studies.labelling import labels_of
-from stickslip.studies.manifest import FORMAT, differences_between, flaw, manifest
+from stickslip.studies.manifest import FORMAT, SECONDS, differences_between, flaw, manifest
+from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import Plan
 from stickslip.studies.space_file import AXES, axes_bytes, read_labels
 from stickslip.studies.tiles import TILES, file_of, tile_bytes, tile_is_good
@@ -131,13 +132,18 @@ class Study:
     plan: Plan
     manifest: dict[str, Any]
     shard: tuple[int, int] | None = None
+    identities: ModelIdentities | None = None
 
     @classmethod
-    def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None) -> Study:
-        """Begin a new folder for a plan, or continue an existing one if it belongs to the same study and may be resumed."""
+    def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None, keep: bool = False) -> Study:
+        """Begin a new folder for a plan, or continue an existing one if it belongs to the same study and may be resumed.
+
+        With `keep` the models that are made are kept for the tiles that are to be solved.
+        """
         folder, part = folder.expanduser(), shard_of(shard)
         there = read_manifest(folder) if (folder / MANIFEST).exists() else None
-        study = cls(folder, plan, manifest(plan, there), part)
+        identities = ModelIdentities(plan, keep=keep)
+        study = cls(folder, plan, manifest(plan, there, identities), part, identities)
         if there is not None:
             study._check_same(there)
             if not resume and any(True for _ in study.done):
@@ -149,7 +155,17 @@ class Study:
         else:
             study._make()
         study._sweep_up()
+        identities.keep_only(study.todo)
         return study
+
+    @property
+    def unmade(self) -> str:
+        """A note on tiles that are there and whose models were not made again; "" if there are none."""
+        left = len(set(self.identities.left_out if self.identities else ()) & set(self.done))
+        if not left:
+            return ""
+        of = f"unchecked when this study was resumed: the models of {left} of {len(self.done)} finished tiles"
+        return f"{of}, which were not made again within {SECONDS:g} s; the maker's code and all models that were made are the same"
 
     def _make(self) -> None:
         check_new("sweep", self.folder, (TILES, AXES, COMMAND), "a study folder")

@@ -62,9 +62,12 @@ def identity(plan: Plan, every: int, models: list[str]) -> dict[str, str]:
     return {name: value if isinstance(value, str) else json.dumps(value, default=str) for name, value in parts.items()}
 
 
-def manifest(plan: Plan, there: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The manifest of a study folder; `there` is the manifest of the folder that is continued, if it exists already."""
-    compared, code = ModelIdentities(plan), code_of(plan.make)
+def manifest(plan: Plan, there: dict[str, Any] | None = None, compared: ModelIdentities | None = None) -> dict[str, Any]:
+    """The manifest of a study folder; `there` is the manifest of the folder that is continued, if it exists already.
+
+    The identities of the plan may be given.
+    """
+    compared, code = compared or ModelIdentities(plan), code_of(plan.make)
     models = _models_there(plan, compared, code, there) or compared.of_tiles(range(plan.tiles))
     parts = identity(plan, compared.every, models)
     made = {
@@ -110,23 +113,40 @@ def code_of(make: Model | Callable[..., Any]) -> str:
 def _models_there(plan: Plan, compared: ModelIdentities, code: str, there: dict[str, Any] | None) -> list[str]:
     """The identities in the manifest of a folder, if the code of the maker and all of its arguments are the same; else empty.
 
-    The models of three tiles are made nevertheless. So are those of each tile that is still to be solved, when its turn comes.
+    The models of as many tiles as a second allows are made nevertheless, in an order that spreads them over the study; of which not,
+    `compared.left_out` says. Those of each tile that is still to be solved are made when its turn comes.
     """
     if there is None or not code or there.get("code") != code or there.get("unchecked") or there["tiles"] != plan.tiles:
         return []
     models = [str(each) for each in there.get("models", ())]
     if len(models) != plan.tiles or plan.tiles <= _TILES or identity(plan, compared.every, models) != there["identity"]:
         return []
-    some = [0, plan.tiles // 2, plan.tiles - 1]
-    return models if compared.of_tiles(some) == [models[k] for k in some] and not compared.unchecked else []
+    order, begun, count, each = _spread(plan.tiles), time.perf_counter(), 0, _TILES
+    while count < plan.tiles and (count < _TILES or time.perf_counter() - begun < SECONDS):
+        some = order[count : count + each]
+        if compared.of_tiles(some) != [models[k] for k in some] or compared.unchecked:
+            return []
+        count += len(some)
+        left = SECONDS - (spent := time.perf_counter() - begun)
+        each = int(np.clip(count * 0.5 * left / max(spent, 1e-9), 1, plan.tiles))  # as many as take half of what is left
+    compared.left_out = tuple(sorted(order[count:]))
+    return models
 
 
 _TILES = 3  # whose models are made in any case
+SECONDS = 1.0  # in which the models of as many tiles as possible are made again
+
+
+def _spread(count: int) -> list[int]:
+    """All numbers below a count: the ends and the middle first, then each far from those before."""
+    golden = np.argsort(np.arange(count) * 0.5 * (5**0.5 - 1) % 1.0)
+    return list(dict.fromkeys([0, count // 2, count - 1, *golden.tolist()]))
 
 
 def unchecked(compared: ModelIdentities) -> list[str]:
     """What is not part of the identity of a study, in sentences."""
-    maker = () if compared.every == 1 else fingerprint(compared.plan.make).unchecked
+    some = f"all but every {compared.every}th model, and the last one, of a tile"
+    maker = () if compared.every == 1 else (some, *fingerprint(compared.plan.make).unchecked)
     return [f"{_NOT_SEEN}: {what}" for what in dict.fromkeys([*compared.unchecked, *maker])]
 
 

@@ -21,10 +21,10 @@ from stickslip.basics.fields import leaves
 from stickslip.basics.fingerprints import Fingerprint, fingerprint
 from stickslip.engine.equation_identity import equation_hash
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.observables import parted
+from stickslip.models.observables import parted as parted_observables
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import SLOW
-from stickslip.studies.models_of_points import Group, groups_of, starts_at
+from stickslip.studies.models_of_points import Group, Made, groups_of, parted, starts_at
 from stickslip.studies.space import Column, Space
 
 if TYPE_CHECKING:
@@ -46,6 +46,8 @@ class ModelIdentities:
     plan : Plan
     every : int, optional
         Compare every so-many-th model of a tile; chosen by the plan if it is not given.
+    keep : bool
+        Keep models that a maker makes one by one when they are identified, for the tile to be solved with them (`made`).
 
     Examples
     --------
@@ -58,8 +60,10 @@ class ModelIdentities:
     (True, False, 2)
     """
 
-    def __init__(self, plan: Plan, every: int | None = None):
+    def __init__(self, plan: Plan, every: int | None = None, keep: bool = False):
         self.plan, self.unchecked = plan, dict[str, None]()
+        self._keep, self._kept = keep, dict[int, Made]()
+        self.left_out: tuple[int, ...] = ()  # tiles of a folder whose models were not made again
         self._every = every
         self._kinds: dict[str, tuple[str, bool]] = {}
 
@@ -68,19 +72,33 @@ class ModelIdentities:
         """All models are compared (1), or every so-many-th one, if there are very many and each is made by a call of its own."""
         if self._every is not None:
             return self._every
-        few = self.plan.space.cases <= MOST or not callable(self.plan.make)
-        return 1 if few or _takes_arrays(self.plan) else -(-self.plan.space.cases // MOST)
+        return -(-self.plan.space.cases // MOST) if self.plan.space.cases > MOST and self._one_by_one else 1
+
+    @cached_property
+    def _one_by_one(self) -> bool:
+        """Whether each model is made by a call of its own."""
+        return callable(self.plan.make) and not _takes_arrays(self.plan)
 
     def of_tiles(self, tiles: Iterable[int]) -> list[str]:
         """The identities of some tiles."""
         found: list[str] = []
-        waiting: list[Array] = []
+        waiting: dict[int, Array] = {}
         for k in tiles:
-            waiting.append(self.compared(self.plan.points(k).ravel()))
-            if sum(map(len, waiting)) >= _CHUNK:
+            waiting[k] = self.compared(self.plan.points(k).ravel())
+            if sum(map(len, waiting.values())) >= _CHUNK:
                 found += self._of_points(waiting)
-                waiting = []
+                waiting = {}
         return found + (self._of_points(waiting) if waiting else [])
+
+    def made(self, k: int) -> Made:
+        """The models of a tile, made now unless they were kept, and the reasons for places without one; what was kept is given once."""
+        points = self.plan.points(k)
+        return self._kept.pop(k, None) or groups_of(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
+
+    def keep_only(self, tiles: Iterable[int]) -> None:
+        """Let go of kept models of other tiles."""
+        mine = set(tiles)
+        self._kept = {k: made for k, made in self._kept.items() if k in mine}
 
     def of_places(self, places: dict[str, Array]) -> str:
         """The identity of the models at other places than those of the plan, which are given by their arguments."""
@@ -93,11 +111,13 @@ class ModelIdentities:
         """Those points of a tile whose models are compared; the last one is among them."""
         return points if self.every == 1 else np.append(points[: -1 : self.every], points[-1:])
 
-    def _of_points(self, tiles: list[Array]) -> list[str]:
+    def _of_points(self, tiles: dict[int, Array]) -> list[str]:
         """The identities of tiles that are given by their points."""
-        points = np.concatenate(tiles)
-        groups, _ = groups_of(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
-        return self.of_groups(groups, [len(tile) for tile in tiles])
+        points, counts = np.concatenate([*tiles.values()]), [len(points) for points in tiles.values()]
+        made = groups_of(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
+        if self._keep and self.every == 1 and self._one_by_one:
+            self._kept |= dict(zip(tiles, parted(made, counts), strict=True))
+        return self.of_groups(made[0], counts)
 
     def of_groups(self, groups: list[Group], counts: list[int]) -> list[str]:
         """The identities of tiles with so many models each, in their order, which are made already; a refused case has no model."""
@@ -144,7 +164,7 @@ class ModelIdentities:
         return []
 
     def _traced(self, model: Model) -> str | None:
-        observe = () if self.plan.options["method"] in SLOW else tuple(parted(self.plan.options.get("observe"))[0].items())
+        observe = () if self.plan.options["method"] in SLOW else tuple(parted_observables(self.plan.options.get("observe"))[0].items())
         try:
             if not all(law.compiles for law in machine_of(model).laws):
                 return None

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import made_model, point_by_point
+from stickslip.basics.batch import made_model, numbers_by_name, point_by_point
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
-from stickslip.basics.fields import leaves
+from stickslip.basics.fields import is_array, leaves, replace_leaf
 from stickslip.studies.space import START, Space
 
 
@@ -21,9 +21,11 @@ class Group:
         self.at, self.robot, self.start = at, robot, start
 
 
-def groups_of(
-    make: Model | Callable[..., Any], space: Space, points: Array, start: dict[str, Any] | None
-) -> tuple[list[Group], dict[int, str]]:
+#: The groups of some points, and the reason for each place without a robot.
+Made = tuple[list[Group], dict[int, str]]
+
+
+def groups_of(make: Model | Callable[..., Any], space: Space, points: Array, start: dict[str, Any] | None) -> Made:
     """The robots for some points, one group for each kind; and the reason for each place without a robot.
 
     A place is an index into `points`. A non-finite number, or a combination that the maker refuses, affects its own case only.
@@ -82,6 +84,24 @@ def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Arr
         if not numbers:
             raise
         return point_by_point(what, make, fixed, numbers)
+
+
+def parted(made: Made, counts: list[int]) -> list[Made]:
+    """What was made for several tiles together, with so many points each, as what would have been made for each of them."""
+    ends = np.cumsum([0, *counts])
+    parts: list[Made] = [([], {}) for _ in counts]
+    for place, why in made[1].items():
+        k = int(np.searchsorted(ends, place, side="right")) - 1
+        parts[k][1][place - int(ends[k])] = why
+    for group in made[0]:
+        order = np.argsort(group.at, kind="stable")
+        cuts = np.searchsorted(group.at[order], ends)
+        numbers = {name: value for name, value in numbers_by_name(group.robot).items() if is_array(value)}
+        for k in np.flatnonzero(np.diff(cuts)).tolist():
+            within = order[cuts[k] : cuts[k + 1]]
+            robot = replace_leaf(group.robot, {name: value[within] for name, value in numbers.items()})
+            parts[k][0].append(Group(group.at[within] - ends[k], robot, starts_at(group.start, within)))
+    return parts
 
 
 def starts_at(start: dict[str, Any], places: Array) -> dict[str, Any]:

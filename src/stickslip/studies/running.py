@@ -166,20 +166,23 @@ def carried_out(
     from stickslip.studies.opening import open_study
     from stickslip.studies.tiles import read_tile
 
-    study = Study.begin(Path(out), plan, resume=resume, shard=shard)
+    study = Study.begin(Path(out), plan, resume=resume, shard=shard, keep=client is None and plan.along is None)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
-    identities = ModelIdentities(plan, study.manifest["compared"])
     with partial_result() as ending:
-        for k, columns, notes, models in tiles_of(plan, todo, workers, client, retries, watch, identities):
+        for k, columns, notes, models in tiles_of(plan, todo, workers, client, retries, watch, study.identities):
             study.write(k, columns, notes, models)
             watch.finished(k, columns["status"])
     study.finish()
-    grid = open_study(out)
+    grid, more = open_study(out), dict[str, int]()
+    if study.unmade:
+        more[study.unmade] = plan.cases
     if ending.interrupted:
-        left = plan.cases - int(watch.now().done)
-        told = json.loads(grid.attrs.get("notes", "{}")) | {ending.note("not computed; resume=True (--resume) goes on"): left}
-        return grid.assign_attrs(notes=json.dumps(told, ensure_ascii=False))
+        more[ending.note("not computed; resume=True (--resume) goes on")] = plan.cases - int(watch.now().done)
+    if more:
+        grid = grid.assign_attrs(notes=json.dumps(json.loads(grid.attrs.get("notes", "{}")) | more, ensure_ascii=False))
+    if ending.interrupted:
+        return grid
     if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):
         kept = f"the folder {str(out)!r} is complete and says so of every case; correct this, and give another folder"
         raise InputError("sweep", [*json.loads(grid.attrs.get("notes", "{}")), kept])

@@ -54,7 +54,7 @@ def solved_models(
 
         return *followed(plan, k, workers, tell), identities.of_tiles([k])[0] if identities else ""
     points = plan.points(k)
-    made = groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
+    made = identities.made(k) if identities else groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
     if identities is None or identities.every > 1:
         models = identities.of_tiles([k])[0] if identities else ""
     else:
