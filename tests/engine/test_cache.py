@@ -7,6 +7,7 @@ import gc
 import os
 import sys
 import weakref
+from itertools import product
 from pathlib import Path
 
 import numba
@@ -179,8 +180,7 @@ def _file_of(place, ending):
     return file
 
 
-@pytest.mark.parametrize("ending", [".nbc", ".nbi"])
-@each_row("place", [0.1, 0.3, 0.5, 0.7, 0.9, 1.0])
+@each_row(("ending", "place"), product([".nbc", ".nbi"], [0.1, 0.3, 0.5, 0.7, 0.9, 1.0]))
 def test_a_bit_flipped_in_compiled_code_is_compiled_again_and_not_run(compiled_half, ending, place, capfd):
     folder, load = compiled_half
     sound = _file_of(folder, ending).read_bytes()
@@ -192,8 +192,13 @@ def test_a_bit_flipped_in_compiled_code_is_compiled_again_and_not_run(compiled_h
     assert load() == 1.5 and capfd.readouterr().err == ""
 
 
-@pytest.mark.parametrize("ending", [".nbc", ".nbi", ".py", ".sums.json"])
-@each_row("damage", [_as_folder, _as_link, _flip, lambda f: f.write_bytes(b""), lambda f: f.write_bytes(bytes(100))])
+@each_row(
+    ("ending", "damage"),
+    product(
+        [".nbc", ".nbi", ".py", ".sums.json"],
+        [_as_folder, _as_link, _flip, lambda f: f.write_bytes(b""), lambda f: f.write_bytes(bytes(100))],
+    ),
+)
 def test_whatever_stands_where_a_cache_file_should_be_gives_way_to_it(compiled_half, ending, damage, capfd):
     folder, load = compiled_half
     damage(_file_of(folder, ending))

@@ -58,7 +58,7 @@ OF_SEVERAL_BODIES = "compute it in columns_of_parts in src/stickslip/solvers/par
 OR_ONE = "or add it to OF_ONE in src/stickslip/studies/solving.py, if only one body on one contact has it"
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: f"{folder.package.__name__}-{folder.base.__name__}")
+@each_row("folder", FOLDERS)
 def test_what_is_written_is_registered(folder):
     tell(unregistered(folder))
 
@@ -81,7 +81,7 @@ def test_every_link_is_registered():
     assert not left, f'{", ".join(left)}: add a line such as "spring": Spring to LINKS at the end of src/stickslip/models/machines/parts.py'
 
 
-@pytest.mark.parametrize("folder", ["laws", "drives", "machines"])
+@each_row("folder", ["laws", "drives", "machines"])
 def test_every_page_is_in_a_list_of_pages(folder):
     listed = text_of(f"docs/{folder}/index.md" if folder != "machines" else "docs/index.md")
     pages = [page.stem for page in (ROOT / "docs" / folder).glob("*.md") if page.stem != "index"]
@@ -107,7 +107,7 @@ def test_a_track_has_what_its_recipe_names(name):
     assert callable(kind.across) and callable(kind.along)
 
 
-@pytest.mark.parametrize("name", LINKS)
+@each_row("name", LINKS)
 def test_a_link_has_what_its_recipe_names(name):
     link = LINKS[name]
     moves = hasattr(link, "of_pair") or all(hasattr(link, need) for need in ("position", "velocity", "acceleration"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 from multiprocessing.reduction import ForkingPickler
 
 import numpy as np
@@ -68,8 +69,7 @@ def test_errors_come_through_a_pool_of_processes():
     assert ForkingPickler.loads(ForkingPickler.dumps(ss.InputError("Harmonic", ["a", "b"]))).problems == ("a", "b")
 
 
-@pytest.mark.parametrize("inside", range(len(IN_CONTAINERS)))
-@each_row("value", LOOK_LIKE_NUMBERS)
+@each_row(("inside", "value"), product(range(len(IN_CONTAINERS)), LOOK_LIKE_NUMBERS))
 def test_what_is_no_number_alone_is_none_in_a_list_or_an_array(value, inside):
     with pytest.raises(ValueError, match=r"is not a number|is not an array of numbers"):
         number(IN_CONTAINERS[inside](value))
@@ -95,8 +95,7 @@ def test_arrays_of_a_rig_that_do_not_fit_together_are_told_by_name(law):
 BAD = [0.0, -0.06, math.nan, math.inf, -math.inf, "heavy", True, None, [0.06, "x"], {"kg": 0.06}, 1j]
 
 
-@pytest.mark.parametrize("field", ["body_mass", "inner_mass", "gravity"])
-@each_row("value", BAD)
+@each_row(("field", "value"), product(["body_mass", "inner_mass", "gravity"], BAD))
 def test_masses_and_gravity_must_be_positive_numbers(field, value):
     if field == "inner_mass" and isinstance(value, list):  # a robot may have several inner masses, and a batch of them
         says(lambda: robot(**{field: value}), field, "a list", "a tuple means one for each part, an array means cases")
@@ -115,14 +114,13 @@ def test_exactly_one_of_omega_and_frequency():
     says(lambda: ss.Harmonic(amplitude=1e-4, omega=1.0, frequency=1.0), "exactly one of omega", "both")
 
 
-@pytest.mark.parametrize("value", [-1e-4, math.nan, math.inf, "big"], ids=repr)
+@each_row("value", [-1e-4, math.nan, math.inf, "big"])
 def test_amplitudes_are_not_negative(value):
     says(lambda: ss.Harmonic(amplitude=value, omega=1.0), "amplitude", "zero or more", "amplitude=0.000556")
     says(lambda: rig(amplitude=value), "amplitude", "type for example amplitude=")
 
 
-@pytest.mark.parametrize("field", ["mu_plus", "mu_minus", "sigma0", "v_s"])
-@each_row("value", [0.0, -0.1, math.nan, "rough"])
+@each_row(("field", "value"), product(["mu_plus", "mu_minus", "sigma0", "v_s"], [0.0, -0.1, math.nan, "rough"]))
 def test_lugre_numbers_must_be_positive(field, value):
     says(lambda: lugre(**{field: value}), field, "positive", f"type for example {field}=")
 
@@ -142,7 +140,7 @@ def test_static_friction_is_not_below_kinetic():
     says(lambda: rig(f0=0.1), "f0 = 0.1 is below mu0 = 0.18", "f0 >= mu0", "f0=0.21")
 
 
-@pytest.mark.parametrize("tilt", [11.0, math.degrees(math.atan(0.18)), 90.0, -15.0, np.array([1.7, 12.0])], ids=str)
+@each_row("tilt", [11.0, math.degrees(math.atan(0.18)), 90.0, -15.0, np.array([1.7, 12.0])])
 def test_folding_needs_a_track_flatter_than_the_friction_angle(tilt):
     says(lambda: rig(tilt_deg=tilt), "tilt_deg", "friction angle", "10.2", 'type incline="gravity"')
 

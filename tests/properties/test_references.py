@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pytest
 from stickslip.maths import sin
 
 import stickslip as ss
@@ -164,7 +163,7 @@ MODELS = {
 }
 
 
-@pytest.mark.parametrize("name", MODELS)
+@each_row("name", MODELS)
 def test_machines_of_the_package_are_not_asked_again(name, monkeypatch):
     model = MODELS[name]()
     kinds.check_functions(model)

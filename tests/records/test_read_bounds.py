@@ -151,7 +151,7 @@ FORMS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(40))
+@each_row("seed", range(40))
 def test_timestamps_that_are_read_at_once_are_those_that_are_read_line_by_line(seed, monkeypatch):
     rng = random.Random(seed)
     mark, form, index, words = rng.choice(",;\t "), rng.choice(FORMS), rng.random() < 0.4, rng.random() < 0.3
@@ -180,7 +180,7 @@ def test_times_of_day_go_on_over_many_midnights(monkeypatch):
     np.testing.assert_allclose(read_bytes("\n".join(lines).encode(), "log.csv")["v"].time, [7 * 3600.0 * i for i in range(50)], rtol=1e-15)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@each_row("seed", range(30))
 def test_json_that_is_read_in_pieces_is_that_which_is_read_as_a_whole(seed, monkeypatch):
     rng = random.Random(seed)
     odd = ["2.5", "},{", "a],[b", True, [1], [[1], [2]], {"a": {"b": 1}}, 10**400] * (rng.random() < 0.4)

@@ -9,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from house import ROOT
+from rows import each_row
 from stickslip.dynamics.atlas import atlas_study
 from stickslip.studies import manifest
 
@@ -66,7 +67,7 @@ def test_the_folder_of_an_atlas_is_resumed_to_its_regions_or_says_that_it_is_of_
             ss.atlas(ss.presets.piezo_rig, out=folder, resume=True, **plane)
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.mat", "run.xlsx"])
+@each_row("name", ["run.csv", "run.mat", "run.xlsx"])
 def test_an_exported_run_of_an_earlier_version_is_read_with_its_numbers(name):
     record = ss.read(GOLDEN / name)
     for column in ("x", "v"):

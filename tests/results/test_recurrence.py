@@ -38,8 +38,7 @@ def flip(mu):
     return lambda x: -(1 + mu) * x + x**3
 
 
-@pytest.mark.parametrize("mu", [-0.3, -0.03, -3e-3, -3e-4, 3e-4, 3e-3, 0.03, 0.3])
-@each_row(("count", "start"), product([50, 200, 3000], [1e-4, 0.02, 0.3]))
+@each_row(("mu", "count", "start"), product([-0.3, -0.03, -3e-3, -3e-4, 3e-4, 3e-3, 0.03, 0.3], [50, 200, 3000], [1e-4, 0.02, 0.3]))
 def test_beside_a_flip_the_period_is_right_or_none(mu, count, start):
     """On the side of the fixed point 1, on the other 2, however slowly the map settles, and never a multiple."""
     found, _ = outcome(points_of(flip(mu), start, count))
@@ -153,8 +152,7 @@ def test_chaos_approaches_nothing(count):
     assert np.count_nonzero(found) <= 4
 
 
-@pytest.mark.parametrize("p", [1, 2, 3, 5])
-@pytest.mark.parametrize("rate", [0.97, -0.9, 1.02])
+@each_row(("p", "rate"), product([1, 2, 3, 5], [0.97, -0.9, 1.02]))
 def test_a_motion_that_closes_in_on_a_cycle_approaches_it(p, rate):
     n = np.arange(48)
     x = np.cos(2.0 * np.pi * n / p + 0.3) + 0.1 * rate ** (n // p)

@@ -11,6 +11,7 @@ import pytest
 from stickslip.maths import maximum, minimum, where
 
 import stickslip as ss
+from pairs import each_once
 from stickslip.basics.status import STATUS, Status
 from stickslip.solvers import stepping
 from stickslip.solvers.stopped import location
@@ -39,8 +40,7 @@ class Pulled(ss.Machine):
         return {"body": ss.Contact("body", self.friction, load=1.0)}
 
 
-@pytest.mark.parametrize("rate", [1e-6, 1e-8, 1e-10])
-@pytest.mark.parametrize("stiffness", [1e3, 1e4])
+@pytest.mark.parametrize(("rate", "stiffness"), each_once([1e-6, 1e-8, 1e-10], [1e3, 1e4]))
 def test_a_body_breaks_away_where_rounding_hides_the_sign_of_its_acceleration(stiffness, rate):
     # m x'' + c x' + k (x - x0) = rate t after break-away at t = 0, c = 2 sqrt(k m): after the transient x lags the force by c/k
     T = 10.0

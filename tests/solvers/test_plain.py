@@ -11,6 +11,7 @@ import pytest
 from stickslip.maths import where
 
 import stickslip as ss
+from rows import each_row
 
 COULOMB = ss.Coulomb(0.2, 0.2)
 
@@ -46,7 +47,7 @@ class Pushed:
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau"])
-@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-8])
+@each_row("gap", [1e-2, 1e-4, 1e-8])
 def test_two_reversals_within_one_step_are_both_found(method, gap):
     """v = (t - 1)^2 - gap without friction: zeros at 1 -+ sqrt(gap), 2e-4 apart for the last."""
     run = plain(Pushed(ss.Coulomb(0.0, 0.0), (-2.0, 2.0)), duration=3.0, start={"v": 1.0 - gap}, method=method)

@@ -13,6 +13,7 @@ import pytest
 from scipy.optimize import brentq
 
 import stickslip as ss
+from rows import each_row
 from stickslip.analysis.phases import two_phase
 from stickslip.solvers import stepping
 from stickslip.solvers.request import request
@@ -74,7 +75,7 @@ def test_an_event_function_that_starts_at_zero_is_no_event(arcs):
 
 
 @both
-@pytest.mark.parametrize("over", [-1e-6, -1e-9, -1e-12, 1e-12, 1e-9, 1e-6])
+@each_row("over", [-1e-6, -1e-9, -1e-12, 1e-12, 1e-9, 1e-6])
 def test_a_body_stops_at_the_instant_when_the_force_reaches_break_away(arcs, over):
     """It comes to rest where the force is the backward limit and a little `over`: it reverses, or rests for that moment."""
     plus, minus = 0.6, 0.5
@@ -179,7 +180,7 @@ def test_where_two_laws_hold_a_body_only_their_sum_is_told():
 
 
 @both
-@pytest.mark.parametrize("above", [-1e-6, -1e-10, -1e-13, 1e-13, 1e-10, 1e-6])
+@each_row("above", [-1e-6, -1e-10, -1e-13, 1e-13, 1e-10, 1e-6])
 def test_a_velocity_that_grazes_zero_rests_or_does_not(arcs, above):
     """It comes down to `above` where the force is just the limit: below zero it rests for sqrt(2 |above|/cos)."""
     r = 0.3

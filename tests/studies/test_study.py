@@ -16,6 +16,7 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
+from pairs import each_once
 from stickslip.show.cli import main
 from stickslip.studies import folder as folders
 
@@ -246,8 +247,7 @@ class Slope:
 WRITTEN = {"SLIDING": "self.mu * load", "DRIVEN": "-self.amplitude * self.omega**2 * sin(self.omega * t)", "PRESSED": "gravity"}
 
 
-@pytest.mark.parametrize("changed", WRITTEN)
-@pytest.mark.parametrize("inside", [False, True], ids=["alone", "inside"])
+@pytest.mark.parametrize(("changed", "inside"), each_once(WRITTEN, [False, True]))
 def test_other_equations_of_a_part_of_ones_own_are_another_study(tmp_path, changed, inside):
     """Of a law, a drive or a track, alone or inside one of ours, and of what a class inherits; other words for them are not."""
     from stickslip.studies.model_identity import ModelIdentities

@@ -69,7 +69,7 @@ def test_the_first_eigenvalues_are_those_of_the_books(ratio):
     assert cantilever_eigenvalues(ratio, 3) == pytest.approx(KNOWN[ratio], abs=1e-9)  # the digits printed there
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
+@each_row("ratio", RATIOS)
 def test_fifty_eigenvalues_are_right_to_the_last_digit(ratio):
     # Bisection ends between neighbouring floats; the equation adds a few roundings of sin, cos and exp: 1e-15 with room.
     with mpmath.workdps(50):

@@ -9,6 +9,7 @@ import pytest
 from stickslip.maths import pi, sin
 
 import stickslip as ss
+from pairs import each_once
 from rows import each_row
 from stickslip.models.machine_adapter import machine_of
 
@@ -98,8 +99,10 @@ def test_hits_impulses_and_forces_of_each_stop_are_columns():
     assert int(grid.hits[1, 1]) >= 1 and float(grid.stop_force_max[1, 1]) > 0 and np.isnan(grid.stop_force_max[1, 0])
 
 
-@pytest.mark.parametrize("reaction", [True, False])
-@pytest.mark.parametrize("track", [ss.Level(), ss.Incline(tilt=0.05), ss.VaryingFriction(ss.Incline(tilt=-0.02), depth=0.3)])
+@pytest.mark.parametrize(
+    ("reaction", "track"),
+    each_once([True, False], [ss.Level(), ss.Incline(tilt=0.05), ss.VaryingFriction(ss.Incline(tilt=-0.02), depth=0.3)]),
+)
 def test_the_equations_are_those_of_the_documentation(reaction, track):
     """Written down here once more, on paper's letters."""
     stops = (ss.Stop(gap=0.002, stiffness=3e3, damping=2.0), ss.Stop(gap=0.003, stiffness=5e3, side=-1))

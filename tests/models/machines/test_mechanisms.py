@@ -214,13 +214,13 @@ def test_arrays_make_a_batch():
     assert np.all(np.diff(many.mean_velocity) > 0) and np.all(many.stick_fraction > 0.1)
 
 
-@pytest.mark.parametrize("bench", [belt, pull.replace(damping=0.25), oscillator(0.3, bias=1 / 3)])
+@each_row("bench", [belt, pull.replace(damping=0.25), oscillator(0.3, bias=1 / 3)])
 def test_a_mechanism_survives_its_text(bench):
     assert type(bench).from_toml(bench.to_toml()) == bench
     assert f'kind = "{bench.kind}"' in bench.to_toml() and type(bench).__name__ in bench._repr_html_()
 
 
-@pytest.mark.parametrize("bench", [belt, pull.replace(friction=LUGRE_1995), oscillator(0.3)])
+@each_row("bench", [belt, pull.replace(friction=LUGRE_1995), oscillator(0.3)])
 def test_a_run_comes_back_from_its_file(bench, tmp_path):
     run = ss.solve(bench, duration=9.0, method="radau", rtol=1e-5)
     same = ss.load(run.save(tmp_path / "run.nc"))

@@ -16,6 +16,7 @@ from matplotlib import image
 
 import stickslip as ss
 from explorers import PATIENCE, Explorer, chromium
+from rows import each_row
 from stickslip.basics.typed_numbers import in_unit
 from stickslip.show.explorer.exports import EXPORTS
 from stickslip.show.explorer.from_robot import hash_of, state_of
@@ -512,7 +513,7 @@ def test_an_address_of_nonsense_gives_the_first_page(page, hash):
     assert page.velocity() == pytest.approx(expected()[0], rel=2e-4)
 
 
-@pytest.mark.parametrize("name", EXPORTS)
+@each_row("name", EXPORTS)
 def test_every_export_arrives_as_a_file(page, name):
     page.open(QUICK + "&mu0=0.15")
     with page.page.expect_download() as download:
@@ -617,7 +618,7 @@ def test_axe_finds_no_violation(browser, explorer, scheme, width):
     page.context.close()
 
 
-@pytest.mark.parametrize("width", [380, 768, 1200, 1920, 3840])
+@each_row("width", [380, 768, 1200, 1920, 3840])
 def test_nothing_sticks_out_sideways(browser, explorer, width):
     page = Page(browser, explorer, viewport={"width": width, "height": 900})
     page.open()
