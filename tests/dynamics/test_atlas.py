@@ -10,7 +10,7 @@ from every import DEN_HARTOG
 from stickslip.analysis.closed_form import coulomb_type
 from stickslip.dynamics.atlas import atlas as making_an_atlas
 from stickslip.dynamics.atlas.borders_followed import Border
-from stickslip.dynamics.atlas.levels import Level
+from stickslip.dynamics.atlas.levels import RefinementLevel
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, with_more
 from stickslip.dynamics.atlas.parameter_plane import plane_over
 from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces
@@ -269,12 +269,12 @@ def test_a_point_whose_starts_missed_a_motion_has_more_starts():
     here = PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 5), MotionThere("II", 1, 0.2, (0.5,), 0)))
     again = PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 12), MotionThere("II", 1, 0.2, (0.5,), 7), MotionThere("II", 1, 0.4, (0.6,), 1)))
     plane = plane_over("atlas", ss.presets.piezo_rig, OVER, 5, RIG, lambda problems: None)
-    level = Level(plane, {(1, 1): here, (1, 2): PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 5),))})
+    level = RefinementLevel(plane, {(1, 1): here, (1, 2): PointOfGrid((MotionThere("I", 1, 0.1, (0.0,), 5),))})
     ((cell, states),) = making_an_atlas._to_start_again(level).items()
     assert cell == (1, 1) and len(states) == 20
     both = with_more(plane, here, again, len(states))
     assert [(m.word, m.mean_velocity, m.hits) for m in both.motions] == [("I", 0.1, 17), ("II", 0.2, 7), ("II", 0.4, 1)] and both.more == 20
-    assert not making_an_atlas._to_start_again(Level(plane, {(1, 1): both}))
+    assert not making_an_atlas._to_start_again(RefinementLevel(plane, {(1, 1): both}))
     assert not np.any(np.all(np.isclose(states[:, None], plane.states(np.zeros(1), (1, 1))[None, 1:]), axis=2))
 
 
@@ -285,7 +285,7 @@ def two_columns(first, second):
 
     def doubts(**lines):
         borders = [Border(k.replace("_", "-"), ((p, -0.1), (p, 1.1)), ((0.0, 0.0),) * 2, "", (), ()) for k, p in lines.items()]
-        return UncertainPlaces((Level(plane, points),), tuple(borders), ())
+        return UncertainPlaces((RefinementLevel(plane, points),), tuple(borders), ())
 
     return doubts
 

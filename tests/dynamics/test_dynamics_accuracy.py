@@ -13,7 +13,7 @@ import stickslip as ss
 from dynamics.test_dynamics import BORDERS, by_ratio
 from dynamics.test_dynamics_cycles import WEAK, belt
 from stickslip.analysis.closed_form import border_iii_iv
-from stickslip.dynamics.continuation.point_accuracy import Meeting, Special, certain
+from stickslip.dynamics.continuation.special_points.accuracy import Meeting, Special, certain
 
 
 @pytest.mark.parametrize("case", BORDERS, ids=["II-I", "I-III", "III-IV k=2", "III-IV k=1", "II-III"])

@@ -7,7 +7,7 @@ import pytest
 
 import stickslip as ss
 from dynamics.test_dynamics_special import Fed
-from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.continuation.special_points.accuracy import Special
 
 of_map = ss.SwitchingFlow.of_map
 HENON = of_map(lambda y, n: (1 - n.a * y[0] ** 2 + y[1], n.b * y[0]), {"a": 0.1, "b": 0.3}, ("x", "y"))

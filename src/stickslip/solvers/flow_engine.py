@@ -37,7 +37,7 @@ _kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FlowSolution:
     """The solution from one start: its steps, switches and end; `growth` is the derivative of the end by the start."""
 
     nodes: Array
@@ -126,7 +126,7 @@ def followed(
     most: int | None = None,
     growth: bool = True,
     partial: bool = False,
-) -> Followed:
+) -> FlowSolution:
     """Follow a flow from one start.
 
     Parameters
@@ -179,7 +179,7 @@ def followed(
     M, rank_deficient = _growth(results, n, kernel.states) if growth else (None, False)
     coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
     state = end + 0.0  # no negative zero
-    return Followed(
+    return FlowSolution(
         nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, rank_deficient,
         int(whole.accepted[0]),
     )  # fmt: skip

@@ -20,9 +20,9 @@ from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
-from stickslip.dynamics.atlas.borders_followed import Border, Outcome, PointOfBorder, followed
+from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, PointOfBorder, followed
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, seeds_of
-from stickslip.dynamics.atlas.levels import Level, points_within, shared_upwards
+from stickslip.dynamics.atlas.levels import RefinementLevel, points_within, shared_upwards
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, explained_by
@@ -157,8 +157,8 @@ class _Making:
 
     def made(self, most: int, depth: int) -> Atlas:
         """All of it, or what there is when it is interrupted."""
-        levels = [Level(self.plane, {})]
-        outcomes: list[Outcome] = []
+        levels = [RefinementLevel(self.plane, {})]
+        outcomes: list[BordersOfBranch] = []
         left: list[Change] = []
         with partial_result() as ending:
             self._filled(levels[0], 0, [self.plane.cell(k) for k in range(self.plane.cells)])
@@ -171,14 +171,14 @@ class _Making:
         notes = self._notes(levels, left, len(outcomes), most, uncertain)
         return Atlas(self.plane, levels[0].points, uncertain.borders, uncertain.points, branches, notes, tuple(levels[1:]))
 
-    def _uncertain(self, levels: list[Level], outcomes: list[Outcome]) -> UncertainPlaces:
+    def _uncertain(self, levels: list[RefinementLevel], outcomes: list[BordersOfBranch]) -> UncertainPlaces:
         """Doubts besides the borders that were followed."""
         points = [p for outcome in outcomes for p in (*outcome.points, *(m for b in outcome.borders for m in b.special))]
         borders = tuple(border for outcome in outcomes for border in outcome.borders)
         return UncertainPlaces(tuple(levels), borders, without_twins(self.plane, points))
 
     # ---- the grid ----
-    def _filled(self, level: Level, depth: int, asked: list[Cell]) -> None:
+    def _filled(self, level: RefinementLevel, depth: int, asked: list[Cell]) -> None:
         """Find the motions at points of a level, from starts, from those of neighbours, and from more starts where some were missed."""
         kept = self.study.grid(depth, asked)
         if kept is not None:
@@ -212,7 +212,7 @@ class _Making:
                 keep(plane.number(min(points)), points)
         return results
 
-    def _look_closer(self, levels: list[Level], outcomes: list[Outcome], depth: int) -> None:
+    def _look_closer(self, levels: list[RefinementLevel], outcomes: list[BordersOfBranch], depth: int) -> None:
         """Halve the cells in which places are in doubt, as often as is allowed."""
         for k in range(1, depth + 1):
             doubtful = self._uncertain(levels, outcomes).cells()
@@ -225,7 +225,7 @@ class _Making:
             shared_upwards(levels)
 
     # ---- borders ----
-    def _follow(self, grid: dict[Cell, PointOfGrid], left: list[Change], outcomes: list[Outcome], most: int) -> None:
+    def _follow(self, grid: dict[Cell, PointOfGrid], left: list[Change], outcomes: list[BordersOfBranch], most: int) -> None:
         """Follow motions until every change between neighbours is explained, or given up; `left` keeps those that are not."""
         watch = Watch(len(left), self.progress)
         whole, given_up = len(left), list[Change]()
@@ -239,7 +239,9 @@ class _Making:
             watch.begun(0, done + len(given_up))
         left += given_up
 
-    def _explained(self, grid: dict[Cell, PointOfGrid], change: Change, left: list[Change], outcomes: list[Outcome], most: int) -> bool:
+    def _explained(
+        self, grid: dict[Cell, PointOfGrid], change: Change, left: list[Change], outcomes: list[BordersOfBranch], most: int
+    ) -> bool:
         """Follow the motions of a change until one of them shows what is between the neighbours, and strike off what that explains."""
         seeds = seeds_of(self.plane, grid, change)
         if not seeds:
@@ -264,7 +266,9 @@ class _Making:
         return False
 
     # ---- what was not reached ----
-    def _notes(self, levels: list[Level], left: list[Change], followed: int, most: int, uncertain: UncertainPlaces) -> tuple[str, ...]:
+    def _notes(
+        self, levels: list[RefinementLevel], left: list[Change], followed: int, most: int, uncertain: UncertainPlaces
+    ) -> tuple[str, ...]:
         notes, grid, missed = [], levels[0].points, self.missed
         unsure = sum(self.plane.point(cell) in uncertain.of_points for cell in grid)
         if self.ending.interrupted:
@@ -290,7 +294,7 @@ class _Making:
         )
 
 
-def _to_start_again(level: Level) -> dict[Cell, Array]:
+def _to_start_again(level: RefinementLevel) -> dict[Cell, Array]:
     """Further starts at the points where the first had missed a motion, once each; none where the starts were given as a grid."""
     if isinstance(level.plane.starts, dict):
         return {}

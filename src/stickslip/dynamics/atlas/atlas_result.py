@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, PointOfBorder, same_place
-from stickslip.dynamics.atlas.levels import Level
+from stickslip.dynamics.atlas.levels import RefinementLevel
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, unseen_share
@@ -21,7 +21,7 @@ from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.settled_motions import UNDONE
-from stickslip.dynamics.continuation.point_accuracy import certain
+from stickslip.dynamics.continuation.special_points.accuracy import certain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +64,7 @@ class Atlas(Drawn):
     found: tuple[PointOfBorder, ...]
     branches: tuple[FollowedBranch, ...]
     notes: tuple[str, ...]
-    closer: tuple[Level, ...] = ()
+    closer: tuple[RefinementLevel, ...] = ()
 
     _drawn_by, _inches = "atlas", (4.4, 3.4)
 
@@ -182,7 +182,7 @@ class Atlas(Drawn):
 
     @cached_property
     def _uncertain(self) -> UncertainPlaces:
-        return UncertainPlaces((Level(self.plane, self.points), *self.closer), self.borders, self.found)
+        return UncertainPlaces((RefinementLevel(self.plane, self.points), *self.closer), self.borders, self.found)
 
     @explains_arguments
     def doubt(self, **values: float) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.jsontext import plain
-from stickslip.dynamics.atlas.borders_followed import Border, FollowedBranch, Outcome, PointOfBorder
+from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, FollowedBranch, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_folder, put
@@ -99,11 +99,11 @@ class AtlasStudy:
         return lambda rows: [self._planes[level].point((int(row["cell"][0]), int(row["cell"][1]))) for row in rows]
 
     # ---- what was followed ----
-    def keep_outcome(self, name: str, outcome: Outcome) -> None:
+    def keep_outcome(self, name: str, outcome: BordersOfBranch) -> None:
         """Keep what came of a motion that was followed."""
         self._keep(f"followed-{name}.json", asdict(outcome), self._places_of_outcome)
 
-    def outcome(self, name: str) -> Outcome | None:
+    def outcome(self, name: str) -> BordersOfBranch | None:
         """The same, if it is there."""
         return next(self._all(f"followed-{name}.json", _outcome_of, self._places_of_outcome), None)
 
@@ -174,10 +174,12 @@ def _point_of(row: dict[str, Any]) -> PointOfGrid:
     return PointOfGrid(motions, int(row["lost"]), str(row["refused"]), int(row["more"]), int(row["unsettled"]))
 
 
-def _outcome_of(stored: dict[str, Any]) -> Outcome:
+def _outcome_of(stored: dict[str, Any]) -> BordersOfBranch:
     branch, points = stored["branch"], tuple(PointOfBorder(**_frozen(row)) for row in stored["points"])
     borders = [_frozen(row) | {"special": tuple(PointOfBorder(**_frozen(each)) for each in row["special"])} for row in stored["borders"]]
-    return Outcome(branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(stored["refused"]))
+    return BordersOfBranch(
+        branch and FollowedBranch(**_frozen(branch)), points, tuple(Border(**row) for row in borders), tuple(stored["refused"])
+    )
 
 
 def _frozen(value: Any) -> Any:

@@ -14,7 +14,7 @@ from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, Seed, smooth
 from stickslip.dynamics.atlas.parameter_plane import Plane
 from stickslip.dynamics.continuation.branches import Branch, continuation
-from stickslip.dynamics.continuation.point_accuracy import Special, certain
+from stickslip.dynamics.continuation.special_points.accuracy import Special, certain
 from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
 from stickslip.models.switching_flow import is_flow
 
@@ -120,7 +120,7 @@ class FollowedBranch:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BordersOfBranch:
     """The result of following one motion: its branch, special points, borders, and failures in sentences."""
 
     branch: FollowedBranch | None = None
@@ -129,7 +129,7 @@ class Outcome:
     refused: tuple[str, ...] = field(default_factory=tuple)
 
 
-def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOfBorder], bool], short: bool = False) -> Outcome:
+def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOfBorder], bool], short: bool = False) -> BordersOfBranch:
     """Follow a motion along its axis, and the curves of those of its special points that are wanted.
 
     `short`: only to just beyond the neighbour, and no curves, as of borders that no curve is known for.
@@ -143,7 +143,7 @@ def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOf
             period=seed.motion.period, guess=np.array(seed.motion.state), step=_LONG if short else _USUAL, **fixed,
         )  # fmt: skip
     except (SolveError, InputError) as error:
-        return Outcome(refused=(f"{change.words}: {seed.motion.word} could not be followed: {_reason(error)}",))
+        return BordersOfBranch(refused=(f"{change.words}: {seed.motion.word} could not be followed: {_reason(error)}",))
     points = [_point(seed, special, other, branch) for special in branch.special]
     borders, refused = [], []
     low, high = change.range(plane)
@@ -152,7 +152,7 @@ def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOf
             border, why = _border(plane, seed, branch, special, point, across, other)
             borders += [border] if border else []
             refused += [why] if why else []
-    return Outcome(_kept(branch, other), tuple(points), tuple(borders), tuple(refused))
+    return BordersOfBranch(_kept(branch, other), tuple(points), tuple(borders), tuple(refused))
 
 
 def _kept(branch: Branch, other: float) -> FollowedBranch:

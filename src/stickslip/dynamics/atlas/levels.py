@@ -15,7 +15,7 @@ ParameterPoint = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Level:
+class RefinementLevel:
     """Points of a grid, each of whose cells may be divided at the next level.
 
     Parameters
@@ -29,9 +29,9 @@ class Level:
     plane: Plane
     points: dict[Cell, PointOfGrid]
 
-    def halved(self) -> Level:
+    def halved(self) -> RefinementLevel:
         """The next level, as long as nothing new is known there."""
-        return Level(self.plane.halved, {(2 * i, 2 * j): point for (i, j), point in self.points.items()})
+        return RefinementLevel(self.plane.halved, {(2 * i, 2 * j): point for (i, j), point in self.points.items()})
 
     def cells(self) -> Iterator[Cell]:
         """The cells all of whose corners are known, each by its lowest corner."""
@@ -62,7 +62,7 @@ def points_within(cell: Cell) -> set[Cell]:
     return {(i, j), (i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)}
 
 
-def corners_around(levels: tuple[Level, ...], here: ParameterPoint) -> tuple[Level, list[Cell]]:
+def corners_around(levels: tuple[RefinementLevel, ...], here: ParameterPoint) -> tuple[RefinementLevel, list[Cell]]:
     """The smallest cell around a place all of whose corners are known: its level and its corners; of the first level those that are."""
     for level in reversed(levels):
         corners = _around(level.plane, here)
@@ -80,13 +80,13 @@ def _around(plane: Plane, here: ParameterPoint) -> list[Cell]:
     return [(i, j) for i in sorted(first) for j in sorted(second)]
 
 
-def open_changes(levels: tuple[Level, ...]) -> Iterator[tuple[Level, list[Change]]]:
+def open_changes(levels: tuple[RefinementLevel, ...]) -> Iterator[tuple[RefinementLevel, list[Change]]]:
     """Neighbours with different motions between which no further point is known, at each level."""
     for level, finer in zip(levels, [*(level.points for level in levels[1:]), {}], strict=True):
         yield level, [change for change in changes(level.points) if tuple(np.add(change.near, change.far)) not in finer]
 
 
-def shared_upwards(levels: Iterable[Level]) -> None:
+def shared_upwards(levels: Iterable[RefinementLevel]) -> None:
     """Give every coarser level what finer ones found at its points."""
     ordered = list(levels)
     for coarse, fine in zip(ordered[-2::-1], ordered[:0:-1], strict=True):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, crosses, passed_by
-from stickslip.dynamics.atlas.levels import Level, ParameterPoint, corners_around, corners_of, open_changes
+from stickslip.dynamics.atlas.levels import ParameterPoint, RefinementLevel, corners_around, corners_of, open_changes
 from stickslip.dynamics.atlas.motions_on_the_grid import MotionThere, PointOfGrid, unmatched
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 
@@ -52,7 +52,7 @@ class UncertainPlaces:
         Special points.
     """
 
-    levels: tuple[Level, ...]
+    levels: tuple[RefinementLevel, ...]
     borders: tuple[Border, ...]
     points: tuple[PointOfBorder, ...]
 
@@ -72,7 +72,7 @@ class UncertainPlaces:
             adjacent |= {level.plane.point(cell) for change in unexplained for cell in (change.near, change.far)}
         return adjacent
 
-    def free(self, here: ParameterPoint) -> tuple[Level, list[Cell]]:
+    def free(self, here: ParameterPoint) -> tuple[RefinementLevel, list[Cell]]:
         """The corners of the smallest known cell around a place from which no border separates it, the nearest first."""
         level, corners = corners_around(self.levels, here)
         known = [cell for cell in corners if level.points[cell].motions]
@@ -110,7 +110,7 @@ class UncertainPlaces:
         ahead = {cell: self._between(here, level.plane.point(cell)) for cell in corners}
         return all(self._explained(level, a, b, ahead[a] ^ ahead[b]) for a, b in combinations(corners, 2))
 
-    def _explained(self, level: Level, a: Cell, b: Cell, expected: set[int]) -> bool:
+    def _explained(self, level: RefinementLevel, a: Cell, b: Cell, expected: set[int]) -> bool:
         """Whether at most one border lies between two corners, as it must by the way over the place, and accounts for what changes."""
         passed = self._between(level.plane.point(a), level.plane.point(b))
         one, other = level.points[a], level.points[b]

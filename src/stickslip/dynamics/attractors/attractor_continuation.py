@@ -220,15 +220,15 @@ def _in_small_steps(along: _Along, k: int, alive: list[_Track], whole: Settled) 
             model = along.robots.robot(high)
         except InputError:
             return whole
-        found = along.settled(model, states)
-        motions, number = along.numbered(model, found)
+        settled = along.settled(model, states)
+        motions, number = along.numbered(model, settled)
         lasting = np.array([not track.between for track in alive])
         kept = set(_claims(motions, np.where(lasting, number, -1), before).values())
         for i in set(np.flatnonzero(lasting).tolist()) - kept:
             alive[i].between = (low, high)
-        states = np.where(np.isfinite(found.points[:, -1]), found.points[:, -1], states)
+        states = np.where(np.isfinite(settled.points[:, -1]), settled.points[:, -1], states)
         before = [new if i in kept else old for i, (new, old) in enumerate(zip(motions.means, before, strict=True))]
-    return whole.beginning_with(found)
+    return whole.beginning_with(settled)
 
 
 def _note(track: _Track, k: int, members: Array, hit: Array, settled: Settled, motions: Features) -> None:
@@ -274,11 +274,14 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
         "period": (both, period, {"units": "1", "long_name": "motion period (0: none, -1: absent)"}),
         "motion": (both, motion, {"long_name": "motion: periodic, quasi-periodic, chaotic; empty where it is absent"}),
     }
-    columns |= {name: ((parameter,), lost[:, i], {"units": "1", "long_name": told}) for i, (name, (_, told)) in enumerate(_LOST.items())}
+    columns |= {
+        name: ((parameter,), lost[:, i], {"units": "1", "long_name": name_of_end})
+        for i, (name, (_, name_of_end)) in enumerate(_LOST.items())
+    }
     if flow:
         del columns["mean_velocity"]
-    for name, told in (("begins", _begins), ("ends", _ends)):
-        texts = np.array([told(track, values) for track in tracks], dtype=str)
+    for name, name_of_end in (("begins", _begins), ("ends", _ends)):
+        texts = np.array([name_of_end(track, values) for track in tracks], dtype=str)
         columns[name] = (("attractor",), texts, {"long_name": f"where the attractor {name}"})
     coords = {parameter: (parameter, values, robots.describe(parameter)), "attractor": np.arange(len(tracks))}
     return xr.Dataset(columns, coords, {"parameter": parameter, "starts": starts})

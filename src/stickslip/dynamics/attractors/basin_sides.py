@@ -31,7 +31,7 @@ _LONGER = 16  # times the drive periods of settling: how long a start is run on
 
 
 @sealed
-class Judge:
+class SideJudge:
     """To which of two motions starts lead: 0 or 1; 2: to another, or to none that was recognised."""
 
     model: Any
@@ -43,8 +43,8 @@ class Judge:
 
     def sides(self, states: Array) -> Array:
         """The number of the motion to which each state leads."""
-        motions, found = _settled(self.model, self.at, np.asarray(states, float), self.settle, self.rtol)
-        return np.array([self._side(motions, i) if on else OTHER for i, on in enumerate(found.attracted)], int)
+        motions, settled = _settled(self.model, self.at, np.asarray(states, float), self.settle, self.rtol)
+        return np.array([self._side(motions, i) if on else OTHER for i, on in enumerate(settled.attracted)], int)
 
     def _side(self, motions: Features, i: int) -> int:
         return next((k for k in (0, 1) if motions.same(i, self.motions, k)), OTHER)
@@ -52,22 +52,22 @@ class Judge:
 
 def _settled(model: Model, at: Coordinates, states: Array, settle: int, rtol: float) -> tuple[Features, Settled]:
     """Features of the motions on which starts settle."""
-    found = settled_motions(spread_over(model, len(states)), states, at, settle, _LONGER * settle, rtol)
-    return features_of(float(model.period), found, at), found
+    settled = settled_motions(spread_over(model, len(states)), states, at, settle, _LONGER * settle, rtol)
+    return features_of(float(model.period), settled, at), settled
 
 
-def judge_between(model: Model, at: Coordinates, settle: int, rtol: float, ends: Array) -> Judge:
+def judge_between(model: Model, at: Coordinates, settle: int, rtol: float, ends: Array) -> SideJudge:
     """The judge who knows the motions to which two starts lead; an error where they are one, or none."""
-    motions, found = _settled(model, at, ends, settle, rtol)
+    motions, settled = _settled(model, at, ends, settle, rtol)
     for i, name in enumerate(("first", "second")):
-        if not found.attracted[i]:
-            why = f" ({found.why[i]})" if found.why[i] else ""
-            told = f"the run from the {name} start {_FATES[str(found.kind[i])]}{why}"
-            raise SolveError(f"edge_state: {told}; give a start nearer to the attractor, or a longer settle=, such as {10 * settle}")
+        if not settled.attracted[i]:
+            why = f" ({settled.why[i]})" if settled.why[i] else ""
+            mistake = f"the run from the {name} start {_FATES[str(settled.kind[i])]}{why}"
+            raise SolveError(f"edge_state: {mistake}; give a start nearer to the attractor, or a longer settle=, such as {10 * settle}")
     if motions.same(0, motions, 1):
-        told = f"both starts lead to one motion, {named_motion(model, motions, 0)}; allowed are two that lead to different ones"
-        raise InputError("edge_state", [f"{told}; type ss.basins(model).attractors to see which motions there are"])
-    return Judge(model, at, settle, rtol, motions, found.points[:, -1])
+        mistake = f"both starts lead to one motion, {named_motion(model, motions, 0)}; allowed are two that lead to different ones"
+        raise InputError("edge_state", [f"{mistake}; type ss.basins(model).attractors to see which motions there are"])
+    return SideJudge(model, at, settle, rtol, motions, settled.points[:, -1])
 
 
 def named_motion(model: Model, motions: Features, i: int) -> str:
@@ -77,7 +77,7 @@ def named_motion(model: Model, motions: Features, i: int) -> str:
     return (f"period {period}" if kind == PERIODIC else kind) + way
 
 
-def narrowed(judge: Judge, ends: Array) -> Array:
+def narrowed(judge: SideJudge, ends: Array) -> Array:
     """Two states very near to one another of which only the first leads to the first motion: array (2, coordinates)."""
     scales = judge.at.scales
     pair = np.array(ends)

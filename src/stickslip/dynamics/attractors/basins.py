@@ -211,11 +211,11 @@ def basins(
     states = on_grid(table, model)
     batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
-    found = _gathered(model, axes, settled, at, "phase" in table)
+    result = _gathered(model, axes, settled, at, "phase" in table)
     if settled.ending.interrupted:
         done = np.count_nonzero(settled.kind != NOT_COMPUTED)
-        found.map.attrs["note"] = settled.ending.note(f"{done} of {len(states)} starts are computed")
-    return found
+        result.map.attrs["note"] = settled.ending.note(f"{done} of {len(states)} starts are computed")
+    return result
 
 
 def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
@@ -298,9 +298,9 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
 
 def _notes(settled: Settled) -> tuple[str, ...]:
     """Why starts have not settled, and what to type."""
-    told = settled.reasons()
-    more = f"type limit={10 * int(settled.run[settled.kind == UNSETTLED].max())} to run them on for longer" if told else ""
-    return (*told, more) if told else ()
+    reasons = settled.reasons()
+    more = f"type limit={10 * int(settled.run[settled.kind == UNSETTLED].max())} to run them on for longer" if reasons else ""
+    return (*reasons, more) if reasons else ()
 
 
 def _attractor(model: Model, members: Array, cases: int, settled: Settled, motions: Features, by_phase: bool) -> Attractor:

@@ -103,18 +103,18 @@ def bifurcation(
     needs_model("bifurcation", robots.robot(values[0]), flows=True)
     how = _Look(robots, coordinates(robots.robots(values)), settle, limit, points, rtol)
     first = states_of(start, robots.robots(values))
-    found = how.blank(DIRECTIONS if follow else ("from start",), len(values), first.shape[1])
+    diagram = how.blank(DIRECTIONS if follow else ("from start",), len(values), first.shape[1])
     with partial_result() as ending:
         if follow:
-            _hysteresis(found, how, values, first, progress)
+            _hysteresis(diagram, how, values, first, progress)
         else:
             for part, columns in shared(len(values), lambda part, tell: how.at_values(values[part], first[part]), workers, progress):
                 for name, column in columns.items():
-                    found[name][0, part] = column
-    grid = _dataset(how, parameter, values, found, DIRECTIONS if follow else ("from start",))
+                    diagram[name][0, part] = column
+    grid = _dataset(how, parameter, values, diagram, DIRECTIONS if follow else ("from start",))
     if not ending.interrupted:
         return grid
-    done = np.count_nonzero(found["motion"] != NOT_COMPUTED)
+    done = np.count_nonzero(diagram["motion"] != NOT_COMPUTED)
     return grid.assign_attrs(note=ending.note(f"{done} of {grid.period.size} motions are computed"))
 
 
@@ -141,18 +141,18 @@ class _Look:
     def at_values(self, values: Array, states: Array) -> dict[str, Array]:
         """Columns of the cases of some values, each with its own start."""
         model, n = self.robots.robots(values), len(values)
-        found = settled_motions(
+        settled = settled_motions(
             model, states, self.at, self.settle, self.limit, self.rtol, groups=np.arange(n), points=max(self.points, POINTS)
         )
-        V = features_of(np.asarray(model.period, float), found, self.at).mean_velocity
-        ends, known = found.points[:, -1], np.flatnonzero(np.isfinite(found.points[:, -1]).all(axis=1))
+        V = features_of(np.asarray(model.period, float), settled, self.at).mean_velocity
+        ends, known = settled.points[:, -1], np.flatnonzero(np.isfinite(settled.points[:, -1]).all(axis=1))
         extremes = np.full((2, n), np.nan)
         if len(known):
             last = strobe_map(some_of(model, known), ends[known], 1, self.rtol)
             extremes[:, known] = last.v_max, last.v_min
         return {
-            "points": found.points[:, -self.points :], "displacement": found.ways[:, -self.points :], "mean_velocity": V,
-            "motion": found.kind, "period": found.period, "exponent": found.exponent, "error": found.error, "run": found.run,
+            "points": settled.points[:, -self.points :], "displacement": settled.ways[:, -self.points :], "mean_velocity": V,
+            "motion": settled.kind, "period": settled.period, "exponent": settled.exponent, "error": settled.error, "run": settled.run,
             "v_max": extremes[0], "v_min": extremes[1],
         }  # fmt: skip
 
@@ -167,7 +167,7 @@ def checked_values(problems: Problems, values: Array, robots: Family) -> Array:
     return array
 
 
-def _hysteresis(found: dict[str, Array], how: _Look, values: Array, first: Array, progress: Report | None) -> None:
+def _hysteresis(diagram: dict[str, Array], how: _Look, values: Array, first: Array, progress: Report | None) -> None:
     """Upwards and downwards side by side, each value from the end of the one before, into the columns."""
     n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     for k in range(n):
@@ -176,24 +176,24 @@ def _hysteresis(found: dict[str, Array], how: _Look, values: Array, first: Array
         last = columns["points"][:, -1]
         states = np.where(np.isfinite(last), last, first[[k, n - 1 - k]])
         for name, column in columns.items():
-            found[name][0, k], found[name][1, n - 1 - k] = column
+            diagram[name][0, k], diagram[name][1, n - 1 - k] = column
         watch.finished(k, np.zeros(1, int))
 
 
-def _dataset(how: _Look, parameter: str, values: Array, found: dict[str, Array], directions: tuple[str, ...]) -> Any:
+def _dataset(how: _Look, parameter: str, values: Array, diagram: dict[str, Array], directions: tuple[str, ...]) -> Any:
     import xarray as xr
 
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
     at, flow = how.at, is_flow(how.robots.robot(values[0]))
-    columns: dict[str, Any] = {n: (whole, found["points"][..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
+    columns: dict[str, Any] = {n: (whole, diagram["points"][..., i], state_attrs(n, "on the strobe", flow)) for i, n in enumerate(at.names)}
     if not flow:  # which makes no way
-        columns["displacement"] = (whole, found["displacement"], {"units": "m", "long_name": "displacement in a drive period"})
-        columns["mean_velocity"] = (flat, found["mean_velocity"], {"units": "m/s", "long_name": "mean velocity"})
-    columns["period"] = (flat, found["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
-    columns |= {name: (flat, found[name], told) for name, told in OF_MOTIONS.items()}
+        columns["displacement"] = (whole, diagram["displacement"], {"units": "m", "long_name": "displacement in a drive period"})
+        columns["mean_velocity"] = (flat, diagram["mean_velocity"], {"units": "m/s", "long_name": "mean velocity"})
+    columns["period"] = (flat, diagram["period"], {"units": "1", "long_name": "drive periods until it repeats (0: none, -1: not computed)"})
+    columns |= {name: (flat, diagram[name], attributes) for name, attributes in OF_MOTIONS.items()}
     if at.mechanics is None and not flow:
-        columns["v_max"] = (flat, found["v_max"], {"units": "m/s", "long_name": "largest velocity"})
-        columns["v_min"] = (flat, found["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
+        columns["v_max"] = (flat, diagram["v_max"], {"units": "m/s", "long_name": "largest velocity"})
+        columns["v_min"] = (flat, diagram["v_min"], {"units": "m/s", "long_name": "smallest velocity"})
     coords = {parameter: (parameter, values, how.robots.describe(parameter)), "direction": list(directions)}
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": how.settle, "limit": how.limit})
 

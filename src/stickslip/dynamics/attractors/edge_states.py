@@ -16,7 +16,7 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import Reported, reporting
 from stickslip.basics.quantities import between
-from stickslip.dynamics.attractors.basin_sides import Judge, judge_between, named_motion, narrowed
+from stickslip.dynamics.attractors.basin_sides import SideJudge, judge_between, named_motion, narrowed
 from stickslip.dynamics.attractors.basins import Attractor
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
@@ -120,11 +120,11 @@ class EdgeState(Drawn):
 
     def _facts(self) -> dict[str, Any]:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        told = {"edge state": f"{self.kind}: {_KINDS[self.kind]}", "strobe state": f"{state} (± {self.accuracy:.1e} of the scales)"}
+        facts = {"edge state": f"{self.kind}: {_KINDS[self.kind]}", "strobe state": f"{state} (± {self.accuracy:.1e} of the scales)"}
         if self.orbit is not None:
-            told |= {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
-            told |= {"multipliers": ", ".join(f"{m:.6g}" for m in self.multipliers)}
-        return {**told, "on one side": self.sides[0], "on the other side": self.sides[1]}
+            facts |= {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
+            facts |= {"multipliers": ", ".join(f"{m:.6g}" for m in self.multipliers)}
+        return {**facts, "on one side": self.sides[0], "on the other side": self.sides[1]}
 
     def __repr__(self) -> str:
         return "<EdgeState: " + "; ".join(f"{name}: {value}" for name, value in self._facts().items()) + ">"
@@ -201,24 +201,24 @@ def edge_state(
     ends = np.vstack([states_of(start.state if isinstance(start, Attractor) else start, model)[:1] for start in (first, second)])
     judge = judge_between(model, at, int(settle), rtol, ends)
     report = reporting(progress, "edge_state")
-    found = _tracked(judge, narrowed(judge, ends), int(periods), report)
-    report(found.kind, int(periods), int(periods))
-    return found
+    state = _tracked(judge, narrowed(judge, ends), int(periods), report)
+    report(state.kind, int(periods), int(periods))
+    return state
 
 
-def _tracked(judge: Judge, pair: Array, periods: int, report: Reported) -> EdgeState:
+def _tracked(judge: SideJudge, pair: Array, periods: int, report: Reported) -> EdgeState:
     """Follow the border from a pair that straddles it, until it comes back, jumps, or the periods are over."""
     track, tried = [pair.mean(axis=0)], dict.fromkeys(range(1, LONGEST + 1), np.inf)
     with partial_result() as ending:
-        found = _on_the_border(judge, pair, track, tried, periods, report)
+        state = _on_the_border(judge, pair, track, tried, periods, report)
     if not ending.interrupted:
-        return found
+        return state
     ending.needs(len(track) > 1)
     note = ending.note(f"the border was followed for {len(track) - 1} of {periods} periods")
     return _of_track(judge, "not periodic", track, float("nan"), note)
 
 
-def _on_the_border(judge: Judge, pair: Array, track: list[Array], tried: dict[int, float], periods: int, report: Reported) -> EdgeState:
+def _on_the_border(judge: SideJudge, pair: Array, track: list[Array], tried: dict[int, float], periods: int, report: Reported) -> EdgeState:
     """The edge state to which a track leads, which grows period by period."""
     for done in range(periods):
         report("periods along the border", done, periods)
@@ -232,13 +232,13 @@ def _on_the_border(judge: Judge, pair: Array, track: list[Array], tried: dict[in
         period, back = _nearest_return(judge.at, track)
         if back < min(_BACK, 0.5 * tried[period]):
             tried[period] = back
-            found = _as_orbit(judge, track, period)
-            if found is not None:
-                return found
+            orbit = _as_orbit(judge, track, period)
+            if orbit is not None:
+                return orbit
     return _without_period(judge, track, pair)
 
 
-def _ahead(judge: Judge, pair: Array) -> tuple[Array, Array]:
+def _ahead(judge: SideJudge, pair: Array) -> tuple[Array, Array]:
     """A pair and where it is one period later; it is brought nearer first where it comes far apart."""
     ahead = strobe_map(judge.model, pair, 1, judge.rtol, judge.at).state
     if judge.at.distance(*ahead) <= _JUMP:
@@ -256,7 +256,7 @@ def _nearest_return(at: Coordinates, track: list[Array]) -> tuple[int, float]:
     return next((p, miss) for p, miss in enumerate(misses, 1) if miss <= 4 * best)
 
 
-def _as_orbit(judge: Judge, track: list[Array], period: int) -> EdgeState | None:
+def _as_orbit(judge: SideJudge, track: list[Array], period: int) -> EdgeState | None:
     """The periodic orbit that a track approaches, if there is one whose sides lead to different motions.
 
     One with more unstable directions than one does not attract what lies on the border: the track only passes it.
@@ -274,11 +274,11 @@ def _as_orbit(judge: Judge, track: list[Array], period: int) -> EdgeState | None
     if len(sides) < 2 or sides[0] != 0:
         return None
     kind = "saddle" if len(orbit.multipliers) > 1 else "repeller"
-    told, notes = _sides_told(judge, sides[:2]), _remarks(ways)
-    return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, told, judge.ends, np.array(track), notes)
+    sentences, notes = _sides_told(judge, sides[:2]), _remarks(ways)
+    return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, sentences, judge.ends, np.array(track), notes)
 
 
-def _sides_of(judge: Judge, orbit: PeriodicOrbit) -> Array:
+def _sides_of(judge: SideJudge, orbit: PeriodicOrbit) -> Array:
     """The motions to which starts beside an orbit lead, along its most unstable direction: array (2 sides, distances)."""
     values, vectors = np.linalg.eig(orbit.monodromy)
     d, scales = judge.at.smooth, judge.at.scales[: judge.at.smooth]
@@ -300,7 +300,7 @@ def _remarks(ways: Array) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _sides_told(judge: Judge, sides: list[int]) -> tuple[str, str]:
+def _sides_told(judge: SideJudge, sides: list[int]) -> tuple[str, str]:
     names = [f"the {order} motion, {named_motion(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
     return names[sides[0]], names[sides[1]]
@@ -315,21 +315,21 @@ def _accuracy(at: Coordinates, orbit: PeriodicOrbit) -> float:
     return float(np.max(abs(inverse).sum(axis=1)) * 3 * max(float(orbit.residual), orbit.rtol * 1e-2, rounding))
 
 
-def _jump(judge: Judge, track: list[Array], apart: float, after: float) -> EdgeState:
-    told = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
-    note = f"{told}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
+def _jump(judge: SideJudge, track: list[Array], apart: float, after: float) -> EdgeState:
+    stretch = f"two states {apart:.1e} of the scales apart are {after:.1e} apart after one drive period"
+    note = f"{stretch}: the strobe map jumps at the border, or stretches as much; the border is not made of motions that stay on it"
     return _of_track(judge, "jump", track, apart, note)
 
 
-def _without_period(judge: Judge, track: list[Array], pair: Array) -> EdgeState:
+def _without_period(judge: SideJudge, track: list[Array], pair: Array) -> EdgeState:
     pair = narrowed(judge, pair)
     track = [*track[:-1], pair.mean(axis=0)]
     period, back = _nearest_return(judge.at, track)
-    told = f"nearest: {back:.1e} of the scales after {period}"
-    note = f"the edge track does not repeat within {LONGEST} periods ({told}); its points stay on the border"
+    nearest = f"nearest: {back:.1e} of the scales after {period}"
+    note = f"the edge track does not repeat within {LONGEST} periods ({nearest}); its points stay on the border"
     return _of_track(judge, "not periodic", track, float(judge.at.distance(*pair)), note)
 
 
-def _of_track(judge: Judge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
+def _of_track(judge: SideJudge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
     """The edge state of a track that is not a periodic orbit."""
     return EdgeState(judge.model, kind, track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))

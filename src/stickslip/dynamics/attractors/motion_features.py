@@ -82,16 +82,16 @@ def _covered(points: Array, among: Array) -> float:
     return float(np.mean(tree.query(points)[0] <= usual))
 
 
-def features_of(T: Any, found: Settled, at: Coordinates, by_phase: bool = False) -> Features:
+def features_of(T: Any, settled: Settled, at: Coordinates, by_phase: bool = False) -> Features:
     """Features of motions in drive periods T [s].
 
     With `by_phase` the strobe is at another phase for each start, and only the mean velocity counts.
     """
-    V = np.array(steady_velocity(found.ways, found.period, T))
-    means = _means(found.points, found.period, V, at, by_phase)
+    V = np.array(steady_velocity(settled.ways, settled.period, T))
+    means = _means(settled.points, settled.period, V, at, by_phase)
     spread, clouds, span = np.zeros_like(means), dict[int, Array](), np.broadcast_to(np.asarray(T, float), V.shape)
-    for i, long in found.long.items():
-        if found.kind[i] == PERIODIC and 0 < found.period[i] <= POINTS // 2:
+    for i, long in settled.long.items():
+        if settled.kind[i] == PERIODIC and 0 < settled.period[i] <= POINTS // 2:
             continue
         V[i] = float(smooth_weights(len(long)) @ long[:, -1]) / span[i]
         points = _without_shifts(long[None, :, :-1], at)[0] / at.scales
@@ -103,9 +103,9 @@ def features_of(T: Any, found: Settled, at: Coordinates, by_phase: bool = False)
         width = _ERRORS * halves + _SMOOTH * widths
         means[i] = row
         spread[i] = width[:n] if by_phase else np.concatenate([width[: n - 1], width[n : 2 * n - 1], width[n - 1 : n]])
-        if found.kind[i] == CHAOTIC:
+        if settled.kind[i] == CHAOTIC:
             clouds[i] = speeds if by_phase else points
-    return Features(found.kind, found.period, V, means, spread, clouds)
+    return Features(settled.kind, settled.period, V, means, spread, clouds)
 
 
 def numbered(motions: Features, good: Array) -> Array:
@@ -138,10 +138,10 @@ def _without_shifts(points: Array, at: Coordinates) -> Array:
     """
     if at.mechanics is None or at.mechanics.coordinates < 2 or at.inner_states:
         return points
-    order, found = at.order, points.copy()
+    order, shifted = at.order, points.copy()
     still = np.all(points[..., order.velocities] == 0.0, axis=1)  # (cases, coordinates)
     first = np.argmax(still, axis=1)
     for body, j in zip(order.kept, range(order.places.start, order.places.stop), strict=True):
         chance = still[:, body] & (first != body if order.cyclic else True)
-        found[chance, :, j] = 0.0
-    return found
+        shifted[chance, :, j] = 0.0
+    return shifted

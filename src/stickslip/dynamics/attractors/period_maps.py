@@ -107,8 +107,8 @@ def chaos_map(
         return _looked_at(robots, [column[part] for column in grid], start, settle, most, periods, rtol, tell)
 
     with partial_result() as ending:
-        for part, found in shared(grid[0].size, looked_at, workers, progress):
-            for column, values in zip(whole, found, strict=True):
+        for part, results in shared(grid[0].size, looked_at, workers, progress):
+            for column, values in zip(whole, results, strict=True):
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
     columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
@@ -146,20 +146,20 @@ def _looked_at(
     cases = len(values[0])
     model = spread_over(robots.robots(*values), cases)
     at = coordinates(robots.robot(*(column[0] for column in values)))
-    found = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
+    settled = settled_motions(model, states_of(start, model), at, settle, limit, rtol, groups=np.arange(cases), exponents=periods)
     tell(0.7)
-    V = features_of(np.asarray(model.period, float), found, at).mean_velocity
-    state, exponent, error = found.points[:, -1], found.exponent.copy(), found.error.copy()
+    V = features_of(np.asarray(model.period, float), settled, at).mean_velocity
+    state, exponent, error = settled.points[:, -1], settled.exponent.copy(), settled.error.copy()
     followed = not not_followed(model)
-    for p in np.unique(found.period[found.period > 0]):
-        members = np.flatnonzero(found.period == p)
+    for p in np.unique(settled.period[settled.period > 0]):
+        members = np.flatnonzero(settled.period == p)
         some = some_of(model, members)
         if followed:
             exponent[members], error[members] = _by_multipliers(some, state[members], int(p), at.scales, rtol)
         else:
             apart = max(1e-7, 100 * rtol)
             exponent[members], error[members] = exponents_from(some, state[members], periods, rtol=rtol, apart=apart)
-    return found.period, V, found.kind, exponent, error, found.run
+    return settled.period, V, settled.kind, exponent, error, settled.run
 
 
 def _by_multipliers(model: Model, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
@@ -176,6 +176,6 @@ def _by_multipliers(model: Model, state: Array, period: int, scales: Array, rtol
 def _largest(matrices: Array) -> Array:
     """The absolute value of the largest eigenvalue of each; NaN where a matrix has no numbers."""
     known = np.isfinite(matrices).all(axis=(1, 2))
-    found = np.full(len(matrices), np.nan)
-    found[known] = abs(np.linalg.eigvals(matrices[known])).max(axis=1)
-    return found
+    largest = np.full(len(matrices), np.nan)
+    largest[known] = abs(np.linalg.eigvals(matrices[known])).max(axis=1)
+    return largest

@@ -187,8 +187,8 @@ def settled_motions(
         return run.seen
 
     with partial_result() if partly else nullcontext(Ending()) as ending:
-        for part, found in shared(cases, work, workers, progress):
-            whole.put(part, found)
+        for part, watched in shared(cases, work, workers, progress):
+            whole.put(part, watched)
     left = np.flatnonzero(whole.kind == UNSETTLED)
     for group in np.unique(groups[left]):
         own = np.flatnonzero(groups == group)
@@ -208,11 +208,11 @@ class _Watched:
         self.grows = np.zeros(cases, bool)  # far away, and ever farther
         self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
 
-    def put(self, part: slice, found: _Watched) -> None:
+    def put(self, part: slice, watched: _Watched) -> None:
         """Note what is known of a part."""
         for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "half", "end"):
-            getattr(self, name)[part] = getattr(found, name)
-        self.long |= {part.start + i: long for i, long in found.long.items()}
+            getattr(self, name)[part] = getattr(watched, name)
+        self.long |= {part.start + i: long for i, long in watched.long.items()}
 
     def settled(self, ending: Ending) -> Settled:
         """The result."""
@@ -246,17 +246,17 @@ class _Run:
             tell(0.2 + 0.4 * total / limit)
         self.seen.end[self.left] = ~self._closing_in(self.left)
 
-    def _take(self, rows: Array, found: tuple[Any, ...], total: int) -> None:
+    def _take(self, rows: Array, result: tuple[Any, ...], total: int) -> None:
         """Note what a look shows: what repeats is settled, what is not solved has ended, and the rest is left."""
-        seen = self.seen
-        seen.points[rows], seen.ways[rows], good = found
-        fine = good & np.isfinite(seen.points[rows]).all(axis=(1, 2))
-        period = np.where(fine, periods_of(seen.points[rows], self.at.scales, self.tolerance), 0)
-        seen.period[rows], seen.run[rows] = period, total
-        seen.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
+        watched = self.seen
+        watched.points[rows], watched.ways[rows], good = result
+        fine = good & np.isfinite(watched.points[rows]).all(axis=(1, 2))
+        period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
+        watched.period[rows], watched.run[rows] = period, total
+        watched.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
         self.left = rows[fine & (period == 0)]
         with np.errstate(invalid="ignore"):
-            self.sizes.append(np.max(abs(seen.points[:, -1]) / self.at.scales, axis=1))
+            self.sizes.append(np.max(abs(watched.points[:, -1]) / self.at.scales, axis=1))
 
     def _closing_in(self, rows: Array) -> Array:
         """Which starts come steadily nearer to a periodic motion, and so are not irregular."""
@@ -265,29 +265,29 @@ class _Run:
 
     def look_long(self, exponents: int) -> None:
         """Run what is left over a long stretch, and measure its exponents; find what ran away."""
-        seen, rows = self.seen, self.left
+        watched, rows = self.seen, self.left
         if len(rows):
-            model, begun, count = some_of(self.batch, rows), seen.points[rows, -1], max(STRETCH, seen.count)
+            model, begun, count = some_of(self.batch, rows), watched.points[rows, -1], max(STRETCH, watched.count)
             kept, ways = strobe_orbit(model, begun, count, self.rtol)
             states = np.moveaxis(kept, 0, 1)
-            seen.long = {int(i): np.column_stack([state, way]) for i, state, way in zip(rows, states, ways.T, strict=True)}
+            watched.long = {int(i): np.column_stack([state, way]) for i, state, way in zip(rows, states, ways.T, strict=True)}
             good = np.isfinite(states).all(axis=(1, 2))
-            self._take(rows, (states[:, -seen.count :], ways.T[:, -seen.count :], good), int(seen.run[rows].max()) + count)
+            self._take(rows, (states[:, -watched.count :], ways.T[:, -watched.count :], good), int(watched.run[rows].max()) + count)
             rows = self.left
         if len(rows):
-            start, apart = np.array([seen.long[int(i)][0, :-1] for i in rows]), max(1e-7, 100 * self.rtol)
+            start, apart = np.array([watched.long[int(i)][0, :-1] for i in rows]), max(1e-7, 100 * self.rtol)
             for periods in dict.fromkeys((exponents, max(exponents, STRETCH))):  # longer where the first is not sure
-                value, error = seen.exponent[rows], seen.error[rows]
+                value, error = watched.exponent[rows], watched.error[rows]
                 unsure = np.flatnonzero(~(abs(value) > _ERRORS * error))
                 if len(unsure):
                     own = some_of(self.batch, rows[unsure])
-                    found = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart)
-                    seen.exponent[rows[unsure]], seen.error[rows[unsure]] = found
+                    exponents_now = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart)
+                    watched.exponent[rows[unsure]], watched.error[rows[unsure]] = exponents_now
             sizes = np.array(self.sizes[-3:])[:, rows]
-            seen.grows[rows] = (sizes[-1] > _FAR) & np.all(sizes[1:] > 1.5 * sizes[:-1], axis=0)
-        lost = np.flatnonzero(seen.kind == UNSOLVED)
+            watched.grows[rows] = (sizes[-1] > _FAR) & np.all(sizes[1:] > 1.5 * sizes[:-1], axis=0)
+        lost = np.flatnonzero(watched.kind == UNSOLVED)
         if len(lost):
-            seen.kind[lost[self._run_away(lost)]] = RUNS_AWAY
+            watched.kind[lost[self._run_away(lost)]] = RUNS_AWAY
 
     def _run_away(self, rows: Array) -> Array:
         """Which runs that could not be solved had grown beyond all bounds before."""
@@ -305,16 +305,16 @@ class _Run:
         return np.asarray(most > np.minimum(_FAR, 1e2 * (1.0 + first.max(axis=1, initial=0.0))))  # squared, a number is soon infinite
 
 
-def _late_ends(seen: _Watched, own: Array) -> str:
+def _late_ends(watched: _Watched, own: Array) -> str:
     """A reason why motions of a group that look chaotic may be transients: others that ended late. Empty where none did."""
-    end, left = own[seen.end[own]], seen.kind[own] == UNSETTLED
-    last = np.count_nonzero(seen.kind[end] != UNSETTLED)
+    end, left = own[watched.end[own]], watched.kind[own] == UNSETTLED
+    last = np.count_nonzero(watched.kind[end] != UNSETTLED)
     if last:
         return f"{last} of {len(end)} such starts settled within the last {STRETCH} drive periods: chaos may be a transient"
-    half, here = np.count_nonzero(seen.half[own]), len(end)
+    half, here = np.count_nonzero(watched.half[own]), len(end)
     if half <= here or not here:
         return ""
-    span = max(int(seen.run[own[left]].max()) - STRETCH, 2) / 2
+    span = max(int(watched.run[own[left]].max()) - STRETCH, 2) / 2
     rate = (half - here) / (0.5 * (half + here) * span)
     if rate * here * STRETCH >= _EXPECTED:
         return ""
@@ -324,8 +324,8 @@ def _late_ends(seen: _Watched, own: Array) -> str:
 class _Group:
     """Starts of one model without a period within the limit, and what they are."""
 
-    def __init__(self, batch: Any, seen: _Watched, rtol: float, rows: Array, late: str):
-        self.of, self.rtol, self.rows, self.late = seen, rtol, rows, late
+    def __init__(self, batch: Any, watched: _Watched, rtol: float, rows: Array, late: str):
+        self.of, self.rtol, self.rows, self.late = watched, rtol, rows, late
         self.model = cases_of(some_of(batch, rows[:1]))[0]
         self.orbits: list[tuple[Array, float, Array]] = []
         self.tries = 0
@@ -384,11 +384,11 @@ class _Group:
                     state = np.asarray(orbit.strobe_state, float)[None, :]
                     points = np.vstack([state, strobe_orbit(self.model, state, p, self.rtol)[0][:-1, 0]]) if p > 1 else state
                     largest = float(np.max(abs(orbit.multipliers), initial=0.0)) ** (1.0 / p)
-                    found = (points, largest, np.asarray(orbit.monodromy, float))
+                    orbit_found = (points, largest, np.asarray(orbit.monodromy, float))
                     if any(np.min(of.at.distance(points[0], other[0])) < 1e-6 for other in self.orbits):
                         continue
-                    if _approaches(of.at, long, *found):
-                        return found
+                    if _approaches(of.at, long, *orbit_found):
+                        return orbit_found
         return None
 
     def _take(self, i: int, orbit: tuple[Array, float, Array]) -> bool:
@@ -417,14 +417,14 @@ def _before_end(flow: SwitchingFlow, states: Array) -> Array:
     from stickslip.solvers.flow_engine import ends
 
     low, high = np.zeros(len(states)), np.ones(len(states))
-    T, found = np.asarray(flow.period, float), states.copy()
+    T, last = np.asarray(flow.period, float), states.copy()
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         y, _, status = ends(flow, states[:, :-1], np.round(states[:, -1]), middle * T)
         fine = (status <= Status.REPEATS) & np.isfinite(y).all(axis=1)
-        found[fine, :-1] = y[fine]
+        last[fine, :-1] = y[fine]
         low, high = np.where(fine, middle, low), np.where(fine, high, middle)
-    return found
+    return last
 
 
 def _approaches(at: Coordinates, long: Array, points: Array, multiplier: float, derivative: Array) -> bool:

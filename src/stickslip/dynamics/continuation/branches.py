@@ -18,13 +18,13 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import Reported, reporting
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
-from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE
-from stickslip.dynamics.continuation.followed_branches import Followed, followed
+from stickslip.dynamics.continuation.following.other_branches import across, chosen, doubled, range_of
+from stickslip.dynamics.continuation.following.path_kinds import path_of
+from stickslip.dynamics.continuation.following.steps import SIDE_BY_SIDE
+from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, followed
 from stickslip.dynamics.continuation.one_parameter import Family, family
-from stickslip.dynamics.continuation.other_branches import across, chosen, doubled, range_of
-from stickslip.dynamics.continuation.own_events import Event, checked_events
-from stickslip.dynamics.continuation.path_kinds import path_of
-from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.continuation.special_points.accuracy import Special
+from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.models.machine_adapter import machine_of
@@ -102,8 +102,8 @@ class Branch(Drawn):
         columns["largest_multiplier"] = ("point", abs(multipliers).max(axis=1), _multiplier("largest size of a multiplier"))
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, _multiplier("real part of a multiplier"))
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, _multiplier("imaginary part of a multiplier"))
-        told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
-        attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
+        special = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
+        attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(special)}
         return xr.Dataset(columns, coords, attrs)
 
     @explains_arguments
@@ -180,10 +180,10 @@ class Branch(Drawn):
         return [[("special point", self.parameter), *((s.kind, s.rounded) for s in self.special)]] if self.special else []
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{s.kind} at {s.rounded}" for s in self.special) or "no special point"
+        special = "; ".join(f"{s.kind} at {s.rounded}" for s in self.special) or "no special point"
         return (
             f"<Branch: period {self.period}, {len(self.orbits)} points, "
-            f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {told}; {self.ended}>"
+            f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {special}; {self.ended}>"
         )
 
 
@@ -275,13 +275,13 @@ def continuation(
     report = reporting(progress, "continuation")
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
     path = path_of(robots, first, float(start), abs(float(stop) - float(start)), first.period)
-    found = path.at_value(path.scaled(first, start), start, path.remembered(first))
-    if not found.good:
+    root = path.at_value(path.scaled(first, start), start, path.remembered(first))
+    if not root.good:
         raise SolveError(
-            f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {found.why}; try another start"
+            f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {root.why}; try another start"
         )
-    towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
-    begun = path.point(found, towards)
+    towards = np.eye(len(root.at))[-1] * np.sign(stop - start)
+    begun = path.point(root, towards)
     if not begun.alone:
         raise SolveError(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
@@ -295,9 +295,9 @@ def _multiplier(meaning: str) -> dict[str, str]:
     return {"units": "1", "long_name": meaning}
 
 
-def _branch(family: Family, period: int, found: Followed, events: Mapping[str, Event]) -> Branch:
-    orbits, values = tuple(p.orbit for p in found.points), np.array([p.value for p in found.points])
-    return Branch(family, period, orbits, values, found.special, found.ended, events)
+def _branch(family: Family, period: int, followed: BranchTrace, events: Mapping[str, Event]) -> Branch:
+    orbits, values = tuple(p.orbit for p in followed.points), np.array([p.value for p in followed.points])
+    return Branch(family, period, orbits, values, followed.special, followed.ended, events)
 
 
 def _check(robots: Family, start: Any, stop: Any, step: Any, points: Any) -> tuple[float, float]:

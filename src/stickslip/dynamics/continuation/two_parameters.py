@@ -14,15 +14,15 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import Reported, reporting
-from stickslip.dynamics.continuation.branch_point_curves import crossing_problem
 from stickslip.dynamics.continuation.branches import Branch
-from stickslip.dynamics.continuation.curve_following import followed_curve, settled
-from stickslip.dynamics.continuation.curve_problems import CurveProblem
-from stickslip.dynamics.continuation.curves_of_a_number import event_problem, touch_problem
-from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, multiplier_problem
+from stickslip.dynamics.continuation.curves.branch_points import crossing_problem
+from stickslip.dynamics.continuation.curves.following import followed_curve, settled
+from stickslip.dynamics.continuation.curves.multipliers import CONDITIONS, multiplier_problem
+from stickslip.dynamics.continuation.curves.of_a_number import event_problem, touch_problem
+from stickslip.dynamics.continuation.curves.problems import CurveProblem
+from stickslip.dynamics.continuation.curves.type_borders import type_border_problem
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.point_accuracy import Meeting, Special
-from stickslip.dynamics.continuation.type_border_curves import type_border_problem
+from stickslip.dynamics.continuation.special_points.accuracy import Meeting, Special
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
@@ -95,8 +95,8 @@ class Curve(Drawn):
         return {"kind": self.kind, "from": ends[0], "to": ends[1], "points": len(self.values), "ended": self.ended}
 
     def __repr__(self) -> str:
-        told = "".join(f"; {m.kind} at {m.rounded}" for m in self.special)
-        return f"<Curve: {self.kind} in ({', '.join(self.parameters)}), {len(self.values)} points{told}; {self.ended}>"
+        special = "".join(f"; {m.kind} at {m.rounded}" for m in self.special)
+        return f"<Curve: {self.kind} in ({', '.join(self.parameters)}), {len(self.values)} points{special}; {self.ended}>"
 
 
 @explains_arguments
@@ -189,24 +189,24 @@ def special_curve(
         _check_border(special)
         problem, u = touch_problem(both, branch, special, origin, span)
     report = reporting(progress, "special_curve")
-    found = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points, report)
-    report(found.ended, len(found.points), len(found.points))
-    orbits, missing = _orbits(problem, [f.at for f in found.points])
-    placed = [settled(problem, f) for f in found.points[: len(orbits)]]
+    followed = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points, report)
+    report(followed.ended, len(followed.points), len(followed.points))
+    orbits, missing = _orbits(problem, [f.at for f in followed.points])
+    placed = [settled(problem, f) for f in followed.points[: len(orbits)]]
     values, accuracy = (np.array(column) for column in zip(*placed, strict=True))
-    return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, found.special, found.ended + missing)
+    return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, followed.special, followed.ended + missing)
 
 
-def _orbits(problem: CurveProblem, found: list[Array]) -> tuple[tuple[Any, ...], str]:
+def _orbits(problem: CurveProblem, states: list[Array]) -> tuple[tuple[Any, ...], str]:
     """The motions along a curve, up to the first that Newton's method does not find again: at the edge of what is admissible."""
     orbits: list[Any] = []
-    for u in found:
+    for u in states:
         try:
             orbits.append(problem.orbit(u))
         except (SolveError, InputError):
             if not orbits:
                 raise
-            return tuple(orbits), f"; the motions of its last {len(found) - len(orbits)} points were not found again, and are left out"
+            return tuple(orbits), f"; the motions of its last {len(states) - len(orbits)} points were not found again, and are left out"
     return tuple(orbits), ""
 
 

@@ -18,7 +18,7 @@ from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, star
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.periodic.steady_motions import Closed, Closing
+from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.models.drives.within import drives_within
@@ -250,7 +250,7 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
     return float(closed.mean_velocity[0]), closed.slopes[0], closed.changes[0], notes_of(closed)
 
 
-def notes_of(closed: Closed) -> tuple[str, ...]:
+def notes_of(closed: ClosedMotions) -> tuple[str, ...]:
     """Notes on the derivatives of a motion."""
     if not np.isfinite(closed.monodromy).all():
         return ("a switch is touched without being crossed: there are no derivatives",)

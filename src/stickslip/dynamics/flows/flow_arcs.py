@@ -23,7 +23,7 @@ _ROUNDING = 64 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class Guard:
+class FlowGuard:
     """The guard of a switch, with its name for messages."""
 
     name: str
@@ -69,9 +69,9 @@ class Arc:
     high: Array
 
 
-def guards_of(flow: SwitchingFlow, mode: Any) -> list[Guard]:
+def guards_of(flow: SwitchingFlow, mode: Any) -> list[FlowGuard]:
     """The guards of a mode in order."""
-    return [Guard(f"switches[{mode!r}][{k}].guard", s.guard) for k, s in enumerate(flow.switches.get(mode, ()))]
+    return [FlowGuard(f"switches[{mode!r}][{k}].guard", s.guard) for k, s in enumerate(flow.switches.get(mode, ()))]
 
 
 def sizes(y: Array) -> Array:
@@ -122,7 +122,7 @@ def _rates(f: Callable[..., Any], name: str, n: int) -> Callable[[float, Array],
     return rates
 
 
-def _first(watched: list[Guard], solver: Any, n: int) -> tuple[int, float] | None:
+def _first(watched: list[FlowGuard], solver: Any, n: int) -> tuple[int, float] | None:
     """Which guard falls first within the last step, and when; of several at one instant the first in order."""
     if not watched:
         return None
@@ -152,7 +152,7 @@ def _again(rates: Any, t: float, u: Array, stop: float, rtol: float, scale: Arra
     return stop, done.y[:, -1]
 
 
-def _onto(guard: Guard, rates: Callable[[float, Array], Array], t: float, u: Array, n: int) -> tuple[float, Array]:
+def _onto(guard: FlowGuard, rates: Callable[[float, Array], Array], t: float, u: Array, n: int) -> tuple[float, Array]:
     """The last digits of a switch: Newton steps in time, each a Runge-Kutta step, while they bring the guard nearer to zero."""
     for _ in range(4):
         g, speed = guard(t, u[:n]), guard.speed(t, u[:n], rates(t, u)[:n])

@@ -22,7 +22,7 @@ SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went to
 
 
 @sealed
-class Found:
+class Root:
     """Where Newton's method ended."""
 
     at: Array
@@ -50,7 +50,7 @@ def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array
 def newton(
     residuals: Residuals, guess: Array, tolerance: float = 1e-12, most: int = 25, floor: float = 1e-9, reach: float = np.inf,
     slopes: Slopes | None = None,
-) -> Found:  # fmt: skip
+) -> Root:  # fmt: skip
     """A root of F(u) = 0.
 
     Parameters
@@ -84,8 +84,8 @@ def newton(
     F, J = at(u)
     size, needed = _size(F), 0
 
-    def ended(good: bool, why: str) -> Found:
-        return Found(u, size, k, J, good, why, needed=needed)
+    def ended(good: bool, why: str) -> Root:
+        return Root(u, size, k, J, good, why, needed=needed)
 
     for k in range(most + 1):
         needed += size > floor
@@ -117,7 +117,7 @@ def newton(
 def newton_within(
     problem: Callable[[Array], Residuals], after: Callable[[Array, Array], Array], guess: Array, memory: Array,
     slopes: Callable[[Array], Slopes] | None = None, **options: Any,
-) -> Found:  # fmt: skip
+) -> Root:  # fmt: skip
     """A root for which whole numbers come back too: Newton's method with them held, and again with what they became.
 
     Parameters

@@ -21,7 +21,7 @@ from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, mul
 from stickslip.dynamics.periodic.drifting import drift
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
-from stickslip.dynamics.periodic.newton import STEP, Found, newton_within
+from stickslip.dynamics.periodic.newton import STEP, Root, newton_within
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     Coordinates,
@@ -262,7 +262,7 @@ def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
     )
 
 
-def _failure(model: Model, period: int, tried: list[Found], guess: Any) -> str:
+def _failure(model: Model, period: int, tried: list[Root], guess: Any) -> str:
     repeated = sum(f.good for f in tried)
     if repeated:
         return (
@@ -279,7 +279,7 @@ def _failure(model: Model, period: int, tried: list[Found], guess: Any) -> str:
     return f"Newton's method found no motion of period {period}: {how}; {hint}"
 
 
-def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: float) -> Found:
+def _solve(model: Model, period: int, state: Array, rtol: float, tolerance: float) -> Root:
     at = coordinates(model)
     d, scales = at.smooth, at.scales[: at.smooth]
 

@@ -28,7 +28,7 @@ _MOST = 12  # steps of Newton's method from a run that has settled
 
 
 @sealed
-class Settled:
+class SteadyMotions:
     """The motions in which runs from rest have ended: strobe state, number of drive periods (0: it does not repeat), mean velocity.
 
     `stepped` says that the runs were made of steps, not of closed arcs.
@@ -41,7 +41,7 @@ class Settled:
     stepped: bool = True
 
 
-def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
+def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> SteadyMotions:
     """The motions in which machines end that start from rest, each run until it repeats.
 
     Parameters
@@ -72,15 +72,15 @@ def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, r
         from stickslip.solvers.set_valued import solve_batch
 
         raw = solve_batch(model, periods, "auto")
-        return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
+        return SteadyMotions(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
     start = np.broadcast_to(at_rest(model, at), (cases, len(at.names)))
     results, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Settled(end, results.period, results.displacement / (results.window * T) + table.carried, results.status)
+        return SteadyMotions(end, results.period, results.displacement / (results.window * T) + table.carried, results.status)
 
 
 @sealed
-class Closed:
+class ClosedMotions:
     """Motions that begin in some states, and their derivatives along directions in the numbers while they stay periodic.
 
     Parameters
@@ -157,7 +157,7 @@ class Closing:
         made = tangent_of_means if means else tangent
         self.follower = Follower(each, motions * (d + count), numbers, rtol, made=made, at=at, observe=observe, integrals=means)
 
-    def at_state(self, state: Array, period: int, directions: bool = True, loose: float = 1.0) -> Closed:
+    def at_state(self, state: Array, period: int, directions: bool = True, loose: float = 1.0) -> ClosedMotions:
         """The motions that begin in some states (motions, coordinates), over so many drive periods.
 
         Without the directions, and to a tolerance so many times as loose, it is said only where they begin, and what is nearer.
@@ -182,13 +182,13 @@ class Closing:
         nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
         if self.at.mechanics is not None and self.follower.is_exact:
             nearer = np.array([as_it_ends(self.at, new, last) for new, last in zip(nearer, end, strict=True)])
-        return Closed(
+        return ClosedMotions(
             state, _sizes(missed), nearer, V, (way - V[:, None] * dT[:, d:]) / T[:, d:],
             start.transpose(0, 2, 1) * self.scales, M, free,
             means, (d_sums - means[:, None] * dT[:, d:, None]) / T[:, d:, None], T[:, 0], dT[:, d:],
         )  # fmt: skip
 
-    def near(self, state: Array, period: int) -> Closed:
+    def near(self, state: Array, period: int) -> ClosedMotions:
         """The motions that are closed, by Newton's method from states near them; one that is not found misses itself."""
         exact = self.follower.is_exact
         best = self.at_state(state, period) if exact else self.at_state(self.at_state(state, period, False, _LOOSE).nearer, period)
@@ -209,7 +209,7 @@ class Closing:
         """How far from itself a motion may be, in the scales, that is to be closed: what is said of it is of second order in that."""
         return _CLOSED if self.follower.is_exact else _CLOSED_WITHIN_TOLERANCE
 
-    def is_good(self, closed: Closed) -> Array:
+    def is_good(self, closed: ClosedMotions) -> Array:
         """Of which motions the derivatives are to be trusted."""
         return closed.missed <= max(self.close, _FLOOR)
 
@@ -231,7 +231,7 @@ def _sizes(missed: Array) -> Array:
     return np.max(abs(missed), axis=1, initial=0.0)
 
 
-def _chosen(first: Array, one: Closed, other: Closed) -> Closed:
+def _chosen(first: Array, one: ClosedMotions, other: ClosedMotions) -> ClosedMotions:
     """Of each motion what was found first, or else."""
-    pairs = {name: (getattr(one, name), getattr(other, name)) for name in Closed.__dataclass_fields__}
+    pairs = {name: (getattr(one, name), getattr(other, name)) for name in ClosedMotions.__dataclass_fields__}
     return replace(one, **{n: np.where(first.reshape(-1, *[1] * (a.ndim - 1)), a, b) for n, (a, b) in pairs.items()})

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
 from stickslip.dynamics.derivatives.tangents import not_followed
-from stickslip.dynamics.periodic.steady_motions import Closing, Settled, settled
+from stickslip.dynamics.periodic.steady_motions import Closing, SteadyMotions, settled
 from stickslip.dynamics.stroboscopic.chunked_runs import parts_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.inverse.optimisation.exact_derivatives import Exact, exactly
@@ -115,7 +115,9 @@ def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[lis
     return list(together.values())
 
 
-def _slopes(machines: Any, at: Coordinates, asked: dict[str, Derived], first: Any, motions: Settled, which: Array) -> dict[str, Array]:
+def _slopes(
+    machines: Any, at: Coordinates, asked: dict[str, Derived], first: Any, motions: SteadyMotions, which: Array
+) -> dict[str, Array]:
     """Derivatives of one quantity of machines whose motions have one period."""
     moved = directions_of("derivative", first, [each.by for each in asked.values()])
     seeds, count, period = seeds_of(moved), len(moved), int(motions.period[which[0]])

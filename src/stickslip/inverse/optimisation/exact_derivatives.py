@@ -12,7 +12,7 @@ from stickslip.basics.batch import labels_of, numbers_by_name, some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import means_named
-from stickslip.dynamics.periodic.steady_motions import Closed
+from stickslip.dynamics.periodic.steady_motions import ClosedMotions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.models.machine_adapter import machine_of
@@ -20,7 +20,7 @@ from stickslip.models.observables import Observable
 
 #: What a user's observable is called among the means, and what the names of coordinates on the strobe begin with.
 OWN, STATE = "own", "state."
-Value = Callable[[Closed], tuple[Array, Array]]  # values (motions,) and derivatives (motions, directions)
+Value = Callable[[ClosedMotions], tuple[Array, Array]]  # values (motions,) and derivatives (motions, directions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def _mean(i: int) -> Value:
 def _integral(mean: Value) -> Value:
     """Over the motion period."""
 
-    def integral(motion: Closed) -> tuple[Array, Array]:
+    def integral(motion: ClosedMotions) -> tuple[Array, Array]:
         value, slopes = mean(motion)
         return value * motion.time, slopes * motion.time[:, None] + value[:, None] * motion.time_slopes
 
@@ -97,7 +97,7 @@ def _cost(power: Value, model: Any, seeds: dict[str, Array], count: int) -> Valu
     (slopes,) = number_slopes(each, along, _weight_of, cases * count)
     heavier = slopes.reshape(cases, count)
 
-    def cost(motion: Closed) -> tuple[Array, Array]:
+    def cost(motion: ClosedMotions) -> tuple[Array, Array]:
         (P, dP), V = power(motion), motion.mean_velocity
         with np.errstate(invalid="ignore", divide="ignore"):
             value = P / (weight * abs(V))

@@ -15,7 +15,7 @@ from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.derivatives.sensitivity import directions_of, notes_of, seeds_of
 from stickslip.dynamics.derivatives.tangents import has_corners_of, not_followed
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.periodic.steady_motions import Closed, Closing, settled
+from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing, settled
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, spread_over, strobe_map
 from stickslip.inverse.optimisation.exact_derivatives import OWN, STATE, Exact, exactly
 from stickslip.inverse.optimisation.extremes import Looked, extreme_of
@@ -132,7 +132,7 @@ def gradient(
     return _with_differences(found, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else found
 
 
-def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], motion: Closed) -> tuple[Any, Any]:
+def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], motion: ClosedMotions) -> tuple[Any, Any]:
     """The derivatives of an extreme; NaN where it is none, or they are not known."""
     extreme = None if of == MULTIPLIER else extreme_of(of, orbit.model)
     if extreme is None or not np.isfinite(motion.changes).all():
@@ -142,7 +142,7 @@ def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, A
 
 def steady_motion(
     model: Model, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
-) -> tuple[Closed, PeriodicOrbit, bool]:
+) -> tuple[ClosedMotions, PeriodicOrbit, bool]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved; whether it is made of steps."""
     found = settled(model, at, periods=PERIODS)
     period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
@@ -259,7 +259,7 @@ def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, .
     return Gradient(dict(zip(moved, map(float, best), strict=True)), named(of), value, notes)
 
 
-def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool) -> list[str]:
+def _one_sided(motion: ClosedMotions, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool) -> list[str]:
     """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes.
 
     One motion period to either side of each number, from where the derivatives say that the motion is there, is all that this takes.
@@ -292,7 +292,7 @@ def _beside_it(change: float, step: float, free: float) -> str:
 
 
 def _around(
-    motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool, sides: Array
+    motion: ClosedMotions, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool, sides: Array
 ) -> tuple[Array, Array]:
     """Modes and mean velocities below, at and above each number; or, of one that may be moved to one side only, at and twice beside it."""
     k, sizes, shares = len(moved), sizes_of(orbit.model, moved), _BESIDE * (np.array([-1.0, 0.0, 1.0]) + sides[:, None])

@@ -51,7 +51,7 @@ class Around:
     @property
     def rounded_flips(self) -> list[str]:
         """The flips, to their certain digits."""
-        from stickslip.dynamics.continuation.point_accuracy import certain
+        from stickslip.dynamics.continuation.special_points.accuracy import certain
 
         return [certain(value, accuracy) for value, accuracy in zip(self.flips, self.accuracies, strict=True)]
 

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.periodic.newton import Root
 
 _FLOOR = 1e-14  # of residuals: their own rounding
 
@@ -18,7 +18,7 @@ _FLOOR = 1e-14  # of residuals: their own rounding
 class CurvePoint(NamedTuple):
     """A point of a curve, its direction, what vanishes at special points of the curve, and a vector that keeps its side along the curve."""
 
-    found: Found
+    found: Root
     tangent: Array
     tests: dict[str, float]
     facing: Array | None = None
@@ -69,7 +69,7 @@ class CurveProblem:
     orbit: Callable[[Array], Any]
     tolerance: float
     watched: Callable[[Array], dict[Any, float]] = lambda u: {}
-    meeting: Callable[[Array, Any], Found] | None = None
+    meeting: Callable[[Array, Any], Root] | None = None
     again: Callable[[Array], Array] | None = None
     tests: Callable[..., tuple[dict[str, float], Array]] | None = None
     named: Callable[[Array, str], tuple[str, str] | None] | None = None
@@ -81,10 +81,10 @@ class CurveProblem:
         """The two parameters."""
         return self.origin + self.span * u[..., -2:]
 
-    def accuracy(self, found: Found) -> Array:
+    def accuracy(self, root: Root) -> Array:
         """By how much the two parameters of a point may be wrong."""
-        unsure = np.full(len(found.at), max(found.residual, _FLOOR))
+        unsure = np.full(len(root.at), max(root.residual, _FLOOR))
         if self.again is not None:
-            unsure[:-1] += self.known + abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
-        moved = abs(np.linalg.pinv(found.jacobian)) @ unsure
-        return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(found.at)))
+            unsure[:-1] += self.known + abs(self.again(root.at[None, :])[0] - self.residuals(root.at[None, :])[0])
+        moved = abs(np.linalg.pinv(root.jacobian)) @ unsure
+        return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(root.at)))

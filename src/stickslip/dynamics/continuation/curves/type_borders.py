@@ -9,11 +9,11 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import SolveError
 from stickslip.dynamics.continuation.branches import Branch
-from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.curves.problems import CurveProblem
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.point_accuracy import Special
+from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.periodic.arc_sequences import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
-from stickslip.dynamics.periodic.newton import Found, newton
+from stickslip.dynamics.periodic.newton import Root, newton
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
 
 
@@ -45,14 +45,14 @@ def type_border_problem(both: Family, branch: Branch, special: Special, origin: 
         return periodic_orbit(parts(u)[0], period)
 
     def watched(u: Array) -> dict[Any, float]:
-        found = {name: value for name, value in margins(parts(u)[0], sequence, u[:k]).items() if name != key and np.isfinite(value)}
-        return found | {_TURN: facing * turn(u)}
+        root = {name: value for name, value in margins(parts(u)[0], sequence, u[:k]).items() if name != key and np.isfinite(value)}
+        return root | {_TURN: facing * turn(u)}
 
-    def meeting(u: Array, other: Any) -> Found:
-        found = newton(lambda U: np.array([one(v, True) for v in U]), u, 1e-14, most=20, reach=0.1)
-        if not found.good:
-            raise SolveError(f"the point where two borders meet was not found: {found.why}")
-        return found
+    def meeting(u: Array, other: Any) -> Root:
+        root = newton(lambda U: np.array([one(v, True) for v in U]), u, 1e-14, most=20, reach=0.1)
+        if not root.good:
+            raise SolveError(f"the point where two borders meet was not found: {root.why}")
+        return root
 
     u = np.append(times, [0.0, 0.0])
     facing = float(np.sign(turn(u)))
@@ -84,13 +84,13 @@ def _vanishing(branch: Branch, special: Special) -> tuple[Sequence, Array, Margi
             value = special.value + side * distance * (float(np.ptp(branch.values)) or 1.0)
             orbit = branch.at(value)
             sequence, times = sequence_of(orbit)
-            found = margins(orbit.model, sequence, times)
-            name = min(found, key=lambda m: abs(found[m]))
+            by_condition = margins(orbit.model, sequence, times)
+            name = min(by_condition, key=lambda m: abs(by_condition[m]))
             if (
                 best is None
                 or len(sequence.modes) < len(best[1].modes)
-                or (len(sequence.modes) == len(best[1].modes) and found[name] < best[0])
+                or (len(sequence.modes) == len(best[1].modes) and by_condition[name] < best[0])
             ):
-                best = (found[name], sequence, times, name)
+                best = (by_condition[name], sequence, times, name)
     assert best is not None
     return best[1], best[2], best[3]

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.dynamics.continuation.branch_points import MET
-from stickslip.dynamics.continuation.curve_problems import CurveProblem
-from stickslip.dynamics.continuation.multiplier_curves import KNOWN
+from stickslip.dynamics.continuation.curves.multipliers import KNOWN
+from stickslip.dynamics.continuation.curves.problems import CurveProblem
+from stickslip.dynamics.continuation.following.path_kinds import path_of
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.path_kinds import path_of
-from stickslip.dynamics.continuation.point_accuracy import Special
-from stickslip.dynamics.continuation.pseudo_arclength import Path
+from stickslip.dynamics.continuation.special_points.accuracy import Special
+from stickslip.dynamics.continuation.special_points.branch_points import MET
 
 _TOLERANCE = {True: 1e-8, False: 1e-11}  # of the equations: where runs have a tolerance, and where they are exact
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Numeric
-from stickslip.dynamics.continuation.cycle_paths import CyclePath
+from stickslip.dynamics.continuation.following.cycle_paths import CyclePath
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.pseudo_arclength import Path
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 

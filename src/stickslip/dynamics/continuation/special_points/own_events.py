@@ -44,8 +44,8 @@ def number_of(name: str, event: Event, orbit: PeriodicOrbit | LimitCycle) -> flo
     False
     """
     try:
-        told = event(orbit)
-        return float(told)
+        number = event(orbit)
+        return float(number)
     except (AttributeError, KeyError, IndexError, NameError, TypeError, ValueError, ArithmeticError) as error:
         raise InputError(
             "events",

@@ -15,11 +15,11 @@ from itertools import combinations
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.dynamics.continuation.curve_problems import CurveProblem
+from stickslip.dynamics.continuation.curves.problems import CurveProblem
+from stickslip.dynamics.continuation.following.path_kinds import path_of
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.path_kinds import path_of
-from stickslip.dynamics.continuation.point_accuracy import Special
-from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.continuation.special_points.accuracy import Special
+from stickslip.dynamics.periodic.newton import Root
 
 _TOLERANCE = {True: 1e-9, False: 1e-12}  # of the equations: where runs have a tolerance, and where they are exact
 KNOWN = {True: 1e-10, False: 1e-11}  # multipliers, in both cases
@@ -66,12 +66,12 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
         missed, J = path.derivatives(U, memory, worse)
         return np.column_stack([missed, condition(path.returned(J))])
 
-    def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
-        J = path.derivatives(found.at[None, :], memory, worse)[1][0]
-        told = _tests(kind, path.returned(J))
+    def tests(root: Root, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
+        J = path.derivatives(root.at[None, :], memory, worse)[1][0]
+        values = _tests(kind, path.returned(J))
         if kind == "fold":
-            told[_CUSP], facing = _standing(J, found.jacobian[:n, n:], tangent[n:], facing)
-        return told, facing
+            values[_CUSP], facing = _standing(J, root.jacobian[:n, n:], tangent[n:], facing)
+        return values, facing
 
     def named(u: Array, name: str) -> tuple[str, str] | None:
         R = path.returned(path.derivatives(u[None, :], memory)[1][0])
@@ -88,11 +88,11 @@ def multiplier_problem(both: Family, special: Special, origin: Array, span: Arra
 
 def _tests(kind: str, R: Array) -> dict[str, float]:
     """Test functions along a curve of such points; of a fold all but that of the cusp."""
-    told = {name: float(condition(R)) for name, condition in CONDITIONS.items() if name != kind}
+    values = {name: float(condition(R)) for name, condition in CONDITIONS.items() if name != kind}
     if kind in _OWN:
-        return told | {_DOUBLE: float(np.polyval(np.polyder(np.poly(R)), _OWN[kind]).real)}
+        return values | {_DOUBLE: float(np.polyval(np.polyder(np.poly(R)), _OWN[kind]).real)}
     pair = _on_the_circle(np.linalg.eigvals(R))
-    return told | ({} if pair is None else {_THIRD: pair.real + 0.5, _FOURTH: pair.real})
+    return values | ({} if pair is None else {_THIRD: pair.real + 0.5, _FOURTH: pair.real})
 
 
 def _standing(J: Array, by_parameters: Array, moved: Array, facing: Array) -> tuple[float, Array]:
@@ -107,8 +107,8 @@ def _on_the_circle(multipliers: Array) -> complex | None:
     turning = multipliers[multipliers.imag > 0.0]
     if not len(turning):
         return None
-    found = complex(turning[int(np.argmin(abs(abs(turning) - 1.0)))])
-    return found / abs(found)
+    multiplier = complex(turning[int(np.argmin(abs(abs(turning) - 1.0)))])
+    return multiplier / abs(multiplier)
 
 
 def has_multiplier(name: str, multipliers: Array) -> bool:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stickslip.analysis.contact_modes import pressed_stops
-from stickslip.dynamics.continuation.branch_points import broken_symmetry, crossing_between
-from stickslip.dynamics.continuation.own_events import Event, number_of
-from stickslip.dynamics.continuation.point_accuracy import certain
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.special_points.accuracy import certain
+from stickslip.dynamics.continuation.special_points.branch_points import broken_symmetry, crossing_between
+from stickslip.dynamics.continuation.special_points.own_events import Event, number_of
 from stickslip.dynamics.periodic.newton import root_between
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
@@ -49,22 +49,22 @@ class Located(NamedTuple):
 
 def located(path: Path, a: Point, b: Point, events: Mapping[str, Event] | None = None) -> list[Located]:
     """Every special point between a and b, in order; zeros of events of one's own among them."""
-    found = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
-    if a.fold * b.fold < 0 and not found:
+    points = _crossed(path, a, b) if a.crossing * b.crossing < 0 else []
+    if a.fold * b.fold < 0 and not points:
         test = attrgetter("unity" if a.unity * b.unity < 0 else "fold")
         there = _root(path, a, b, test)
         if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
-            found.append(Located("fold", there, (), _accuracy(path, there, test, b)))
+            points.append(Located("fold", there, (), _accuracy(path, there, test, b)))
     if a.flip * b.flip < 0:
         there = _root(path, a, b, attrgetter("flip"))
-        found.append(Located("flip", there, (), _accuracy(path, there, attrgetter("flip"), b)))
+        points.append(Located("flip", there, (), _accuracy(path, there, attrgetter("flip"), b)))
     if a.turning * b.turning < 0:
-        found += _turning(path, a, b)
-    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
-    found += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
+        points += _turning(path, a, b)
+    points += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
+    points += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
     for name, event in (events or {}).items():
-        found += _event(path, a, b, name, event)
-    return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
+        points += _event(path, a, b, name, event)
+    return sorted(points, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
 
 def _event(path: Path, a: Point, b: Point, name: str, event: Event) -> list[Located]:
@@ -117,14 +117,14 @@ def _turning(path: Path, a: Point, b: Point) -> list[Located]:
     """Where a complex pair of multipliers passes the unit circle; two real ones whose product is 1 are nothing special."""
     circle = attrgetter("turning")
     there = _root(path, a, b, circle)
-    found = np.asarray(there.orbit.multipliers, complex)
-    pair = found[int(np.argmin(abs(abs(found) - 1.0) + (abs(found.imag) < 1e-9)))]
+    multipliers = np.asarray(there.orbit.multipliers, complex)
+    pair = multipliers[int(np.argmin(abs(abs(multipliers) - 1.0) + (abs(multipliers.imag) < 1e-9)))]
     if abs(pair.imag) < 1e-9:
         return []
     turn = abs(float(np.angle(pair))) / (2 * np.pi)
     accuracy = _accuracy(path, there, circle, b)
-    told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
-    note = f"a pair of multipliers crosses the unit circle; it rotates by {told} of a turn in each period"
+    rotation = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
+    note = f"a pair of multipliers crosses the unit circle; it rotates by {rotation} of a turn in each period"
     return [Located("neimark-sacker", there, (note,), accuracy)]
 
 

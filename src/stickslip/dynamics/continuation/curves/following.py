@@ -13,10 +13,10 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import look, partial_result
 from stickslip.basics.progress import Reported
-from stickslip.dynamics.continuation.curve_problems import CurvePoint, CurveProblem
-from stickslip.dynamics.continuation.point_accuracy import Meeting
-from stickslip.dynamics.continuation.pseudo_arclength import tangent_of
-from stickslip.dynamics.periodic.newton import Found, newton, root_between
+from stickslip.dynamics.continuation.curves.problems import CurvePoint, CurveProblem
+from stickslip.dynamics.continuation.following.pseudo_arclength import tangent_of
+from stickslip.dynamics.continuation.special_points.accuracy import Meeting
+from stickslip.dynamics.periodic.newton import Root, newton, root_between
 
 _VANISHED = 1e-4  # of what a test was beside it: what is more at its root has jumped there
 _ASIDE = 1e-4  # how far away the slope of a test is taken
@@ -36,7 +36,7 @@ _CUBIC, _PARABOLA = np.array([64.0, -56.0, 14.0, -1.0]) / 21.0, np.array([8.0, -
 class FollowedCurve(NamedTuple):
     """Points of a curve in order, special points on it, and why it ends."""
 
-    points: list[Found]
+    points: list[Root]
     special: list[Meeting]
     ended: str
 
@@ -50,51 +50,51 @@ def followed_curve(
     if not first.good:
         raise SolveError(f"the special point could not be found again in two parameters: {first.why} (residual {first.residual:.1e})")
     here = _point(problem, first, sign * np.eye(n)[-1], None)
-    found, special = [first], list[Meeting]()
-    seen = problem.watched(here.u)
+    roots, special = [first], list[Meeting]()
+    before = problem.watched(here.u)
     with partial_result() as ending:
-        while len(found) < most:
+        while len(roots) < most:
             look()
             ahead = _next(problem, here, step)
             if isinstance(ahead, str):
-                return FollowedCurve(found, special, ahead)
+                return FollowedCurve(roots, special, ahead)
             there, step = ahead
             if why := problem.apart(there.u):
-                return FollowedCurve(found, special, why)
+                return FollowedCurve(roots, special, why)
             now = problem.watched(there.u)
-            lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
+            lost = [name for name, value in now.items() if value < 0 <= before.get(name, -1.0)]
             if lost and problem.meeting is not None:
-                found.append(problem.meeting(0.5 * (here.u + there.u), lost[0]))
-                return FollowedCurve(found, [*special, _meeting(problem, found[-1], _TRIPLE, problem.accuracy(found[-1]))], _BEYOND)
+                roots.append(problem.meeting(0.5 * (here.u + there.u), lost[0]))
+                return FollowedCurve(roots, [*special, _meeting(problem, roots[-1], _TRIPLE, problem.accuracy(roots[-1]))], _BEYOND)
             for met, point in _between(problem, here, there):
                 if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
                     special.append(met)
                 if met.kind in _ENDS.get(kind, ()):
-                    return FollowedCurve([*found, point.found], special, _TURNED_REAL.format(met.kind))
-            here, seen = there, now
-            found.append(there.found)
-            report(kind, len(found), most)
+                    return FollowedCurve([*roots, point.found], special, _TURNED_REAL.format(met.kind))
+            here, before = there, now
+            roots.append(there.found)
+            report(kind, len(roots), most)
             if ended := _left(problem, here, sign):
-                return FollowedCurve(found, special, ended)
+                return FollowedCurve(roots, special, ended)
             step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
     if ending.interrupted:
-        return FollowedCurve(found, special, f"it was {ending.words}")
-    return FollowedCurve(found, special, f"it was followed for {most} points")
+        return FollowedCurve(roots, special, f"it was {ending.words}")
+    return FollowedCurve(roots, special, f"it was followed for {most} points")
 
 
-def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
+def settled(problem: CurveProblem, root: Root) -> tuple[Array, Array]:
     """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
     if problem.beside is None:
-        return problem.values(found.at), problem.accuracy(found)
-    tangent = tangent_of(found.jacobian[:-1], np.eye(len(found.at))[-1])
-    across = np.eye(len(found.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
-    J, kept = np.vstack([found.jacobian[:-1], across]), [found, found]
-    unsure = [problem.accuracy(found)]
+        return problem.values(root.at), problem.accuracy(root)
+    tangent = tangent_of(root.jacobian[:-1], np.eye(len(root.at))[-1])
+    across = np.eye(len(root.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
+    J, kept = np.vstack([root.jacobian[:-1], across]), [root, root]
+    unsure = [problem.accuracy(root)]
     for times in _TIMES:
         way = problem.beside(times)
         there = _settled_beside(way, 3.0 * kept[-1].at - 2.0 * kept[-2].at, J)
         if not there.good:
-            return problem.values(found.at), unsure[0] + problem.span
+            return problem.values(root.at), unsure[0] + problem.span
         kept.append(there)
         unsure.append(way.accuracy(there))
     places = np.array([each.at for each in kept[1:]])
@@ -102,7 +102,7 @@ def settled(problem: CurveProblem, found: Found) -> tuple[Array, Array]:
     return value, abs(_CUBIC) @ np.array(unsure) + abs(value - problem.values(_PARABOLA @ places))
 
 
-def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Found:
+def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Root:
     """The point of a problem near a guess, by Newton's method with slopes from nearby, which are not computed anew."""
 
     def slopes(u: Array) -> tuple[Array, Array]:
@@ -139,10 +139,10 @@ def _next(problem: CurveProblem, here: CurvePoint, step: float) -> tuple[CurvePo
             return why or f"no step was small enough: {ahead.why if ahead else ''}"
 
 
-def _point(problem: CurveProblem, found: Found, towards: Array, facing: Array | None) -> CurvePoint:
-    tangent = tangent_of(found.jacobian[:-1], towards)
-    tests, facing = problem.tests(found, tangent, facing) if problem.tests else ({}, None)
-    return CurvePoint(found, tangent, tests, facing)
+def _point(problem: CurveProblem, root: Root, towards: Array, facing: Array | None) -> CurvePoint:
+    tangent = tangent_of(root.jacobian[:-1], towards)
+    tests, facing = problem.tests(root, tangent, facing) if problem.tests else ({}, None)
+    return CurvePoint(root, tangent, tests, facing)
 
 
 # ---- special points on the way ----
@@ -150,7 +150,7 @@ def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tu
     """Special points between two neighbours, in order."""
     changed = [name for name, value in a.tests.items() if value * b.tests.get(name, np.nan) < 0.0]
     places = [(name, point) for name in changed if (point := _root(problem, a, b, name)) is not None]
-    for name, point in sorted(places, key=lambda place: float((place[1].u - a.u) @ a.tangent)):
+    for name, point in sorted(places, key=lambda item: float((item[1].u - a.u) @ a.tangent)):
         kind = problem.named(point.u, name) if problem.named else None
         if kind is not None:
             yield _meeting(problem, point.found, kind, _accuracy(problem, point, name)), point
@@ -164,8 +164,8 @@ def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> Cur
 
 def _beside(problem: CurveProblem, a: CurvePoint, s: float) -> CurvePoint | None:
     """The point of a curve that lies s ahead of another, along the tangent there."""
-    found = _corrected(problem, a.u + s * a.tangent, a.tangent)
-    return _point(problem, found, a.tangent, a.facing) if found.good else None
+    root = _corrected(problem, a.u + s * a.tangent, a.tangent)
+    return _point(problem, root, a.tangent, a.facing) if root.good else None
 
 
 def _accuracy(problem: CurveProblem, p: CurvePoint, name: str) -> Array:
@@ -182,12 +182,12 @@ def _accuracy(problem: CurveProblem, p: CurvePoint, name: str) -> Array:
     return across + problem.span * (abs(p.tangent[-2:]) * along + 0.5 * bend * along**2)
 
 
-def _meeting(problem: CurveProblem, found: Found, kind: tuple[str, str], accuracy: Array) -> Meeting:
-    orbit, (p, q) = problem.orbit(found.at), problem.values(found.at).tolist()
+def _meeting(problem: CurveProblem, root: Root, kind: tuple[str, str], accuracy: Array) -> Meeting:
+    orbit, (p, q) = problem.orbit(root.at), problem.values(root.at).tolist()
     return Meeting(kind[0], (p, q), replace(orbit, notes=(kind[1],)), (float(accuracy[0]), float(accuracy[1])))
 
 
-def _corrected(problem: CurveProblem, guess: Array, across: Array) -> Found:
+def _corrected(problem: CurveProblem, guess: Array, across: Array) -> Root:
     def residuals(U: Array) -> Array:
         return np.column_stack([problem.residuals(U), (U - guess) @ across])
 

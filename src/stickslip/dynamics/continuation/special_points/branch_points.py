@@ -19,8 +19,8 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.dynamics.periodic.newton import STEP, Found, newton
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.periodic.newton import STEP, Root, newton
 
 MET = 1e-9  # of a residual: branches that miss one another by more do not cross
 _KNOWN = 1e-10  # how well derivatives are known
@@ -71,29 +71,29 @@ def crossing(path: Path, guess: Array, along: Array, memory: Array) -> Crossing 
         return missed, solved[-1], solved[:-1]
 
     def residuals(U: Array, step: float = STEP, way: Path = path) -> Array:
-        found = [(u, *bordered(u[:-1], step, way)) for u in U]
-        return np.array([np.append(missed + u[-1] * border[:, 0], g) for u, missed, g, _ in found])
+        rows = [(u, *bordered(u[:-1], step, way)) for u in U]
+        return np.array([np.append(missed + u[-1] * border[:, 0], g) for u, missed, g, _ in rows])
 
-    found = newton(residuals, np.append(guess, 0.0), tolerance=1e-12, most=12, floor=_ROUNDING, reach=0.1)
-    if not found.good or abs(found.at[-1]) > max(MET, 100 * path.rtol):
+    root = newton(residuals, np.append(guess, 0.0), tolerance=1e-12, most=12, floor=_ROUNDING, reach=0.1)
+    if not root.good or abs(root.at[-1]) > max(MET, 100 * path.rtol):
         return None
-    V = bordered(found.at[:-1], STEP)[2]
-    ways = _directions(-found.jacobian[d:, :-1] @ V, V)
+    V = bordered(root.at[:-1], STEP)[2]
+    ways = _directions(-root.jacobian[d:, :-1] @ V, V)
     if ways is None:
         return None
     own, other = sorted(ways, key=lambda way: -abs(way @ along))
-    here, opinions = found.at[None, :], ((_WIDE * STEP, path), (STEP, path.loosened()))
+    here, opinions = root.at[None, :], ((_WIDE * STEP, path), (STEP, path.loosened()))
     moved = sum(abs(residuals(here, *each)[0] - residuals(here)[0]) for each in opinions)
-    orbit = path.orbit(replace(found, at=found.at[:-1], memory=memory))
-    point = Point(found.at[:-1], own * np.sign(own @ along), float(path.value(found.at[:-1])), orbit)
-    return Crossing(point, other, memory, _accuracy(path, found, moved))
+    orbit = path.orbit(replace(root, at=root.at[:-1], memory=memory))
+    point = Point(root.at[:-1], own * np.sign(own @ along), float(path.value(root.at[:-1])), orbit)
+    return Crossing(point, other, memory, _accuracy(path, root, moved))
 
 
 def crossing_between(path: Path, a: Point, b: Point) -> Crossing | None:
     """The branch point between two points of a branch where the sign of `crossing` changes."""
     along = b.u - a.u
-    found = crossing(path, a.u + a.crossing / (a.crossing - b.crossing) * along, along, path.remembered(a.orbit))
-    return found if found and 0.0 <= (found.point.u - a.u) @ a.tangent <= along @ a.tangent else None
+    met = crossing(path, a.u + a.crossing / (a.crossing - b.crossing) * along, along, path.remembered(a.orbit))
+    return met if met and 0.0 <= (met.point.u - a.u) @ a.tangent <= along @ a.tangent else None
 
 
 def _directions(A: Array, V: Array) -> tuple[Array, Array] | None:
@@ -106,27 +106,27 @@ def _directions(A: Array, V: Array) -> tuple[Array, Array] | None:
     return tuple(V @ x / np.linalg.norm(V @ x) for x in (np.array([-rise, a]), np.array([c, -rise])))
 
 
-def _accuracy(path: Path, found: Found, moved: Array) -> float:
+def _accuracy(path: Path, root: Root, moved: Array) -> float:
     """By how much the parameter may be wrong: by what is left of the equations, and what derivatives do not know."""
-    unsure = max(found.residual, 1e-14) + np.append(np.zeros(len(moved) - 2), [_KNOWN, _KNOWN]) + moved
-    step = abs(np.linalg.pinv(found.jacobian)) @ unsure
-    return float(path.span * step[-2] + 2 * np.spacing(abs(path.value(found.at[:-1]))))
+    unsure = max(root.residual, 1e-14) + np.append(np.zeros(len(moved) - 2), [_KNOWN, _KNOWN]) + moved
+    step = abs(np.linalg.pinv(root.jacobian)) @ unsure
+    return float(path.span * step[-2] + 2 * np.spacing(abs(path.value(root.at[:-1]))))
 
 
 def sides(path: Path, here: Crossing, direction: Array) -> tuple[Point, ...]:
     """Motions of one of the branches, one on each side of a crossing; none if they are not found."""
     for distance in _ASIDE:
-        found = [path.corrected(here.point.u + way * distance * direction, direction, here.memory) for way in _WAYS]
-        if all(each.good and np.linalg.norm(each.at - here.point.u) < 2 * distance for each in found):
-            return tuple(path.point(each, way * direction) for each, way in zip(found, _WAYS, strict=True))
+        roots = [path.corrected(here.point.u + way * distance * direction, direction, here.memory) for way in _WAYS]
+        if all(each.good and np.linalg.norm(each.at - here.point.u) < 2 * distance for each in roots):
+            return tuple(path.point(each, way * direction) for each, way in zip(roots, _WAYS, strict=True))
     return ()
 
 
 def broken_symmetry(path: Path, here: Crossing) -> str:
     """The symmetry that breaks at a crossing, in words: motions on the two sides of one branch are images of one another."""
     for direction in (here.other, here.point.tangent):
-        beside = sides(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
-        shift = image(path, beside[0], beside[1], here.point) if beside else None
+        adjacent = sides(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
+        shift = image(path, adjacent[0], adjacent[1], here.point) if adjacent else None
         if shift is not None:
             later = f", {shift} later" if shift else ""
             return (

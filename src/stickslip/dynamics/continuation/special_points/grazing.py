@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.dynamics.continuation.cycle_paths import zero
-from stickslip.dynamics.continuation.near_grazings import touches
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.following.cycle_paths import zero
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.special_points.near_grazings import touches
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 
@@ -32,13 +32,13 @@ def grazed(orbit: PeriodicOrbit) -> str:
 
 def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
     """By how much a motion misses each stop, or guard of a flow, where it turns away from it; and the size against which that is small."""
-    run, found = orbit.run, dict[str, tuple[float, float]]()
+    run, misses = orbit.run, dict[str, tuple[float, float]]()
     span = float(run.model.period or orbit.duration)
     for touch in touches(run if is_flow(run.model) else run.parted, span, lambda what: what[0] in _TOUCHED):
         least = touch.extremum()[1]
-        if touch.name not in found or abs(least) < abs(found[touch.name][0]):
-            found[touch.name] = least, touch.size
-    return found
+        if touch.name not in misses or abs(least) < abs(misses[touch.name][0]):
+            misses[touch.name] = least, touch.size
+    return misses
 
 
 def grazing_end(path: Path, last: Point) -> tuple[str, float, float] | None:
@@ -56,16 +56,16 @@ def grazing_near(path: Path, point: Point, value: float, ahead: float, unsure: f
     Up to there the least distance is a smooth function of the parameter. It is continued to zero, from motions before the value.
     """
     near = max(_NEAR_BY * path.span, 2 * unsure)
-    places = [value - ahead * near * k for k in (0.5, 1.0, 2.0, 4.0)]
-    read = [_least_at(path, point, place) for place in places]
+    values_near = [value - ahead * near * k for k in (0.5, 1.0, 2.0, 4.0)]
+    read = [_least_at(path, point, value_near) for value_near in values_near]
     name = min(read[0], key=lambda name: read[0][name], default="")
-    known = [(place, least.get(name, np.nan)) for place, least in zip(places, read, strict=True)]
+    known = [(value_near, least.get(name, np.nan)) for value_near, least in zip(values_near, read, strict=True)]
     if not np.isfinite(known).all() or any(a[1] >= b[1] for a, b in pairwise(known)):
         return None
-    found, other = zero(known[:3]), zero(known[1:])
-    if abs(found - value) > near:
+    grazing, other = zero(known[:3]), zero(known[1:])
+    if abs(grazing - value) > near:
         return None
-    return name, float(found), float(abs(found - other) + 10 * path.span * point.blur + 8 * np.spacing(abs(found)))
+    return name, float(grazing), float(abs(grazing - other) + 10 * path.span * point.blur + 8 * np.spacing(abs(grazing)))
 
 
 def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:

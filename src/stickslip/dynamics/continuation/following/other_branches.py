@@ -9,11 +9,11 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
-from stickslip.dynamics.continuation.branch_points import crossing, sides
-from stickslip.dynamics.continuation.followed_branches import Followed, followed
-from stickslip.dynamics.continuation.path_kinds import path_of
-from stickslip.dynamics.continuation.point_accuracy import Special
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.following.path_kinds import path_of
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, followed
+from stickslip.dynamics.continuation.special_points.accuracy import Special
+from stickslip.dynamics.continuation.special_points.branch_points import crossing, sides
 
 if TYPE_CHECKING:
     from stickslip.dynamics.continuation.branches import Branch
@@ -24,11 +24,11 @@ _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 def chosen(branch: Branch, given: Special | None, kind: str, method: str) -> Special:
     """The special point of a branch that was asked for, or its first of the kind."""
-    found = given or next((s for s in branch.special if s.kind == kind), None)
-    if found is None or found.kind != kind:
-        told = f"it is a {found.kind}" if found else f"there is no {kind} on this branch"
-        raise InputError(f"Branch.{method}", [f"{told}; allowed is one of branch.special whose kind is {kind!r}"])
-    return found
+    special = given or next((s for s in branch.special if s.kind == kind), None)
+    if special is None or special.kind != kind:
+        mistake = f"it is a {special.kind}" if special else f"there is no {kind} on this branch"
+        raise InputError(f"Branch.{method}", [f"{mistake}; allowed is one of branch.special whose kind is {kind!r}"])
+    return special
 
 
 def range_of(branch: Branch, special: Special, stop: float | None) -> tuple[float, float]:
@@ -38,7 +38,7 @@ def range_of(branch: Branch, special: Special, stop: float | None) -> tuple[floa
     return min(stop, special.value), max(stop, special.value)
 
 
-def doubled(branch: Branch, flip: Special, low: float, high: float, step: float, points: int) -> Followed:
+def doubled(branch: Branch, flip: Special, low: float, high: float, step: float, points: int) -> BranchTrace:
     """The motions of twice the period."""
     orbit = flip.orbit
     path = path_of(branch.family, orbit, flip.value, max(high - low, 1e-300), 2 * branch.period)
@@ -47,37 +47,37 @@ def doubled(branch: Branch, flip: Special, low: float, high: float, step: float,
     direction = np.append(aside / np.linalg.norm(aside), 0.0)
     origin = path.scaled(orbit, flip.value)
     for distance in (_ASIDE, _ASIDE / 4, _ASIDE / 16, _ASIDE / 64):
-        found = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
-        if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
-            return followed(path, path.point(found, direction), low, high, min(step, distance), points, branch.events)
+        root = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
+        if root.good and np.linalg.norm(root.at - origin) < 4 * distance:
+            return followed(path, path.point(root, direction), low, high, min(step, distance), points, branch.events)
     raise SolveError(
-        f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.rounded}: {found.why}"
+        f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.rounded}: {root.why}"
     )
 
 
-def across(branch: Branch, special: Special, low: float, high: float, step: float, points: int) -> Followed:
+def across(branch: Branch, special: Special, low: float, high: float, step: float, points: int) -> BranchTrace:
     """The motions of the branch that crosses this one, on both sides of the crossing, in order."""
     orbit = special.orbit
     path = path_of(branch.family, orbit, special.value, max(high - low, 1e-300))
     origin = path.scaled(orbit, special.value)
     here = crossing(path, origin, _along(path, branch, origin), path.remembered(orbit))
-    beside = sides(path, here, here.other) if here else ()
-    if here is None or not beside:
+    starts = sides(path, here, here.other) if here else ()
+    if here is None or not starts:
         raise SolveError(f"no motion of the other branch was found beside the branch point at {branch.parameter} = {special.rounded}")
-    found = [_side(path, first, low, high, step, points, branch.events) for first in reversed(beside)]
+    followed_sides = [_side(path, first, low, high, step, points, branch.events) for first in reversed(starts)]
     middle = replace(here.point, tangent=here.other, orbit=orbit)
-    back, ahead = found
-    return Followed(
+    back, ahead = followed_sides
+    return BranchTrace(
         [*reversed(back.points), middle, *ahead.points],
         [*reversed(back.special), special, *ahead.special],
         f"on one side {back.ended}; on the other {ahead.ended}",
     )
 
 
-def _side(path: Path, first: Point, low: float, high: float, step: float, points: int, events: Any) -> Followed:
+def _side(path: Path, first: Point, low: float, high: float, step: float, points: int, events: Any) -> BranchTrace:
     """One side of a branch; nothing where it leaves the range at once."""
     if not low <= first.value <= high:
-        return Followed([], [], "it leaves the range at once")
+        return BranchTrace([], [], "it leaves the range at once")
     return followed(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points, events)
 
 

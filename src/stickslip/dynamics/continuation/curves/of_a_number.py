@@ -16,15 +16,15 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.continuation.branches import Branch
-from stickslip.dynamics.continuation.curve_problems import CurveProblem
-from stickslip.dynamics.continuation.multiplier_curves import CONDITIONS, has_multiplier
-from stickslip.dynamics.continuation.near_grazings import BOTH_SIDES, Touch, touches
+from stickslip.dynamics.continuation.curves.multipliers import CONDITIONS, has_multiplier
+from stickslip.dynamics.continuation.curves.problems import CurveProblem
+from stickslip.dynamics.continuation.following.path_kinds import path_of
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path
 from stickslip.dynamics.continuation.one_parameter import Family
-from stickslip.dynamics.continuation.own_events import number_of
-from stickslip.dynamics.continuation.path_kinds import path_of
-from stickslip.dynamics.continuation.point_accuracy import Special
-from stickslip.dynamics.continuation.pseudo_arclength import Path
-from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.continuation.special_points.accuracy import Special
+from stickslip.dynamics.continuation.special_points.near_grazings import BOTH_SIDES, Touch, touches
+from stickslip.dynamics.continuation.special_points.own_events import number_of
+from stickslip.dynamics.periodic.newton import Root
 
 if TYPE_CHECKING:
     from stickslip.results.trajectory import Trajectory
@@ -41,7 +41,7 @@ _NEAR = 0.08  # of the motion: how far the instant may lie from where it was
 _HALF = 0.5  # of a period: where the window begins in which instants are looked for
 
 
-class _Seen(NamedTuple):
+class _Vanishing(NamedTuple):
     """Which number vanishes at a special point: how large it can be, when in the motion it is asked, and two motions towards the point."""
 
     straight: float
@@ -53,14 +53,14 @@ class _Seen(NamedTuple):
 
 def touch_problem(both: Family, branch: Branch, special: Special, origin: Array, span: Array) -> tuple[CurveProblem, Array]:
     """The equations of a curve of such points, and its first point."""
-    seen = _vanishing(branch, special)
-    if seen is None:
+    vanishing = _vanishing(branch, special)
+    if vanishing is None:
         why = "no velocity, gap, guard or room of a rest was found that falls to zero there in a straight line"
         raise InputError("special_curve", [f"it is a {special.kind}, and what is touched there is not known: {why}; {_EACH}"])
     path = path_of(both, special.orbit, origin, span)
-    problem = _Touching(path, path.remembered(special.orbit), special.kind, seen.touch, seen.phase).problem()
-    distance = 0.0 if seen.touch.what[0] == BOTH_SIDES else _DISTANCE * seen.touch.size
-    (near, a), (far, b) = seen.near, seen.far
+    problem = _Touching(path, path.remembered(special.orbit), special.kind, vanishing.touch, vanishing.phase).problem()
+    distance = 0.0 if vanishing.touch.what[0] == BOTH_SIDES else _DISTANCE * vanishing.touch.size
+    (near, a), (far, b) = vanishing.near, vanishing.far
     begin = near + (distance - a) / (b - a) * (far - near)
     return problem, np.append(begin, 0.0)
 
@@ -94,8 +94,8 @@ def _problem(
     def returned(u: Array, worse: bool = False) -> Array:
         return path.returned(path.derivatives(u[None, :], memory, worse)[1][0])
 
-    def tests(found: Found, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
-        R = returned(found.at, worse)
+    def tests(root: Root, tangent: Array, facing: Array, worse: bool = False) -> tuple[dict[str, float], Array]:
+        R = returned(root.at, worse)
         return {name: float(condition(R)) for name, condition in CONDITIONS.items()}, facing
 
     def named(u: Array, name: str) -> tuple[str, str] | None:
@@ -126,15 +126,15 @@ class _Touching:
 
     def value(self, path: Path, u: Array) -> float:
         """The number at a place, in its size; NaN where there is none about then."""
-        found = self._at(path, u)
-        return float("nan") if found is None else found[1] / self.touch.size
+        extreme = self._at(path, u)
+        return float("nan") if extreme is None else extreme[1] / self.touch.size
 
     def followed(self, u: Array) -> str:
         """Go on from a point of the curve; why it ends there."""
-        found = self._at(self.path, u)
-        if found is None:
+        extreme = self._at(self.path, u)
+        if extreme is None:
             return "what is touched was lost"
-        self.phase = found[0]
+        self.phase = extreme[0]
         return ""
 
     def _at(self, path: Path, u: Array) -> tuple[float, float] | None:
@@ -159,15 +159,15 @@ def _apart(a: float, b: float) -> float:
 
 
 # ---- which number it is ----
-def _vanishing(branch: Branch, special: Special) -> _Seen | None:
+def _vanishing(branch: Branch, special: Special) -> _Vanishing | None:
     """The number that falls to zero, in the straightest line, towards a special point, from one side of it or the other."""
     span, best = float(np.ptp(branch.values)) or 1.0, None
     for k, after in _beside(branch, special):
         path, side = path_of(branch.family, branch.orbits[k], special.value, span), float(np.sign(branch.values[k] - special.value))
         u, then = (path.scaled(branch.orbits[i], branch.values[i]) for i in (k, after))
         along = (then - u) / (then[-1] - u[-1])
-        seen = [found for share in _BESIDE for found in _towards(path, branch.orbits[k], u, along, side * share)]
-        best = min(seen + ([best] if best else []), key=lambda found: found.straight, default=None)
+        candidates = [candidate for share in _BESIDE for candidate in _towards(path, branch.orbits[k], u, along, side * share)]
+        best = min(candidates + ([best] if best else []), key=lambda candidate: candidate.straight, default=None)
         if best is not None and best.straight < _STRAIGHTER:
             return best
     return best if best is not None and best.straight < _STRAIGHT else None
@@ -182,21 +182,21 @@ def _beside(branch: Branch, special: Special) -> Iterator[tuple[int, int]]:
             yield int(k), max(farther, key=lambda i: away[i])
 
 
-def _towards(path: Path, orbit: Any, u: Array, along: Array, away: float) -> list[_Seen]:
+def _towards(path: Path, orbit: Any, u: Array, along: Array, away: float) -> list[_Vanishing]:
     """The numbers of two motions, one twice as far from the special point as the other, by how straight they fall to zero there."""
-    memory, told = path.remembered(orbit), []
+    memory, motions = path.remembered(orbit), []
     for times in (1.0, 2.0):
         guess = u + (times * away - u[-1]) * along
         try:
-            found = path.at_value(guess, path.value(guess), memory)
-            run, whole, T = path.longer_run(found.at, memory)
+            root = path.at_value(guess, path.value(guess), memory)
+            run, whole, T = path.longer_run(root.at, memory)
         except (SolveError, InputError):
             return []
-        if not found.good:
+        if not root.good:
             return []
-        told.append((found.at, whole, list(_within(run, whole, T))))
-    (near, length, here), (far, longer, there) = told
-    seen = []
+        motions.append((root.at, whole, list(_within(run, whole, T))))
+    (near, length, here), (far, longer, there) = motions
+    candidates = []
     for touch in here:
         alike = [(_apart(touch.t / length, other.t / longer), other) for other in there if other.what == touch.what]
         apart, other = min(alike, key=lambda item: item[0], default=(np.inf, None))
@@ -204,5 +204,5 @@ def _towards(path: Path, orbit: Any, u: Array, along: Array, away: float) -> lis
             continue
         (t, a), (_, b) = touch.extremum(), other.extremum()
         if abs(b) > _SMALL * touch.size and abs(a) < abs(b):
-            seen.append(_Seen(abs(2 * a - b) / abs(b), touch, (t / length) % 1.0, (near, a), (far, b)))
-    return seen
+            candidates.append(_Vanishing(abs(2 * a - b) / abs(b), touch, (t / length) % 1.0, (near, a), (far, b)))
+    return candidates

@@ -8,10 +8,10 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
-from stickslip.dynamics.continuation.branch_points import crossing_between
-from stickslip.dynamics.continuation.grazing import grazed
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
-from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.special_points.branch_points import crossing_between
+from stickslip.dynamics.continuation.special_points.grazing import grazed
+from stickslip.dynamics.periodic.newton import Root
 from stickslip.models.switching_flow import is_flow
 
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
@@ -32,10 +32,10 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
         if isinstance(ahead, str):
             yield ahead
             return
-        found, point, step = ahead
+        root, point, step = ahead
         if not point.alone:  # one step may end right where two branches cross
             again = _next(path, here, _ANOTHER * step, passed)
-            found, point, step = ahead if isinstance(again, str) else again
+            root, point, step = ahead if isinstance(again, str) else again
         if not point.alone:
             yield f"at {name} = {point.value:.9g} {SIDE_BY_SIDE}"
             return
@@ -43,30 +43,30 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
         if not inside(point.value):
             yield "it reached the end of the range"
             return
-        step = min(largest, step * (1.5 if found.needed <= 3 else 1.0 if found.needed <= 6 else 0.6))
+        step = min(largest, step * (1.5 if root.needed <= 3 else 1.0 if root.needed <= 6 else 0.6))
         here = point
         passed = [*passed[1 - _LOOKED_BACK :], here.u]
     yield f"it was followed for {most} points"
 
 
-def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Found, Point, float] | str:
+def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Root, Point, float] | str:
     """The next point, by steps that are halved and at last by a jump across a corner; or why there is none."""
     name, why = path.family.parameters[0], ""
     at = f"{name} = {here.value:.9g}"
     while step >= _SHORTEST:
         try:
-            found = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step)
+            root = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step)
         except InputError as error:
             beyond = float(path.value(here.u + 2 * step * here.tangent))
             why = f"{_OUTSIDE} beyond {at}: {path.family.refusal(error, beyond)}"
         else:
-            why = f"{_TOO_SHORT} at {at}: {found.why}"
-            if found.good and np.linalg.norm(found.at - here.u) < 2 * step:
-                point = path.point(found, here.tangent)
+            why = f"{_TOO_SHORT} at {at}: {root.why}"
+            if root.good and np.linalg.norm(root.at - here.u) < 2 * step:
+                point = path.point(root, here.tangent)
                 if _goes_back(point, here, passed):
                     why = f"{_CORNER} at {at}, and its continuation there was not found"
                 elif step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point)):
-                    return found, point, step
+                    return root, point, step
         step *= 0.5
     if why.startswith(_OUTSIDE):
         return why

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle
-from stickslip.dynamics.periodic.newton import Found
+from stickslip.dynamics.periodic.newton import Root
 from stickslip.dynamics.stroboscopic.strobe_maps import state_at
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import machine_of
@@ -85,16 +85,16 @@ class CyclePath(Path):
         """A run of two cycles from a place, how long one takes, twice."""
         from stickslip.solvers import solve
 
-        cycle = self.orbit(Found(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
+        cycle = self.orbit(Root(u, 0.0, 0, np.empty((0, 0)), True, "", memory))
         options: dict[str, Any] = {"rtol": self.rtol} if machine_of(cycle.model).has_inner_states else {}
         run = solve(cycle.model, duration=2 * cycle.duration, start=cycle.start, keep="trajectory", **options)
         return run, cycle.duration, cycle.duration
 
-    def orbit(self, found: Found) -> LimitCycle:
+    def orbit(self, root: Root) -> LimitCycle:
         """The cycle at a point."""
-        model, u = self.robot(found.at), found.at[: self.at.smooth]
-        state = self.section.states(model, self.at, u[None, :], found.memory)[0]
-        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol, section=self.section)
+        model, u = self.robot(root.at), root.at[: self.at.smooth]
+        state = self.section.states(model, self.at, u[None, :], root.memory)[0]
+        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), root.residual, self.rtol, section=self.section)
 
 
 def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
@@ -111,14 +111,14 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
         return None
     critical, spread = zero(kept), abs(kept[-1][0] - kept[0][0])
     looked = (border_of_rest(path, last, critical, wider * spread) for wider in _WIDER)
-    return next((found for found in looked if found), (critical, spread))
+    return next((border for border in looked if border), (critical, spread))
 
 
 def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
     """Where the rest of cycles vanishes, and how sure that is, from cycles beside where it was seen to; None if they are not found."""
     near = _near(path, resting, critical - np.sign(critical - resting.value) * spread * np.linspace(0.1, 1.0, _NEAR))
-    found = None if near is None else _fitted(*near)
-    return found if found and found[1] < spread and abs(found[0] - critical) < spread else None
+    border = None if near is None else _fitted(*near)
+    return border if border and border[1] < spread and abs(border[0] - critical) < spread else None
 
 
 def birth(path: CyclePath, points: list[Point], beyond: Point) -> tuple[float, float] | None:
@@ -134,10 +134,10 @@ def birth(path: CyclePath, points: list[Point], beyond: Point) -> tuple[float, f
         return last.value, abs(beyond.value - last.value) + _BIRTH * path.span
     critical = zero(kept)
     for near in (_BIRTH, _BIRTH / 4):
-        found = [_shrunk(path, last, critical, share) for share in near * path.span * np.array([0.5, 1.0, 2.0, 4.0])]
-        if None in found:
+        squares = [_shrunk(path, last, critical, share) for share in near * path.span * np.array([0.5, 1.0, 2.0, 4.0])]
+        if None in squares:
             break
-        critical, other = zero(found[:3]), zero(found[1:])  # type: ignore[arg-type]
+        critical, other = zero(squares[:3]), zero(squares[1:])  # type: ignore[arg-type]
         kept = [(other, 0.0)]
     unsure = abs(kept[0][0] - critical)
     return float(critical), float(unsure + 8 * np.spacing(abs(critical)))
@@ -161,11 +161,11 @@ def zero(kept: list[tuple[float, float]]) -> float:
 
 def _near(path: CyclePath, last: Point, values: Array) -> tuple[Array, Array] | None:
     """Values, and squares of the time at rest of the cycles there; None unless all are found, with more rest the further away."""
-    found = [path.at_value(last.u, float(value), path.remembered(last.orbit)) for value in values]
-    if not all(there.good for there in found):
+    roots = [path.at_value(last.u, float(value), path.remembered(last.orbit)) for value in values]
+    if not all(there.good for there in roots):
         return None
-    rests = np.array([_rest(path.orbit(there), 1) ** 2 for there in found])
-    return (np.array([float(path.value(there.at)) for there in found]), rests) if rests[0] > 0.0 and np.all(np.diff(rests) > 0.0) else None
+    rests = np.array([_rest(path.orbit(there), 1) ** 2 for there in roots])
+    return (np.array([float(path.value(there.at)) for there in roots]), rests) if rests[0] > 0.0 and np.all(np.diff(rests) > 0.0) else None
 
 
 def _fitted(values: Array, rests: Array) -> tuple[float, float]:

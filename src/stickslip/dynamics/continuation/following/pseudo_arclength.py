@@ -20,7 +20,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.flows.flow_orbits import orbit_at
-from stickslip.dynamics.periodic.newton import STEP, Found, newton_within, slopes_at
+from stickslip.dynamics.periodic.newton import STEP, Root, newton_within, slopes_at
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flight, state_at, strobe_map, with_rests
 from stickslip.models.machine_adapter import machine_of
@@ -58,8 +58,8 @@ class Point:
     @cached_property
     def turning(self) -> float:
         """Product of (1 - multiplier multiplier) over pairs: changes its sign where a complex pair passes the unit circle."""
-        found = np.asarray(self.orbit.multipliers, complex)
-        return float(np.prod([1.0 - a * b for a, b in combinations(found, 2)]).real)
+        multipliers = np.asarray(self.orbit.multipliers, complex)
+        return float(np.prod([1.0 - a * b for a, b in combinations(multipliers, 2)]).real)
 
     @cached_property
     def half(self) -> Array:
@@ -155,8 +155,10 @@ class Path:
         model, d = self.robot(u), len(self.scales)
         starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
         numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
-        found = changes_along(model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol)
-        return self.missed(found.state[0], u), (found.change / self.scales).T - np.eye(d, d + 1)
+        changes = changes_along(
+            model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol
+        )
+        return self.missed(changes.state[0], u), (changes.change / self.scales).T - np.eye(d, d + 1)
 
     def derivative(self, u: Array, memory: Array, by_value: dict[str, float] | None, step: float = STEP) -> tuple[Array, Array]:
         """The residual of one state, and its derivatives by all unknowns: exact if `by_value` is known, else by differences."""
@@ -185,8 +187,8 @@ class Path:
             return self.differences(U, memory, worse)
         path = self.loosened() if worse else self
         ends, states = path.ends(U, memory), np.hstack([U[:, : self.at.smooth] * self.scales, np.tile(memory, (len(U), 1))])
-        found = jacobians_of(self.robots(U), states, self.period, path.rtol) * self.scales / self.scales[:, None]
-        return self.missed(self._held(ends, memory), U), found - np.eye(self.at.smooth)
+        jacobian = jacobians_of(self.robots(U), states, self.period, path.rtol) * self.scales / self.scales[:, None]
+        return self.missed(self._held(ends, memory), U), jacobian - np.eye(self.at.smooth)
 
     def differences(self, U: Array, memory: Array, worse: bool = False, by: slice | None = None) -> tuple[Array, Array]:
         """The same by differences of fourth order; by the inner unknowns, or by others."""
@@ -210,11 +212,11 @@ class Path:
             good = np.array([self.family.made(*self.values(u)) is not None for u in U])
             if not good[0]:
                 raise
-        found = np.full((len(U), len(self.scales)), np.nan)
-        found[good] = self.misses(U[good], memory)
-        return found
+        misses = np.full((len(U), len(self.scales)), np.nan)
+        misses[good] = self.misses(U[good], memory)
+        return misses
 
-    def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1, most: int = 12) -> Found:
+    def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1, most: int = 12) -> Root:
         """The point of the branch in the plane through `guess` across a direction."""
 
         def problem(memory: Array) -> Any:
@@ -235,17 +237,17 @@ class Path:
         exact = None if by_value is None else slopes
         return newton_within(problem, after, guess, memory, exact, tolerance=self.tolerance, most=most, reach=reach)
 
-    def at_value(self, guess: Array, value: float, memory: Array) -> Found:
+    def at_value(self, guess: Array, value: float, memory: Array) -> Root:
         """The point of the branch at a value of the parameter."""
         return self.corrected(np.append(guess[:-1], (value - self.origin) / self.span), _along_parameter(len(guess)), memory)
 
-    def orbit(self, found: Found) -> Any:
+    def orbit(self, root: Root) -> Any:
         """The motion at a point."""
-        state = np.append(found.at[: self.at.smooth] * self.scales, found.memory)
-        model = self.robot(found.at)
+        state = np.append(root.at[: self.at.smooth] * self.scales, root.memory)
+        model = self.robot(root.at)
         if is_flow(model):
-            return orbit_at(model, state, self.period, found.residual)
-        return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
+            return orbit_at(model, state, self.period, root.residual)
+        return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), root.residual, self.rtol)
 
     def longer_run(self, u: Array, memory: Array) -> tuple[Any, float, float]:
         """A run from a place that goes on for some time after the motion, how long the motion takes, and a period of it."""
@@ -255,18 +257,18 @@ class Path:
 
     def orbit_at(self, u: Array, memory: Array) -> Any:
         """The motion at a place that was found in more unknowns than its own."""
-        return self.orbit(Found(u, float(abs(self.misses(u[None, :], memory)).max()), 0, np.empty((0, 0)), True, "", memory))
+        return self.orbit(Root(u, float(abs(self.misses(u[None, :], memory)).max()), 0, np.empty((0, 0)), True, "", memory))
 
-    def point(self, found: Found, towards: Array) -> Point:
+    def point(self, root: Root, towards: Array) -> Point:
         """A point with its orbit and its direction."""
-        J = found.jacobian[:-1]
+        J = root.jacobian[:-1]
         tangent = tangent_of(J, towards)
-        blur = found.residual / max(float(np.linalg.svd(found.jacobian, compute_uv=False)[-1]), 1e-300)
+        blur = root.residual / max(float(np.linalg.svd(root.jacobian, compute_uv=False)[-1]), 1e-300)
         sizes = np.linalg.svd(J, compute_uv=False)
         crossing = float(np.linalg.det(np.vstack([J, tangent])))
-        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]), crossing)
+        return Point(root.at, tangent, float(self.value(root.at)), self.orbit(root), blur, bool(sizes[-1] > _FLAT * sizes[0]), crossing)
 
-    def beyond(self, here: Point, turns: bool = True) -> Iterator[tuple[Found, Point, float]]:
+    def beyond(self, here: Point, turns: bool = True) -> Iterator[tuple[Root, Point, float]]:
         """Points where the branch may go on behind a corner, such as where a new switch begins.
 
         They are found at fixed parameters beyond it, and along the directions that the branch has by its slopes on the other side of the
@@ -288,10 +290,10 @@ class Path:
             if direction @ here.tangent < _SAME_WAY:
                 yield direction
 
-    def _jumped(self, here: Point, step: float, direction: Array, memory: Array) -> Iterator[tuple[Found, Point, float]]:
-        found = self.corrected(here.u + step * direction, direction, memory)
-        if found.good and np.linalg.norm(found.at - here.u) < _CORNER * step:
-            yield found, self.point(found, found.at - here.u), step
+    def _jumped(self, here: Point, step: float, direction: Array, memory: Array) -> Iterator[tuple[Root, Point, float]]:
+        root = self.corrected(here.u + step * direction, direction, memory)
+        if root.good and np.linalg.norm(root.at - here.u) < _CORNER * step:
+            yield root, self.point(root, root.at - here.u), step
 
     def loosened(self) -> Path:
         """The same with tenfold tolerances, of the map and of the runs."""
@@ -299,8 +301,8 @@ class Path:
 
     def between(self, a: Point, s: float) -> Point | None:
         """The point that lies s ahead of `a`, along the tangent there."""
-        found = self.corrected(a.u + s * a.tangent, a.tangent, self.remembered(a.orbit))
-        return self.point(found, a.tangent) if found.good else None
+        root = self.corrected(a.u + s * a.tangent, a.tangent, self.remembered(a.orbit))
+        return self.point(root, a.tangent) if root.good else None
 
 
 def _along_parameter(n: int) -> Array:

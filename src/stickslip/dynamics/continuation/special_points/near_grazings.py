@@ -48,11 +48,11 @@ class Touch(NamedTuple):
         from scipy.optimize import minimize_scalar
 
         sign = -1.0 if self.what[-1] == "highest" else 1.0
-        found = minimize_scalar(
+        result = minimize_scalar(
             lambda t: sign * float(self.function(np.array([t]))[0]),
             bounds=self.within, method="bounded", options={"xatol": _DIGITS * (high - low)},
         )  # fmt: skip
-        return float(found.x), sign * float(found.fun)
+        return float(result.x), sign * float(result.fun)
 
     @property
     def name(self) -> str:
