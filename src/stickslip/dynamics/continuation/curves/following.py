@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stickslip.basics.contracts import Array
-from stickslip.basics.errors import InputError, SolveError
+from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import look, partial_result
 from stickslip.basics.progress import Reported
 from stickslip.dynamics.continuation.curves.problems import CurvePoint, CurveProblem
-from stickslip.dynamics.continuation.following.pseudo_arclength import tangent_of
+from stickslip.dynamics.continuation.following.arclength import OUTSIDE, TOO_SHORT, in_plane, step_along, tangent_of
 from stickslip.dynamics.continuation.special_points.accuracy import Meeting
 from stickslip.dynamics.periodic.newton import Root, newton, root_between
 
@@ -26,7 +26,7 @@ _ENDS = {"neimark-sacker": {"R1", "R2"}}  # beyond which a pair whose product is
 _TRIPLE = ("triple-point", "two borders of motion types meet here")
 _TURNED_REAL = "a resonance ({}) was met: beyond it the two multipliers whose product is 1 are real, and there is no rotation"
 _BEYOND = "it met another border, beyond which its motion does not exist"
-_SMALLEST, _LARGEST = 1e-6, 0.1
+_LARGEST = 0.1  # the longest step
 _UPRIGHT = 0.1  # of how fast the first parameter moves: the second is held where it moves faster than that
 _ROUNDED = 1e-8  # a residual below it that does not shrink has met rounding
 _TIMES = (2, 4, 8)  # distances, besides 1, from which what is known on one side only is continued to 0
@@ -58,7 +58,7 @@ def followed_curve(
             ahead = _next(problem, here, step)
             if isinstance(ahead, str):
                 return FollowedCurve(roots, special, ahead)
-            there, step = ahead
+            _, there, step = ahead
             if why := problem.apart(there.u):
                 return FollowedCurve(roots, special, why)
             now = problem.watched(there.u)
@@ -124,19 +124,16 @@ def _left(problem: CurveProblem, here: CurvePoint, sign: float) -> str:
     return f"{first} has moved by five times the branch's range" if abs(here.u[-2]) > 5.0 else ""
 
 
-def _next(problem: CurveProblem, here: CurvePoint, step: float) -> tuple[CurvePoint, float] | str:
+def _next(problem: CurveProblem, here: CurvePoint, step: float) -> tuple[Root, CurvePoint, float] | str:
     """The next point and the step that led to it; or why there is none."""
-    while True:
-        try:
-            ahead, why = _corrected(problem, here.u + step * here.tangent, here.tangent), ""
-        except InputError as error:
-            beyond = problem.values(here.u + 2 * step * here.tangent)
-            ahead, why = None, f"it left the admissible region: {problem.family.refusal(error, *beyond)}"
-        if ahead is not None and ahead.good and np.linalg.norm(ahead.at - here.u) <= 2 * step:
-            return _point(problem, ahead, here.tangent, here.facing), step
-        step *= 0.5
-        if step < _SMALLEST:
-            return why or f"no step was small enough: {ahead.why if ahead else ''}"
+    return step_along(
+        here,
+        step,
+        lambda guess, step: _corrected(problem, guess, here.tangent),
+        lambda root, step: _point(problem, root, here.tangent, here.facing),
+        lambda root: f"{TOO_SHORT}: {root.why}",
+        lambda error, beyond: f"{OUTSIDE}: {problem.family.refusal(error, *problem.values(beyond))}",
+    )
 
 
 def _point(problem: CurveProblem, root: Root, towards: Array, facing: Array | None) -> CurvePoint:
@@ -188,7 +185,4 @@ def _meeting(problem: CurveProblem, root: Root, kind: tuple[str, str], accuracy:
 
 
 def _corrected(problem: CurveProblem, guess: Array, across: Array) -> Root:
-    def residuals(U: Array) -> Array:
-        return np.column_stack([problem.residuals(U), (U - guess) @ across])
-
-    return newton(residuals, guess, problem.tolerance, most=15, floor=1e-7, reach=0.2)
+    return newton(in_plane(problem.residuals, guess, across), guess, problem.tolerance, most=15, floor=1e-7, reach=0.2)

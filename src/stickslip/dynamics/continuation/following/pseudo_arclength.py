@@ -17,6 +17,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.dynamics.continuation.following.arclength import in_plane, tangent_of
 from stickslip.dynamics.continuation.one_parameter import Family
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobians_of, not_followed
 from stickslip.dynamics.flows.flow_orbits import orbit_at
@@ -220,7 +221,7 @@ class Path:
         """The point of the branch in the plane through `guess` across a direction."""
 
         def problem(memory: Array) -> Any:
-            return lambda U: np.column_stack([self._admissible_misses(U, memory), (U - guess) @ across])
+            return in_plane(lambda U: self._admissible_misses(U, memory), guess, across)
 
         by_value = self.numbers(guess)
 
@@ -307,9 +308,3 @@ class Path:
 
 def _along_parameter(n: int) -> Array:
     return np.eye(n)[-1]
-
-
-def tangent_of(J: Array, towards: Array) -> Array:
-    """The direction in which the residual does not change, on the side of `towards`."""
-    direction = np.linalg.svd(J)[2][-1]
-    return direction * (1.0 if direction @ towards >= 0 else -1.0)

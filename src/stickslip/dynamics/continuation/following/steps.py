@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.continuation.following.arclength import OUTSIDE, TOO_SHORT, step_along
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points.branch_points import crossing_between
 from stickslip.dynamics.continuation.special_points.grazing import grazed
@@ -17,9 +18,8 @@ from stickslip.models.switching_flow import is_flow
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
 _ANOTHER = 0.7  # of a step that led to a place where the motion is not alone
-_SHORTEST = 1e-6  # the last step that is tried
-_TOO_SHORT, _CORNER = STOPPED = "no step was small enough", "it has a corner"
-_OUTSIDE = "it left the admissible region"
+_CORNER = "it has a corner"
+STOPPED = TOO_SHORT, _CORNER
 SIDE_BY_SIDE = "such motions form a continuous family (a multiplier is 1), and no single one can be followed"
 
 
@@ -51,28 +51,30 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
 
 def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Root, Point, float] | str:
     """The next point, by steps that are halved and at last by a jump across a corner; or why there is none."""
-    name, why = path.family.parameters[0], ""
-    at = f"{name} = {here.value:.9g}"
-    while step >= _SHORTEST:
-        try:
-            root = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step)
-        except InputError as error:
-            beyond = float(path.value(here.u + 2 * step * here.tangent))
-            why = f"{_OUTSIDE} beyond {at}: {path.family.refusal(error, beyond)}"
-        else:
-            why = f"{_TOO_SHORT} at {at}: {root.why}"
-            if root.good and np.linalg.norm(root.at - here.u) < 2 * step:
-                point = path.point(root, here.tangent)
-                if _goes_back(point, here, passed):
-                    why = f"{_CORNER} at {at}, and its continuation there was not found"
-                elif step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point)):
-                    return root, point, step
-        step *= 0.5
-    if why.startswith(_OUTSIDE):
-        return why
+    at = f"{path.family.parameters[0]} = {here.value:.9g}"
+
+    def corrected(guess: Array, step: float) -> Root:
+        return path.corrected(guess, here.tangent, path.remembered(here.orbit), step)
+
+    def accepted(root: Root, step: float) -> Point | str:
+        point = path.point(root, here.tangent)
+        if _goes_back(point, here, passed):
+            return f"{_CORNER} at {at}, and its continuation there was not found"
+        same = step <= _SMALL or (point.tangent @ here.tangent > _STRAIGHT and not _hops(path, here, point))
+        return point if same else failed(root)
+
+    def failed(root: Root) -> str:
+        return f"{TOO_SHORT} at {at}: {root.why}"
+
+    def refused(error: InputError, beyond: Array) -> str:
+        return f"{OUTSIDE} beyond {at}: {path.family.refusal(error, float(path.value(beyond)))}"
+
+    ahead = step_along(here, step, corrected, accepted, failed, refused)
+    if not isinstance(ahead, str) or ahead.startswith(OUTSIDE):
+        return ahead
     turns = is_flow(here.orbit.model) or not grazed(here.orbit)  # behind a stop of a machine the search is longer than all the rest
-    jumped = (ahead for ahead in path.beyond(here, turns) if not _goes_back(ahead[1], here, passed))
-    return next(jumped, None) or why
+    jumped = (beyond for beyond in path.beyond(here, turns) if not _goes_back(beyond[1], here, passed))
+    return next(jumped, None) or ahead
 
 
 def _hops(path: Path, here: Point, point: Point) -> bool:
