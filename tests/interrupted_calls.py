@@ -276,7 +276,7 @@ def _of_fit(method: str, **options: Any) -> Call:
 
 def _sample() -> Call:
     fit = _fit()
-    return Call(lambda: fit.sample(draws=1500), _of_attrs, lambda d: [d.sizes["draw"]])
+    return Call(lambda: fit.sample(draws=300), _of_attrs, lambda d: [d.sizes["draw"]])
 
 
 def _compare() -> Call:

@@ -7,6 +7,7 @@ import sys
 
 import lazy_loader
 
+from stickslip.basics.interruption import held_together
 from stickslip.basics.presenting import on_demand
 
 __version__ = "0.1.0.dev0"
@@ -16,13 +17,15 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 def __getattr__(name: str) -> object:
     if name in PUBLIC_MODULES:
-        return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
+        with held_together():  # an import that Ctrl-C leaves half done poisons the process
+            return importlib.import_module(f"{__name__}.{PUBLIC_MODULES[name]}")
     if name not in __all__:
         from stickslip.basics.errors import did_you_mean
 
         hint = f"did you mean {_ELSEWHERE[name]!r}?" if name in _ELSEWHERE else did_you_mean(name, __all__)
         raise AttributeError(f"stickslip has no {name!r}; {hint}")
-    return _load(name)
+    with held_together():
+        return _load(name)
 
 
 #: Names that other packages use for some of our functions.
