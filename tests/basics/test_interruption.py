@@ -1,5 +1,6 @@
 """Ctrl-C at several instants of long calls: a part that says so, no thread left, and the next call right."""
 
+import functools
 import json
 import os
 import signal
@@ -277,6 +278,27 @@ def test_an_interrupted_sweep_on_the_command_line_exits_with_130_and_goes_on_lat
     assert code == interruption_code() and f"type stickslip resume {study} to go on" in err and "sweep was interrupted" in err
     grid = ss.open_study(study)
     assert 0 < int((grid.status <= 1).sum()) < grid.status.size
+
+
+def test_a_run_on_the_command_line_that_was_complete_at_ctrl_c_keeps_its_file_and_is_not_looked_into(tmp_path, monkeypatch, capsys):
+    from stickslip import solvers
+    from stickslip.show.cli import main
+
+    really = solvers.solve
+
+    @interruptible
+    @functools.wraps(really)
+    def pressed(*args, **more):
+        run = really(*args, **more)
+        interruption._listening.set(interruption.CTRL_C)
+        return run
+
+    monkeypatch.setattr(solvers, "solve", pressed)
+    path = tmp_path / "run.nc"
+    words = ["run", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4", "law=coulomb", "periods=5", "--data", str(path)]
+    assert main(words) == interruption_code()
+    out, err = capsys.readouterr()
+    assert not out and "was not looked for" in err and ss.load(path).periods == 5
 
 
 def interruption_code():

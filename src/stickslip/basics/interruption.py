@@ -37,6 +37,8 @@ _AT_ONCE = 0.5  # three of Ctrl-C within this time raise KeyboardInterrupt [s]
 
 #: Names of the long calls of this process that Ctrl-C ended early, and which returned what was finished.
 ended_early: list[str] = []
+#: Names of those that were complete when Ctrl-C came.
+complete_before: list[str] = []
 
 
 class Interrupted(KeyboardInterrupt):
@@ -175,6 +177,7 @@ def _say(call: _Call) -> None:
         ended_early.append(call.name)
         told = f"{call.name} was interrupted; what is finished is returned (Ctrl-C three times at once ends the program)"
     elif call.stop.why == CTRL_C:
+        complete_before.append(call.name)
         told = f"{call.name} was complete when Ctrl-C came"
     else:
         return

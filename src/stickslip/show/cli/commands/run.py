@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from stickslip.basics.interruption import complete_before
 from stickslip.show.cli import aperiodic_runs as timed, bodies, show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import FIGURES, ROBOT, argument, command
@@ -48,8 +49,11 @@ def act(asked: Any) -> Outcome:
     from stickslip.models.machine_adapter import machine_of
     from stickslip.solvers import solve
 
+    before = len(complete_before)
     run = solve(robot, **study.options, keep="trajectory")
     written = [str(path) for path in (_drawn(run, asked.figure), written_to(run, asked.data)) if path is not None]
+    if len(complete_before) > before:
+        raise KeyboardInterrupt("run was interrupted: the motion is computed, and what it is was not looked for")
     make, tell = (_record, _text) if robot.period is not None else (timed.record, timed.as_text)
     make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.as_text)
     record = make(study, run, written)
