@@ -19,6 +19,7 @@ from stickslip.basics.fields import leaves
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.inverse.identification.effects import plainer
 from stickslip.inverse.identification.limits import Limits, limits_of
+from stickslip.inverse.scales import Scale
 from stickslip.models.naming import in_its_unit
 
 
@@ -44,21 +45,22 @@ class Free:
     log: bool = False
     prior: Distribution | None = None
 
+    @property
+    def scale(self) -> Scale:
+        """The scale of the search."""
+        return Scale(self.low, self.high, self.log)
+
     def inner(self, value: Any) -> Any:
         """The value on the scale of the search, 0 to 1 between the bounds."""
-        if self.log:
-            return np.log(np.asarray(value) / self.low) / np.log(self.high / self.low)
-        return (np.asarray(value) - self.low) / (self.high - self.low)
+        return self.scale.inner(value)
 
     def outer(self, place: Any) -> Any:
         """The value at a place between 0 and 1."""
-        if self.log:
-            return self.low * (self.high / self.low) ** np.asarray(place)
-        return self.low + (self.high - self.low) * np.asarray(place)
+        return self.scale.outer(np.asarray(place))
 
     def slope(self, place: float) -> float:
         """d value / d place."""
-        return float(self.outer(place) * np.log(self.high / self.low)) if self.log else self.high - self.low
+        return self.scale.slope(np.asarray(place))
 
     @property
     def argument(self) -> str:

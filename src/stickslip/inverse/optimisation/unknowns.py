@@ -15,6 +15,7 @@ from stickslip.basics.number_names import numbers_meant
 from stickslip.basics.quantities import allowed_in, example_of
 from stickslip.inverse.optimisation.bounds import typed_ends
 from stickslip.inverse.optimisation.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
+from stickslip.inverse.scales import Scale
 from stickslip.models.drives.drive_adapter import lacking
 
 _DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
@@ -37,19 +38,18 @@ class Varied:
         """Unknowns."""
         return 1 if self.form is None else unknowns_of(self.form)
 
+    @property
+    def scale(self) -> Scale:
+        """The scale of the search between the bounds."""
+        return Scale(self.low, self.high, self.low > 0.0 and self.high / self.low > _DECADES)
+
     def value(self, u: Array) -> Array:
         """The number at an unknown."""
-        if self.low > 0.0 and self.high / self.low > _DECADES:
-            return self.low * (self.high / self.low) ** u
-        return self.low + (self.high - self.low) * u
+        return self.scale.outer(u)
 
     def unknown(self, value: float) -> float:
         """The unknown of a number, within the bounds."""
-        if self.low > 0.0 and self.high / self.low > _DECADES:
-            share = np.log(value / self.low) / np.log(self.high / self.low) if value > 0.0 else 0.0
-        else:
-            share = (value - self.low) / (self.high - self.low)
-        return float(np.clip(share, 0.0, 1.0))
+        return float(np.clip(self.scale.inner(max(value, self.low)), 0.0, 1.0))
 
 
 class Unknowns:
