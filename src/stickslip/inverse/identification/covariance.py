@@ -132,7 +132,7 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float,
     if misfit is None:
         return found
     moved = inverse[:, : len(misfit.columns)] @ misfit.columns
-    return misfit.factor**2 * (found + moved @ moved.T)
+    return misfit.factor**2 * found + moved @ moved.T
 
 
 def correlations_of(covariance: ArrayLike) -> Any:

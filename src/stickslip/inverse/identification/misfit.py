@@ -30,8 +30,8 @@ class Misfit:
     columns : array (values, directions)
         What the law may lack, in standard deviations of the values: one column for each direction.
     factor : float
-        By how much all errors are larger, because residuals are larger than the noise that was given, or a number is far off what was
-        known of it.
+        By how much errors are larger besides that, because residuals are larger than the noise that was given, or a number is far off what
+        was known of it.
     """
 
     said: tuple[str, ...]

@@ -104,8 +104,14 @@ def by_profile(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """Where the least sum of squares of the other parameters has risen by as much as the level allows."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
-    ends = [_profile_end(fit, k, sign, _allowed(fit, k, level)) for sign in (-1.0, 1.0)]
+    ends = [_profile_end(fit, k, sign, _rise(fit, k, level)) for sign in (-1.0, 1.0)]
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
+
+
+def by_either(fit: Fit, name: str, level: float) -> tuple[float, float]:
+    """From the outer ends of both: under noise of the motion the sum of squares is rough, and a profile ends at the first rise."""
+    ends = [by(fit, name, level) for by in (by_covariance, by_profile)]
+    return min(low for low, _ in ends), max(high for _, high in ends)
 
 
 def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
@@ -138,12 +144,46 @@ def _profile_end(fit: Fit, k: int, sign: float, rise: float) -> float:
 
 
 def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
-    """By how much the sum of squares rises when a parameter is held, the others free."""
+    """By how much the sum of squares rises when a parameter is held, the others free: from a place, or from where they would follow to."""
     name = fit.names[k]
-    free = fit.problem.parameters.free[k]
-    problem = fit.problem.only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
-    found = polished_to_end(problem, np.delete(start, k), rough=True)
-    return found.cost - fit.cost, np.insert(found.place, k, held)
+    free, looser = fit.problem.parameters.free[k], _looser(fit, k)
+    problem = fit.problem.trusting(fit.problem.trust * np.sqrt(looser)).only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
+    tried = [np.delete(place, k) for place in (start, _followed(fit, k, held, start))]
+    sums = [float(rest @ rest) for rest in map(problem.residuals, tried)]
+    found = polished_to_end(problem, tried[int(np.argmin(sums))], rough=True)
+    return found.cost - fit.cost - (looser - 1) * fit.penalty, np.insert(found.place, k, held)
+
+
+def _looser(fit: Fit, k: int) -> float:
+    """How many times the squares of the data may rise beside those of what is known beforehand, which has no colour and no misfit.
+
+    1 where both rise alike: nothing is known beforehand, or the noise of records was given.
+    """
+    if len(fit.jacobian) == fit.count or any(t.given_sigma for t in fit.problem.targets):
+        return 1.0
+    inverse = fit.information.inverse[k]
+    data, known = (fit.scale**2 * float(np.sum(part**2)) for part in (inverse[: fit.count], inverse[fit.count :]))
+    wider = (fit.spread[k, k] - known) / data if data > 0 and np.isfinite(fit.spread[k, k]) else _colour(fit)
+    return max(float(wider), 1.0)
+
+
+def _colour(fit: Fit) -> float:
+    """How many values are worth one independent one, in the record where they are most."""
+    return max(len(rest) / effective(rest) for rest in fit.problem.parts(fit.residuals))
+
+
+def _rise(fit: Fit, k: int, level: float) -> float:
+    """By how much the sum of squares may rise within an interval, where what is known beforehand counts by `_looser`."""
+    looser = _looser(fit, k)
+    return float((_quantile(fit, level) * fit.scale) ** 2 * looser) if looser > 1.0 else _allowed(fit, k, level)
+
+
+def _followed(fit: Fit, k: int, held: float, start: Any) -> Any:
+    """A place at which the others have followed a parameter along the valley of the sum of squares, as its covariance has it."""
+    along = fit.information.of_the_determined()[:, k]
+    moved = start + (along / along[k] if along[k] > 0 else 0.0 * along) * (held - start[k])
+    low, high = fit.problem.bounds()
+    return np.where(np.arange(len(start)) == k, held, np.clip(moved, low, high))
 
 
 def faults(fit: Fit) -> list[str]:
@@ -158,7 +198,7 @@ def faults(fit: Fit) -> list[str]:
 _AT_SENSOR = "type a wider range for it in sensor={...}, or the law or the motion is not that of the record"
 
 
-_BY_PRIOR = "the intervals are as many times as wide"
+_BY_PRIOR = "intervals are as many times as wide, or more"
 _WIDENED = "the law or the drive is not that of the record, or the noise is larger than given; the intervals are wider by that factor"
 
 
@@ -292,14 +332,13 @@ def open_parameters(fit: Fit) -> tuple[str, ...]:
     At either bound the sum of squares rises by less than the level allows once the others follow.
     """
     bent = [(name, fit.names.index(name)) for name in fit.bent]
-    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.place)[0] < _allowed(fit, k, _LEVEL) for end in (0.0, 1.0)))
+    return tuple(name for name, k in bent if all(_risen(fit, k, end, fit.place)[0] < _rise(fit, k, _LEVEL) for end in (0.0, 1.0)))
 
 
 def _allowed(fit: Fit, k: int, level: float) -> float:
     """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
     white, coloured = fit.information.covariance(fit.scale)[k, k], fit.spread[k, k]
-    parts = fit.problem.parts(fit.residuals)
-    wider = coloured / white if np.isfinite(white) else max(len(rest) / effective(rest) for rest in parts)
+    wider = coloured / white if np.isfinite(white) else _colour(fit)
     return float((_quantile(fit, level) * fit.scale) ** 2 * wider)
 
 
@@ -330,7 +369,8 @@ def _why(fit: Fit, q: Quality, rest: Any) -> str:
         what = "motion" if q.kind in OVER_MOTION else "drive"
         return f"they follow time and not the {what}, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
     wider = max(widening(fit).values(), default=1.0)
-    counted = f"are up to {wider:.2g} times as wide for it" if wider > _WIDER else "count their correlation"
+    allows = "allow for it" if fit.misfit is not None and not fit.misfit.is_none else "count their correlation"
+    counted = f"are up to {wider:.2g} times as wide for it" if wider > _WIDER else allows
     return f"the law or the drive is not that of the record, so it is not supported; the intervals {counted}"
 
 

@@ -27,7 +27,7 @@ class CoulombViscous(Dry):
     f_plus, f_minus : float, optional
         Static (break-away) coefficients [-]; ``None`` means the kinetic ones.
     viscous : float
-        Viscous friction c [N s/m].
+        Viscous friction c [N s/m]; below zero friction falls with the speed, as it does over a part of a Stribeck curve.
     quadratic : float
         Quadratic friction d [N s^2/m^2].
 
@@ -46,9 +46,21 @@ class CoulombViscous(Dry):
     (-2.1, 1.5)
     """
 
-    viscous: float = field(default=0.0, metadata=VISCOUS)
+    viscous: float = field(default=0.0, metadata=VISCOUS | {"rule": None, "allowed": "a number"})
     quadratic: float = field(default=0.0, metadata=QUADRATIC)
 
     def sliding(self, v: Numeric, load: Numeric) -> Any:
         """Friction force R while sliding with velocity v [N]."""
         return by_side(v, self.mu_plus, -self.mu_minus) * load + self.viscous * v + self.quadratic * v * abs(v)
+
+    def notes(self, load: Any) -> list[str]:
+        """The speed beyond which friction that falls with it would push."""
+        import numpy as np
+
+        least, fall = np.minimum(self.mu_plus, self.mu_minus) * load, -np.asarray(self.viscous, float)
+        room = fall**2 - 4 * self.quadratic * least
+        if not np.any((fall > 0) & (room > 0)):
+            return []
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speed = np.where((fall > 0) & (room > 0), 2 * least / (fall + np.sqrt(np.maximum(room, 0.0))), np.inf)
+        return [f"friction falls with the speed, and would push beyond {float(np.min(speed)):.3g} m/s; a Stribeck law does not"]
