@@ -17,7 +17,7 @@ import xarray as xr
 
 import stickslip as ss
 from stickslip.analysis.closed_form import border_iii_iv
-from stickslip.dynamics.attractors.settled_motions import periods_of
+from stickslip.dynamics.attractors.period_numbers import periods_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.inverse.identification.parameters import parameters
 from stickslip.show.cli import main

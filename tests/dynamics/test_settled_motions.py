@@ -159,3 +159,32 @@ def test_two_starts_on_one_chaotic_attractor_are_one_and_mirror_twins_are_two():
 def test_the_limit_is_checked():
     with pytest.raises(ss.InputError, match="allowed is a whole number of drive periods from settle = 50 on"):
         ss.basins(HENON, x=[0.0, 0.1], settle=50, limit=20)
+
+
+@pytest.mark.parametrize("r", [1 + np.sqrt(6), 3.5440, 3.5699, 3.569945672])
+def test_where_periods_double_a_motion_is_not_quasi_periodic(r):
+    """At a doubling nothing settles within a limit, and where doublings accumulate (Feigenbaum 1978) the attractor is no curve."""
+    found = settled(ss.SwitchingFlow.of_map(LOGISTIC, {"r": float(r)}, ("x",)), np.array([[0.3]]), 200)
+    assert found.kind[0] == "not settled" and "closed curve" in found.why[0]
+
+
+@pytest.mark.parametrize(("a", "kind"), [(1.9, "periodic"), (2.1, "quasi-periodic"), (2.2, "periodic")])
+def test_the_delayed_logistic_map_has_a_closed_curve_and_a_locked_motion(a, kind):
+    """x' = a x (1 - y), y' = x: from a = 2 on a closed curve, which locks at a sevenfold period (Aronson, Chory, Hall and McGehee 1982)."""
+    delayed = ss.SwitchingFlow.of_map(lambda y, n: (n.a * y[0] * (1 - y[1]), y[0]), {"a": a}, ("x", "y"))
+    found = settled(delayed, np.array([[0.4, 0.4], [0.3, 0.5]]), 200)
+    assert (found.kind == kind).all() and found.period.tolist() == [{1.9: 1, 2.1: 0, 2.2: 7}[a]] * 2
+
+
+def test_a_forced_damped_pendulum_has_the_attractors_of_a_plain_integrator():
+    """x'' + 0.2 x' + sin x = 1.2 cos t on the cylinder: angles that differ by whole turns are one state."""
+    found = settled(forced(lambda t, x, v: -sin(x) - 0.2 * v + 0.6 * cos(t)), PLANE[::4])
+    plain = integrated(lambda t, x, v: -np.sin(x) - 0.2 * v + 0.6 * np.cos(t), PLANE[::4], 400)
+    for i in range(len(plain[0])):
+        back = plain[-1, i] - plain[-2:-12:-1, i]
+        repeats = np.flatnonzero((abs(np.sin(back[:, 0] / 2)) < 1e-6) & (abs(back[:, 1]) < 1e-6) & (abs(back[:, 0]) < 1))
+        assert found.kind[i] == ("periodic" if len(repeats) else "chaotic")
+        if len(repeats):
+            assert found.period[i] == repeats[0] + 1
+            apart = found.points[i, :, :2] - plain[-1, i]
+            assert np.min(np.max(abs(apart), axis=1)) < 1e-4  # the step of the twin

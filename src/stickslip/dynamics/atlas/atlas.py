@@ -26,7 +26,8 @@ from stickslip.dynamics.atlas.levels import RefinementLevel, points_within, shar
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, explained_by
-from stickslip.dynamics.attractors.settled_motions import STRETCH, checked_limit
+from stickslip.dynamics.attractors.settled_motions import checked_limit
+from stickslip.dynamics.attractors.starts_run_on import STRETCH
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared

@@ -20,7 +20,7 @@ from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, unseen_sh
 from stickslip.dynamics.attractors.attractor_continuation import OF_ATTRACTORS
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
-from stickslip.dynamics.attractors.settled_motions import UNDONE
+from stickslip.dynamics.attractors.kinds_of_motion import UNDONE
 from stickslip.dynamics.continuation.special_points.accuracy import certain
 
 if TYPE_CHECKING:

@@ -11,8 +11,9 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
+from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
 from stickslip.dynamics.attractors.motion_features import features_of, numbered
-from stickslip.dynamics.attractors.settled_motions import PERIODIC, UNSETTLED, settled_motions
+from stickslip.dynamics.attractors.settled_motions import settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
 from stickslip.models.machine_adapter import machine_of

@@ -15,8 +15,9 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
+from stickslip.dynamics.attractors.kinds_of_motion import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
-from stickslip.dynamics.attractors.settled_motions import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED, Settled, settled_motions
+from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model

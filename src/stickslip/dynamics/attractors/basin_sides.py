@@ -10,16 +10,9 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.variables import unit_of
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motion_features import Features, features_of
-from stickslip.dynamics.attractors.settled_motions import (
-    NOT_COMPUTED,
-    PERIODIC,
-    RUNS_AWAY,
-    UNSETTLED,
-    UNSOLVED,
-    Settled,
-    settled_motions,
-)
+from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, spread_over
 from stickslip.models.switching_flow import is_flow
 

@@ -16,16 +16,9 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, UNSETTLED
 from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
-from stickslip.dynamics.attractors.settled_motions import (
-    NOT_COMPUTED,
-    OF_MOTIONS,
-    PERIODIC,
-    UNSETTLED,
-    Settled,
-    checked_limit,
-    settled_motions,
-)
+from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model

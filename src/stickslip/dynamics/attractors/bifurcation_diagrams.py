@@ -13,8 +13,10 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, look, partial_result
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE
 from stickslip.dynamics.attractors.motion_features import features_of
-from stickslip.dynamics.attractors.settled_motions import NOT_COMPUTED, OF_MOTIONS, POINTS, UNDONE, checked_limit, settled_motions
+from stickslip.dynamics.attractors.period_numbers import POINTS
+from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared

@@ -8,16 +8,11 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.attractors.settled_motions import (
-    CHAOTIC,
-    PERIODIC,
-    POINTS,
-    Settled,
-    smooth_means,
-    steady_velocity,
-    whole_motions,
-)
-from stickslip.dynamics.exponents.rotation import smooth_weights
+from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC
+from stickslip.dynamics.attractors.motions_without_period import smooth_means
+from stickslip.dynamics.attractors.period_numbers import POINTS, steady_velocity, whole_motions
+from stickslip.dynamics.attractors.settled_motions import Settled
+from stickslip.dynamics.exponents.closed_curves import smooth_weights
 
 if TYPE_CHECKING:
     from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates

@@ -13,8 +13,9 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.interruption import interruptible, partial_result
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, UNDONE
 from stickslip.dynamics.attractors.motion_features import features_of
-from stickslip.dynamics.attractors.settled_motions import NOT_COMPUTED, OF_MOTIONS, UNDONE, checked_limit, settled_motions
+from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from

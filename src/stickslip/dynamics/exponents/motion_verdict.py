@@ -83,8 +83,8 @@ def verdict(
 
     Periodic: the strobe point returns, Newton's method finds a stable orbit there, and the largest exponent is that of its multipliers.
     Chaotic: it does not return, and the largest exponent is positive by more than three of its errors. Quasi-periodic: it does not return,
-    and the largest exponent is zero within three errors that are small; if its strobe points lie on one closed curve, it has two
-    frequencies, and their rotation number is given. Anything else is undecided.
+    the largest exponent is zero within three errors that are small, and its strobe points wind round one closed curve, so that it has two
+    frequencies; their rotation number is given where two numbers of the state show the curve unfolded. Anything else is undecided.
 
     Parameters
     ----------
@@ -121,8 +121,7 @@ def verdict(
     if back.period is None and exponents.chaotic:
         return Verdict("chaotic", None, exponents, None, f"the strobe point does not return and {evidence}")
     if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
-        rotation, description = rotation_of_strobe(model, back.state, rtol)
-        return Verdict(
-            "quasi-periodic", None, exponents, None, f"the strobe point does not return and {evidence}: zero; {description}", rotation
-        )
+        rotation, description, winds = rotation_of_strobe(model, back.state, rtol)
+        why = f"the strobe point does not return and {evidence}: zero; {description}"
+        return Verdict("quasi-periodic" if winds else "undecided", None, exponents, None, why, rotation)
     return Verdict("undecided", back.period, exponents, None, f"{evidence}; {back.why}; try more periods and a longer settle")

@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
+from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_number
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 
 _LEAST = 100
@@ -118,16 +119,22 @@ def rotation_on_curve(points: Array) -> Rotation | None:
     return _mean_advance(_unwrapped(turns))
 
 
-def rotation_of_strobe(model: Model, state: Array, rtol: float) -> tuple[Rotation | None, str]:
-    """The rotation number of strobe points in the first two numbers of the state that show one closed curve, and a sentence on it."""
+def rotation_of_strobe(model: Model, state: Array, rtol: float) -> tuple[Rotation | None, str, bool]:
+    """The rotation number of strobe points in the first two numbers of the state that show one closed curve, and a sentence on it.
+
+    Last whether they wind round one at all, folded as it may be.
+    """
     at = coordinates(model)
     points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
     for i, j in combinations(range(min(at.smooth, _SEEN)), 2):
         rotation = rotation_on_curve(points[:, [i, j]])
         if rotation is not None:
             sentence = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"
-            return rotation, f"{sentence}, rotation number {rotation.rounded} turns per drive period, up to whole turns and its sense"
-    return None, "no two numbers of its strobe state show one closed curve: it has more than two frequencies, or its curve is folded"
+            return rotation, f"{sentence}, rotation number {rotation.rounded} turns per drive period, up to whole turns and its sense", True
+    turns = winding_number(points[:, : at.smooth] / at.scales[: at.smooth])
+    if turns is not None:
+        return None, f"its strobe points wind round one closed curve, which is folded, {turns:.7g} turns per drive period", True
+    return None, "its strobe points wind round no closed curve: it has more than two frequencies, or has not settled", False
 
 
 def _unwrapped(turns: Array) -> Array:
@@ -149,19 +156,6 @@ def _mean_advance(turns: Array, size: float = 1.0) -> Rotation:
 
 def _weighted(turns: Array) -> float:
     return float(np.sum(smooth_weights(len(turns)) * turns))
-
-
-def smooth_weights(count: int) -> Array:
-    """Weights exp(-1/(t(1 - t))) along so many points, t from 0 to 1; their sum is 1.
-
-    Examples
-    --------
-    >>> smooth_weights(3).round(3).tolist()
-    [0.173, 0.655, 0.173]
-    """
-    t = np.arange(1, count + 1) / (count + 1)
-    weights = np.exp(-1.0 / (t * (1.0 - t)))
-    return np.asarray(weights / np.sum(weights))
 
 
 def _checked(points: Any) -> Array:

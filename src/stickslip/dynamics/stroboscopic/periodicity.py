@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.attractors.settled_motions import LONGEST, repeated
+from stickslip.dynamics.attractors.period_numbers import LONGEST, repeated
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.results.recurrence import apart, approach
 

@@ -118,7 +118,7 @@ def _text(name: str, axes: list[str], found: Any) -> str:
     """The share of each kind of motion in the map."""
     import numpy as np
 
-    from stickslip.dynamics.attractors.settled_motions import KINDS
+    from stickslip.dynamics.attractors.kinds_of_motion import KINDS
 
     period, motion = found.period.values, found.motion.values
     chaotic = motion == "chaotic"

@@ -1,0 +1,182 @@
+"""Starts that are run until they repeat or a limit is reached, and what is left over a long stretch: see `settled_motions`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.basics.batch import some_of
+from stickslip.basics.contracts import Array, Model
+from stickslip.basics.errors import StickslipError
+from stickslip.basics.status import Status
+from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, PERIODIC, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
+from stickslip.dynamics.attractors.period_numbers import LONGEST, POINTS, periods_of, return_tolerance, rows_of_points
+from stickslip.dynamics.exponents.motion_exponents import exponents_from
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, strobe_map, strobe_orbit
+from stickslip.engine.texts import recurrence
+from stickslip.models.switching_flow import is_flow
+
+if TYPE_CHECKING:
+    from stickslip.models.switching_flow import SwitchingFlow
+
+STRETCH = 600  # drive periods over which a motion without a period is looked at
+ERRORS = 3.0  # a positive exponent is so many of its standard errors from zero
+_EARLY = 24  # drive periods after which it is asked whether a state stands still to the last bit
+_FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of the last stages, runs away
+_HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
+
+
+class Watched:
+    """What is known of some starts: arrays with a row for each."""
+
+    def __init__(self, at: Coordinates, cases: int, d: int, points: int):
+        self.at, self.count = at, points
+        self.points, self.ways = np.full((cases, points, d), np.nan), np.full((cases, points), np.nan)
+        self.kind, self.period = np.full(cases, NOT_COMPUTED, dtype="<U16"), np.full(cases, UNDONE)
+        self.exponent, self.error, self.run = np.full(cases, np.nan), np.full(cases, np.nan), np.zeros(cases, int)
+        self.why, self.long = np.full(cases, "", dtype="<U200"), dict[int, Array]()
+        self.grows = np.zeros(cases, bool)  # far away, and ever farther
+        self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
+
+    def put(self, part: slice, watched: Watched) -> None:
+        """Note what is known of a part."""
+        for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "half", "end"):
+            getattr(self, name)[part] = getattr(watched, name)
+        self.long |= {part.start + i: long for i, long in watched.long.items()}
+
+
+class StartsRun:
+    """Starts that run side by side until they repeat, or the limit is reached."""
+
+    def __init__(self, batch: Any, states: Array, at: Coordinates, rtol: float, points: int):
+        self.batch, self.at, self.rtol, self.starts = batch, at, rtol, states
+        self.tolerance, self.seen = return_tolerance(rtol), Watched(at, states.shape[0], states.shape[1], points)
+        self.left = np.zeros(0, int)
+        self.sizes: list[Array] = []  # of all states in their scales, after each stage
+
+    def settle(self, first: int, limit: int, tell: Callable[[float], None]) -> None:
+        """Run all for the first drive periods and what does not repeat twice as long each time, up to the limit."""
+        rows, count = np.arange(len(self.starts)), self.seen.count
+        self._take(rows, _first(self.batch, self.starts, self.at, first, self.rtol, count, tell), first)
+        total, halfway = first, limit // 2
+        while len(self.left):
+            if total >= halfway and not self.seen.half.any():
+                self.seen.half[self.left] = ~self._closing_in(self.left)
+            if total >= limit:
+                break
+            step, rows = min(total, limit - total), self.left
+            self._take(rows, _later(some_of(self.batch, rows), self.seen.points[rows, -1], step, self.rtol, count), total + step)
+            total += step
+            tell(0.2 + 0.4 * total / limit)
+        self.seen.end[self.left] = ~self._closing_in(self.left)
+
+    def _take(self, rows: Array, result: tuple[Any, ...], total: int) -> None:
+        """Note what a look shows: what repeats is settled, what is not solved has ended, and the rest is left."""
+        watched = self.seen
+        watched.points[rows], watched.ways[rows], good = result
+        fine = good & np.isfinite(watched.points[rows]).all(axis=(1, 2))
+        period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
+        watched.period[rows], watched.run[rows] = period, total
+        watched.kind[rows] = np.where(period > 0, PERIODIC, np.where(fine, UNSETTLED, UNSOLVED))
+        self.left = rows[fine & (period == 0)]
+        with np.errstate(invalid="ignore"):
+            self.sizes.append(np.max(abs(watched.points[:, -1]) / self.at.scales, axis=1))
+
+    def _closing_in(self, rows: Array) -> Array:
+        """Which starts come steadily nearer to a periodic motion, and so are not irregular."""
+        ask, scales, last = recurrence().approach, np.array(self.at.scales, float), self.seen.count - 1
+        return np.array([bool(ask(rows_of_points(self.seen.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
+
+    def look_long(self, exponents: int) -> None:
+        """Run what is left over a long stretch, and measure its exponents; find what ran away."""
+        watched, rows = self.seen, self.left
+        if len(rows):
+            model, begun, count = some_of(self.batch, rows), watched.points[rows, -1], max(STRETCH, watched.count)
+            kept, ways = strobe_orbit(model, begun, count, self.rtol)
+            states = np.moveaxis(kept, 0, 1)
+            watched.long = {int(i): np.column_stack([state, way]) for i, state, way in zip(rows, states, ways.T, strict=True)}
+            good = np.isfinite(states).all(axis=(1, 2))
+            self._take(rows, (states[:, -watched.count :], ways.T[:, -watched.count :], good), int(watched.run[rows].max()) + count)
+            rows = self.left
+        if len(rows):
+            start, apart = np.array([watched.long[int(i)][0, :-1] for i in rows]), max(1e-7, 100 * self.rtol)
+            for periods in dict.fromkeys((exponents, max(exponents, STRETCH))):  # longer where the first is not sure
+                value, error = watched.exponent[rows], watched.error[rows]
+                unsure = np.flatnonzero(~(abs(value) > ERRORS * error))
+                if len(unsure):
+                    own = some_of(self.batch, rows[unsure])
+                    exponents_now = exponents_from(own, start[unsure], periods, rtol=self.rtol, apart=apart)
+                    watched.exponent[rows[unsure]], watched.error[rows[unsure]] = exponents_now
+            sizes = np.array(self.sizes[-3:])[:, rows]
+            watched.grows[rows] = (sizes[-1] > _FAR) & np.all(sizes[1:] > 1.5 * sizes[:-1], axis=0)
+        lost = np.flatnonzero(watched.kind == UNSOLVED)
+        if len(lost):
+            watched.kind[lost[self._run_away(lost)]] = RUNS_AWAY
+
+    def _run_away(self, rows: Array) -> Array:
+        """Which runs that could not be solved had grown beyond all bounds before."""
+        model, state, smooth = some_of(self.batch, rows), self.starts[rows].copy(), self.at.smooth
+        first = abs(state[:, :smooth]) / self.at.scales[:smooth]
+        with suppress(StickslipError), np.errstate(all="ignore"):
+            for _ in range(POINTS):
+                after = strobe_map(model, state, 1, self.rtol).state
+                fine = np.isfinite(after).all(axis=1)
+                state[fine] = after[fine]
+                if not fine.any():
+                    break
+        last = np.abs(np.vstack([state, *([_before_end(model, state)] if is_flow(model) else [])])[:, :smooth]) / self.at.scales[:smooth]
+        most = last.reshape(-1, len(rows), smooth).max(axis=(0, 2), initial=0.0)
+        return np.asarray(most > np.minimum(_FAR, 1e2 * (1.0 + first.max(axis=1, initial=0.0))))  # squared, a number is soon infinite
+
+
+def _first(model: Model, states: Array, at: Coordinates, settle: int, rtol: float, points: int, tell: Any) -> tuple[Array, Array, Array]:
+    """Strobe points (cases, points, d), ways (cases, points) after settling, and which cases could be solved."""
+    early = min(settle, _EARLY)
+    begun = strobe_map(model, states, early, rtol)
+    kept, made = _still(model, begun.state, rtol, points)
+    good = begun.status <= Status.REPEATS
+    tell(0.2)
+    late = np.flatnonzero(np.isnan(made[:, 0]))
+    if len(late):
+        kept[late], made[late], solved = _later(some_of(model, late), begun.state[late], settle - early, rtol, points)
+        good[late] &= solved
+    return kept, made, good
+
+
+def _still(model: Model, states: Array, rtol: float, points: int) -> tuple[Array, Array]:
+    """Strobe points and ways of those states that the strobe map does not change by a single bit: all later points are the same.
+
+    NaN of all others.
+    """
+    end = strobe_map(model, states, 1, rtol)
+    still = np.all(end.state == states, axis=1)
+    kept, ways = np.where(still[:, None], states, np.nan), np.where(still, end.displacement, np.nan)
+    return np.repeat(kept[:, None], points, axis=1), np.repeat(ways[:, None], points, axis=1)
+
+
+def _later(model: Model, states: Array, periods: int, rtol: float, points: int) -> tuple[Array, Array, Array]:
+    """Strobe points and ways after some more drive periods, and what could be solved."""
+    good = np.full(len(states), True)
+    if periods:
+        end = strobe_map(model, states, periods, rtol)
+        states, good = end.state, end.status <= Status.REPEATS
+    kept, made = strobe_orbit(model, states, points, rtol)
+    return np.moveaxis(kept, 0, 1), made.T, good
+
+
+def _before_end(flow: SwitchingFlow, states: Array) -> Array:
+    """The last states within the next period before a flow cannot be solved any more, by halving the time."""
+    from stickslip.solvers.flow_engine import ends
+
+    low, high = np.zeros(len(states)), np.ones(len(states))
+    T, last = np.asarray(flow.period, float), states.copy()
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        y, _, status = ends(flow, states[:, :-1], np.round(states[:, -1]), middle * T)
+        fine = (status <= Status.REPEATS) & np.isfinite(y).all(axis=1)
+        last[fine, :-1] = y[fine]
+        low, high = np.where(fine, middle, low), np.where(fine, high, middle)
+    return last
