@@ -16,7 +16,7 @@ from stickslip.mechanisms import MECHANISMS
 import stickslip as ss
 from house import ROOT
 from stickslip import drives, friction, machines
-from stickslip.basics.fields import is_number_field, is_tuple_field
+from stickslip.basics.field_types import field_types
 from stickslip.models.drives.drive import Drive
 from stickslip.models.friction.law import Law
 from stickslip.models.machines.mechanism import Mechanism
@@ -186,7 +186,7 @@ def prose(text):
 
 
 def _of_field(cls, field):
-    if not (is_number_field(field) or is_tuple_field(field)) or field.name == "notes":
+    if field_types(cls)[field.name].holds not in ("number", "numbers") or field.name == "notes":
         return []
     wanted = [key for key in ("label", "unit", "example") if key not in field.metadata]
     kind = getattr(field.type, "__name__", field.type)

@@ -87,3 +87,19 @@ def test_sliders_of_every_law_reach_around_its_example(law):
 def test_a_description_that_makes_no_sense_is_refused_at_once():
     with pytest.raises(ss.InputError, match="4 problems"):
         ss.quantity("grip", 3, example="big", range=(1.0, 0.0), shown="parsec")
+
+
+def test_an_alias_of_float_is_a_number():
+    from dataclasses import dataclass
+
+    from stickslip.basics.fields import Frozen, leaves
+
+    @dataclass(frozen=True, eq=False)
+    class Pad(Frozen):
+        mu: ALIAS
+        shares: "tuple[ALIAS, ...] | None" = None
+
+    assert leaves(Pad(0.2, (0.5, 0.5))) == [("mu", 0.2), ("shares.0", 0.5), ("shares.1", 0.5)]
+
+
+ALIAS = float

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from house import ROOT
-from stickslip.basics.fields import is_number_field, is_tuple_field
+from stickslip.basics.field_types import field_types
 
 PAGE = ROOT / "docs" / "notation.md"
 
@@ -62,7 +62,7 @@ def test_the_page_says_of_every_number_what_its_field_says():
     written, wrong = rows(), []
     for prefix, cls in parts():
         for field in dataclasses.fields(cls):
-            if is_number_field(field) or is_tuple_field(field):
+            if field_types(cls)[field.name].holds in ("number", "numbers"):
                 assert {"label", "unit"} <= set(field.metadata), f"{cls.__name__}.{field.name} says neither what it is nor its unit"
                 cells = written.get(prefix + field.name)
                 if cells is None:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.basics.field_types import field_types
 from stickslip.basics.maths import is_symbol
 from stickslip.basics.number_names import numbers_meant
 from stickslip.basics.quantities import allowed_in, description_inside, example_of
@@ -26,22 +27,6 @@ if TYPE_CHECKING:
 
 #: Limit for the magnitude of a record's numbers, so that their squares are finite.
 LARGEST = 1e150
-
-
-def is_number_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds a number (and not a part of the kind)."""
-    text = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", str(field.type))
-    return "float" in text and not any(word in text for word in ("tuple", "Callable", "Mapping"))
-
-
-def is_tuple_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds a tuple of numbers, or, if its annotation begins with ``float |``, also one number for all."""
-    return "tuple[float" in str(field.type)
-
-
-def is_named_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds numbers under names of their own."""
-    return "Mapping[str, float]" in str(field.type)
 
 
 def is_array(value: Any) -> bool:
@@ -237,7 +222,7 @@ class Frozen:
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
         value = getattr(self, field.name)
-        if value is None and "None" in str(field.type):
+        if value is None and field_types(type(self))[field.name].optional:
             return
         checked = self._checked(field, field.name, value, problems)
         if checked is not value:
@@ -245,9 +230,10 @@ class Frozen:
 
     def _take_tuple(self, field: dataclasses.Field[Any], problems: Problems) -> None:
         values = getattr(self, field.name)
-        if values is None and "None" in str(field.type):
+        kind = field_types(type(self))[field.name]
+        if values is None and kind.optional:
             return
-        if str(field.type).startswith("float |") and not isinstance(values, tuple):
+        if kind.also_one and not isinstance(values, tuple):
             if isinstance(values, list):
                 mistake = f"{field.name} = {values!r} is a list; a tuple means one for each part, an array means cases"
                 problems.add(f"{mistake}; type {field.name}={tuple(values)!r}")
@@ -265,7 +251,7 @@ class Frozen:
         """A number, checked by its field's rule; violations are added to `problems`. A symbol is returned unchanged."""
         if type(value) is not float and is_symbol(value):
             return value
-        return checked_number(name, value, problems, *_rule_of(field))
+        return checked_number(name, value, problems, *_rule_of(type(self), field))  # type: ignore[arg-type]
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -302,10 +288,11 @@ def _taken(cls: Any) -> tuple[tuple[dataclasses.Field[Any], str], ...]:
 
 
 @functools.lru_cache(maxsize=4096)
-def _rule_of(field: dataclasses.Field[Any]) -> tuple[Any, str, str, str | None]:
+def _rule_of(cls: type, field: dataclasses.Field[Any]) -> tuple[Any, str, str, str | None]:
     """The rule for a number of a field: its test, description, example and unit."""
-    description, several = field.metadata, is_tuple_field(field)
-    allowed = allowed_in(description, "None" in str(field.type) and not several)
+    kind = field_types(cls)[field.name]
+    description, several = field.metadata, kind.holds == "numbers"
+    allowed = allowed_in(description, kind.optional and not several)
     return description.get("rule"), allowed, f"{field.name}={example_of(description, several)}", description.get("unit")
 
 
@@ -485,13 +472,7 @@ def same(a: Any, b: Any) -> bool:
 @functools.lru_cache(maxsize=256)
 def _plan(cls: type) -> tuple[tuple[str, str], ...]:
     """Names of a record's fields, and what each holds: a number, numbers, or a kind."""
-    return tuple(
-        (
-            field.name,
-            "number" if is_number_field(field) else "numbers" if is_tuple_field(field) else "named" if is_named_field(field) else "kind",
-        )
-        for field in dataclasses.fields(cls)
-    )
+    return tuple((name, kind.holds) for name, kind in field_types(cls).items())
 
 
 def is_record(value: Any) -> bool:

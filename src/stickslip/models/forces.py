@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.basics.batch import flat, labels_of
 from stickslip.basics.contracts import Array, Machine, Model, Numeric
 from stickslip.basics.errors import InputError, Problems
+from stickslip.basics.field_types import field_types
 from stickslip.basics.fields import is_array, leaves
 from stickslip.models.contact_forces import contact_columns
 from stickslip.models.friction.law_adapter import TINY, adapted, is_law, law_of
@@ -36,9 +37,9 @@ def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(
     elif not hasattr(law, "__dataclass_fields__"):
         problems.add(f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known")
     else:
-        for name, field in law.__dataclass_fields__.items():
+        for name, kind in field_types(type(law)).items():
             value = getattr(law, name)
-            if field.type in (float, "float") and isinstance(value, (list, tuple)):
+            if kind.holds == "number" and isinstance(value, (list, tuple)):
                 problems.add(
                     f"friction.{name} = {value!r}; allowed is a number or an array; type for example {name}=np.array({list(value)!r})"
                 )

@@ -10,7 +10,8 @@ from typing import Any
 
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, other_words
-from stickslip.basics.fields import arguments_of, describe, is_array, is_number_field, is_record, is_tuple_field
+from stickslip.basics.field_types import field_types
+from stickslip.basics.fields import arguments_of, describe, is_array, is_record
 from stickslip.basics.quantities import example_of, pretty_unit, with_unit
 from stickslip.models.drives import DRIVES
 from stickslip.models.friction import LAWS
@@ -140,7 +141,7 @@ def from_toml(cls: type, text: str, name: str = "robot") -> Any:
     """A robot or a mechanism (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
     document = document_of(text)
     if not isinstance(document.get(name), dict):
-        first = next((f for f in dataclasses.fields(cls) if is_number_field(f)), None)
+        first = next((f for f in dataclasses.fields(cls) if field_types(cls)[f.name].holds == "number"), None)
         shown = f"{first.name} = {example_of(first.metadata)}" if first else f'kind = "{getattr(cls, "kind", "")}"'
         raise InputError("study file", [f"has no [{name}] table; begin with the line [{name}] and then {shown}"])
     return from_table(cls, document[name], name)
@@ -159,7 +160,7 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
             problems.add(_missing(part, name, kinds))
             arguments.pop(part, None)
     for field in dataclasses.fields(cls):
-        if is_tuple_field(field) and isinstance(arguments.get(field.name), list):  # a file has lists only
+        if field_types(cls)[field.name].holds == "numbers" and isinstance(arguments.get(field.name), list):  # a file has lists only
             arguments[field.name] = tuple(arguments[field.name])
         if isinstance(arguments.get(field.name), dict):
             arguments[field.name] = _part(field.name, dict(arguments[field.name]), problems, f"{name}.{field.name}", _every(cls))
@@ -213,12 +214,13 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         del arguments[name]
     kinds = kinds_of(cls)
     for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in kinds]:
-        if "None" in str(fields[name].type):
+        kind = field_types(cls)[name]
+        if kind.optional:
             arguments[name] = None
             continue
-        example = example_of(fields[name].metadata, is_tuple_field(fields[name])).replace("(", "[").replace(")", "]")
+        example = example_of(fields[name].metadata, kind.holds == "numbers").replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
-        arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
+        arguments[name] = _read_back(example, (1.0,) if kind.holds == "numbers" else 1.0)
     lacking = [p for p in kinds if arguments.get(p, 0) is None or (p not in arguments and p in _required(cls))]
     for part in lacking:
         if "." in where and part not in arguments:  # a part of a part
@@ -257,7 +259,7 @@ def _html_rows(record: Any, prefix: str = "") -> list[str]:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             rows.append(f"<tr><th style='text-align:left'>{html.escape(name)}</th><td>{html.escape(type(value).__name__)}</td></tr>")
             rows += _html_rows(value, name + ".")
-        elif is_number_field(field) and value is not None:
+        elif field_types(type(record))[field.name].holds == "number" and value is not None:
             rows.append(f"<tr><td>{html.escape(name)}</td><td>{html.escape(_with_unit(value, field))}</td></tr>")
     return rows
 

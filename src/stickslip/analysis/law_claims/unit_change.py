@@ -7,6 +7,7 @@ import inspect
 import re
 from typing import Any
 
+from stickslip.basics.field_types import field_types
 from stickslip.basics.fields import replace_leaf
 
 #: A newton, a metre and a second of the old units, in the new ones.
@@ -49,7 +50,7 @@ def in_other_units(law: Any) -> Any:
         value = getattr(law, field.name)
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             values[field.name] = in_other_units(value)
-        elif "float" in str(field.type) and value is not None:
+        elif field_types(type(law))[field.name].holds in ("number", "numbers") and value is not None:
             if field.name not in known_units:
                 raise LookupError(field.name)
             by = factor(known_units[field.name])

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.basics.arguments import described_arguments
-from stickslip.basics.fields import described_by, is_number_field
+from stickslip.basics.field_types import FieldType, field_types
+from stickslip.basics.fields import described_by
 from stickslip.basics.maths import cos, exp, maximum, sin
 from stickslip.basics.quantities import AMPLITUDE, OMEGA, PHASE, TILT_DEG, quantity
 from stickslip.models.drives import DRIVES as _KINDS, Harmonic, MultiHarmonic, Pieces, PiezoBeam, Recorded, Reversed, VerticalVibration
@@ -51,7 +52,8 @@ class Part:
 
 def _own_names(kind: str, cls: Any, taken: Mapping[str, Told], but: tuple[str, ...] = ()) -> dict[str, str]:
     """Field -> parameter for the numbers of a record; the name has the prefix of its kind if the page uses it for another number."""
-    fields = [f for f in dataclasses.fields(cls) if is_number_field(f) and "None" not in str(f.type) and f.name not in but]
+    types = field_types(cls)
+    fields = [f for f in dataclasses.fields(cls) if types[f.name] == FieldType("number", False, True) and f.name not in but]
     return {f.name: f.name if taken.get(f.name, f.metadata) == f.metadata else f"{kind}_{f.name}" for f in fields}
 
 
@@ -81,7 +83,7 @@ def _in_words(cls: type) -> str:
 
 
 def _is_its_numbers(cls: Any) -> bool:
-    return all(is_number_field(f) for f in dataclasses.fields(cls) if f.name != "notes")
+    return all(kind.holds == "number" for name, kind in field_types(cls).items() if name != "notes")
 
 
 #: Drives without parts, defined by their numbers alone, with their names on the page.
