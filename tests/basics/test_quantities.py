@@ -103,3 +103,15 @@ def test_an_alias_of_float_is_a_number():
 
 
 ALIAS = float
+
+
+def test_a_number_may_be_a_type_that_only_a_type_checker_imports_too():
+    from dataclasses import dataclass
+
+    from stickslip.basics.field_types import field_types
+
+    @dataclass
+    class Pad:
+        mu: "float | nobody.imports.This[int] | None"  # noqa: F821
+
+    assert field_types(Pad)["mu"] == ("number", True, True)

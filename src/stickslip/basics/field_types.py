@@ -26,13 +26,9 @@ def field_types(cls: Any) -> Mapping[str, FieldType]:
 
     Examples
     --------
-    >>> Real = float
-    >>> @dataclasses.dataclass
-    ... class Law:
-    ...     mu: Real
-    ...     shares: tuple[Real, ...] | None = None
-    >>> field_types(Law)["mu"].holds, field_types(Law)["shares"]
-    ('number', FieldType(holds='numbers', optional=True, also_one=False))
+    >>> from stickslip.friction import LuGre
+    >>> field_types(LuGre)["mu_plus"].holds, field_types(LuGre)["f_plus"].optional
+    ('number', True)
     """
     return _types_of(cls)
 
@@ -54,14 +50,18 @@ def _evaluated(annotation: Any, owner: type) -> Any:
         return None
 
 
-class _Unknown:
-    """A class that is not there when a program runs."""
-
-    def __class_getitem__(cls, item: Any) -> type[_Unknown]:
+class _Anything(type):
+    def __getattr__(cls, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
         return cls
 
-    def __getattr__(self, name: str) -> Any:
-        return _Unknown
+    def __getitem__(cls, item: Any) -> Any:
+        return cls
+
+
+class _Unknown(metaclass=_Anything):
+    """A class that is not there when a program runs."""
 
 
 class _Names(dict[str, Any]):

@@ -21,14 +21,14 @@ def by_own_times(columns: list[Column], notes: list[str]) -> list[Column]:
     at = [i for i, c in enumerate(columns) if c.axis is None and _tells_time(c) and _rises(c.values[np.isfinite(c.values)])]
     if len(at) < 2 or at[0] != 0 or any(b - a < 2 for a, b in pairwise([*at, len(columns)])):
         return columns
-    found = []
+    columns_with_axes = []
     for begin, end in pairwise([*at, len(columns)]):
         times = columns[begin]
         count = 1 + int(np.flatnonzero(np.isfinite(times.values))[-1])
         axis = dataclasses.replace(times, values=times.values[:count])
-        found += [dataclasses.replace(c, values=c.values[:count], axis=axis) for c in columns[begin + 1 : end]]
+        columns_with_axes += [dataclasses.replace(c, values=c.values[:count], axis=axis) for c in columns[begin + 1 : end]]
     notes.append(f"{len(at)} columns of times: each is that of the columns after it ({', '.join(columns[i].name for i in at)})")
-    return found
+    return columns_with_axes
 
 
 def _tells_time(c: Column) -> bool:

@@ -172,13 +172,13 @@ def sniffed(
 
 def _all_tried(lines: Lines, separator: str | None, decimal: str | None, left_out: tuple[int, ...], whole: int) -> list[_Tried]:
     quoted = any('"' in line for line in lines[: lines.beginning(_PREAMBLE + 2)])
-    found = []
+    tried = []
     for mark in [separator] if separator else SEPARATORS.values():
         for point in [decimal] if decimal else (".", ","):
             if mark != point or quoted:
                 one = _tried(lines, Dialect(mark, point, -1, decimal is not None and mark not in ", ", left_out, whole))
-                found += [one] if one else []
-    return found
+                tried += [one] if one else []
+    return tried
 
 
 def _tried(lines: Lines, loose: Dialect) -> _Tried | None:
@@ -217,15 +217,15 @@ _TYPE = 'type ss.read(path, separator=";", decimal=",")'
 
 def _distinct(able: list[_Tried], lines: Lines) -> list[_Tried]:
     """One of those that read the same numbers; where decimal marks come only later in the file, the one that can read them."""
-    found: dict[str, _Tried] = {}
+    distinct: dict[str, _Tried] = {}
     for t in able:
         key = repr([t.dialect.numbers(line) for line in lines.sample(t.first, _SAMPLED)])
-        other = found.setdefault(key, t)
+        other = distinct.setdefault(key, t)
         if other is not t and other.dialect.separator == t.dialect.separator != "," and t.dialect.decimal == ",":
             body = lines.from_line(t.first).data
             if b"," in body and b"." not in body:
-                found[key] = t
-    return list(found.values())
+                distinct[key] = t
+    return list(distinct.values())
 
 
 # ---- what headings say ----
@@ -252,18 +252,18 @@ _CLOSED = {'"': '"', "[": "]", "(": ")"}
 def _parted(line: str, separator: str) -> list[str]:
     """The parts of a line between separators that stand outside of quotes and brackets; what is not closed opens nothing."""
     marks = re.compile(rf'["\[(]|{re.escape(separator)}')
-    parts, begin, place, unclosed = [], 0, 0, set[str]()
-    while (mark := marks.search(line, place)) is not None:
-        place = mark.end()
+    parts, begin, at, unclosed = [], 0, 0, set[str]()
+    while (mark := marks.search(line, at)) is not None:
+        at = mark.end()
         if mark[0] == separator:
             parts.append(line[begin : mark.start()])
-            begin = place
+            begin = at
         elif mark[0] not in unclosed:
-            end = line.find(_CLOSED[mark[0]], place)
+            end = line.find(_CLOSED[mark[0]], at)
             if end < 0:
                 unclosed.add(mark[0])
             else:
-                place = end + 1
+                at = end + 1
     return [*parts, line[begin:]]
 
 
@@ -310,8 +310,8 @@ def _columns(count: int) -> str:
 def _check_columns(t: _Tried, lines: Lines, body: Lines, notes: list[str]) -> None:
     """Headings that name fewer columns, and whole numbers with zeros before them, speak of commas or blanks within numbers."""
     names, dialect = _names(t, lines), t.dialect
-    told = len(names) > 1 or (len(names) == 1 and unit_of(heading(names[0])[1]) is not None)
-    words = told and all(name and dialect.number(name) is None for name in names)
+    named = len(names) > 1 or (len(names) == 1 and unit_of(heading(names[0])[1]) is not None)
+    words = named and all(name and dialect.number(name) is None for name in names)
     fewer = words and len(names) < dialect.width and dialect.width % len(names) == 0
     if dialect.separator == " ":
         parts = len(names) if fewer else _tabbed(body[0])
@@ -375,10 +375,10 @@ def _check_thousands(dialect: Dialect, body: Lines, notes: list[str]) -> None:
 
 def _always_three(token: re.Pattern[str], lines: Iterable[str]) -> bool:
     """Whether all tokens look like thousands, and there is one."""
-    seen = False
+    matched = False
     for line in lines:
         for whole, part, exponent in token.findall(line):
             if len(part) != 3 or not 0 < len(whole) < 4 or whole.startswith("0") or exponent:
                 return False
-            seen = True
-    return seen
+            matched = True
+    return matched

@@ -66,17 +66,17 @@ def _check_declared(file: Any, allowance: Allowance) -> None:
     for channel in (channel for group in file.groups() for channel in group.channels()):
         allowance.take(16 * max(len(channel), 0), repr(channel.name))  # once as stored, once scaled
         for name, value in channel.properties.items():
-            if (found := _SCALE.match(name)) and int(found[1] or value) > _MOST_SCALES:
-                raise InputError("read", [f"{channel.name!r} says that it is scaled {int(found[1] or value)} times; export the file again"])
+            if (match := _SCALE.match(name)) and int(match[1] or value) > _MOST_SCALES:
+                raise InputError("read", [f"{channel.name!r} says that it is scaled {int(match[1] or value)} times; export the file again"])
 
 
 def _check_segments(data: bytes, notes: list[str]) -> None:
     """Each segment says where the next one begins; where bytes were added within one, its numbers are shifted."""
-    place = 0
-    while data[place : place + 4] == b"TDSm" and place + 28 <= len(data):
-        place += 28 + int.from_bytes(data[place + 12 : place + 20], "little")
-    if place != len(data):
-        notes.append(f"the segments of the file end at byte {min(place, 2**63)} and it has {len(data)}: bytes were added or lost")
+    offset = 0
+    while data[offset : offset + 4] == b"TDSm" and offset + 28 <= len(data):
+        offset += 28 + int.from_bytes(data[offset + 12 : offset + 20], "little")
+    if offset != len(data):
+        notes.append(f"the segments of the file end at byte {min(offset, 2**63)} and it has {len(data)}: bytes were added or lost")
 
 
 @contextlib.contextmanager

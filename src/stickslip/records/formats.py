@@ -36,8 +36,8 @@ class Format:
     def reader(self) -> Callable[..., Any]:
         """The function that reads it."""
         module, _, name = self.read_by.partition(".")
-        found: Callable[..., Any] = getattr(importlib.import_module(f"stickslip.records.{module}"), name)
-        return found
+        function: Callable[..., Any] = getattr(importlib.import_module(f"stickslip.records.{module}"), name)
+        return function
 
 
 def _is_hdf5(data: bytes) -> bool:

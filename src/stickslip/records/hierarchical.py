@@ -22,10 +22,10 @@ def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
     raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
     with damage_reported(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
-        told = hdf5.attributes(file, allowance, len(data))
-        if "_NCProperties" in told:
+        attributes = hdf5.attributes(file, allowance, len(data))
+        if "_NCProperties" in attributes:
             raw.format = "netCDF4"
-        raw.info |= {str(name): _plain(value) for name, value in told.items() if not str(name).startswith("_")}
+        raw.info |= {str(name): _plain(value) for name, value in attributes.items() if not str(name).startswith("_")}
         _check_length(data, raw.notes)
         for name, item in _datasets(file, raw.notes):
             _dataset(item, hdf5.attributes(item, allowance, len(data)), raw, name)
@@ -37,8 +37,8 @@ def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
 def _check_length(data: bytes, notes: list[str]) -> None:
     """The file says how long it is; where bytes were added within it, everything behind them is shifted."""
     start = 512 if data[512:520] == b"\x89HDF\r\n\x1a\n" else 0
-    place = start + (40 if data[start + 8] < 2 else 28)
-    says = int.from_bytes(data[place : place + 8], "little")
+    offset = start + (40 if data[start + 8] < 2 else 28)
+    says = int.from_bytes(data[offset : offset + 8], "little")
     if len(data) not in (says, says + start):
         notes.append(f"the file has {len(data)} bytes and says {says}: bytes were added or lost, and numbers may be shifted")
 
@@ -59,10 +59,10 @@ def _datasets(group: Any, notes: list[str], prefix: str = "", above: tuple[int, 
             yield prefix + name, item
         elif not isinstance(item, h5py.Group):
             notes.append(f"{prefix}{name} is left out: it is a link to another place of the file, or damaged")
-        elif (place := hdf5.place_of(item)) in above or len(above) > _DEEPEST:
+        elif (address := hdf5.place_of(item)) in above or len(above) > _DEEPEST:
             notes.append(f"{prefix}{name} is left out: its groups have no end")
         else:
-            yield from _datasets(item, notes, f"{prefix}{name}.", (*above, place))
+            yield from _datasets(item, notes, f"{prefix}{name}.", (*above, address))
 
 
 def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
@@ -109,10 +109,10 @@ class _Watched(io.BytesIO):
 
     def read(self, size: int | None = -1) -> bytes:
         """As usual."""
-        found = super().read(size)
-        self._allowance.take(8 * len(found), "a variable")  # a byte may become a number of eight
+        data = super().read(size)
+        self._allowance.take(8 * len(data), "a variable")  # a byte may become a number of eight
         self.furthest = max(self.furthest, self.tell())
-        return found
+        return data
 
 
 def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:

@@ -17,7 +17,7 @@ def parse(data: bytes, allowance: Allowance) -> Raw:
     raw = Raw("MATLAB", table=True)
     old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
     try:
-        found = version4(data, allowance) if old else version5(data, raw.notes, allowance)
+        variables = version4(data, allowance) if old else version5(data, raw.notes, allowance)
     except InputError:
         raise
     except MemoryError:
@@ -26,9 +26,9 @@ def parse(data: bytes, allowance: Allowance) -> Raw:
         raise _broken(str(error)) from None
     if not old:
         raw.info["header"] = data[:116].decode("latin-1").strip(" \0")
-    units = found.get("units")
-    units = found.pop("units") if isinstance(units, dict) else {}
-    vectors(found, {name: str(unit) for name, unit in units.items()}, raw)
+    units = variables.get("units")
+    units = variables.pop("units") if isinstance(units, dict) else {}
+    vectors(variables, {name: str(unit) for name, unit in units.items()}, raw)
     if not raw.columns:
         raise InputError("read", ["the MATLAB file holds no vector of numbers; save the time and the channels as vectors"])
     return raw
@@ -38,9 +38,9 @@ def _broken(why: str) -> InputError:
     return InputError("read", [f"the MATLAB file is damaged ({why}); save it again"])
 
 
-def vectors(found: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str = "") -> None:
+def vectors(variables: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str = "") -> None:
     """Add every vector to the columns, and every single number or text to what else the file says."""
-    for name, value in found.items():
+    for name, value in variables.items():
         array, full = np.asarray(value), prefix + name
         if isinstance(value, dict):
             vectors(value, units, raw, f"{full}.")

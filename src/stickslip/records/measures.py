@@ -89,12 +89,12 @@ def cycle(rec: Record, frequency: float | None = None, bins: int | None = None, 
     if bins is None:
         needed = (200 * noise(v) / max(float(np.ptp(v)), 1e-300)) ** 2  # samples in a bin for a standard error of 0.5 % of the range
         bins = int(np.clip(len(t) / max(needed, 4), min(24 * period, len(t) // 2), 400 * period))
-    place = ((t - t[0]) * f / period) % 1.0
-    index = np.minimum((place * bins).astype(int), bins - 1)
+    phase = ((t - t[0]) * f / period) % 1.0
+    index = np.minimum((phase * bins).astype(int), bins - 1)
     count = np.bincount(index, minlength=bins)
     safe = np.maximum(count, 1)
     mean = np.interp(np.arange(bins), np.flatnonzero(count), (np.bincount(index, v, bins) / safe)[count > 0])
-    level = np.fmin(noise(v), _scatter(v - np.interp(place * bins - 0.5, np.arange(bins), mean, period=bins), count))
+    level = np.fmin(noise(v), _scatter(v - np.interp(phase * bins - 0.5, np.arange(bins), mean, period=bins), count))
     return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods), float(level))
 
 
@@ -148,11 +148,11 @@ def scaled(v: Array) -> Any:
     return np.ldexp(v, -int(np.frexp(np.fmax.reduce(abs(v), initial=0.0))[1]))
 
 
-def period_number_of(place: Any, v: Array) -> int | None:
+def period_number_of(phase: Any, v: Array) -> int | None:
     """The period number of a velocity at these places, counted in drive periods."""
     v = scaled(v)
-    longest = min(LONGEST, int((place[-1] - place[0]) // 2))
-    left = {p: _left(place, v, p) for p in range(1, longest + 1)}
+    longest = min(LONGEST, int((phase[-1] - phase[0]) // 2))
+    left = {p: _left(phase, v, p) for p in range(1, longest + 1)}
     if not left:
         return None
     floor = float(np.fmax(noise(v) ** 2, 1e-6 * float(np.var(v))))
@@ -208,8 +208,8 @@ def _speed(t: Array, x: Array, half: int = 5) -> Any:
     return (n * total(T * X) - total(T) * total(X)) / (n * total(T * T) - total(T) ** 2)
 
 
-def _left(place: Any, v: Array, p: int) -> float:
+def _left(phase: Any, v: Array, p: int) -> float:
     """Mean square of what differs between motion periods of p drive periods."""
-    shifted = place + p
-    inside = shifted <= place[-1]
-    return float(np.mean((np.interp(shifted[inside], place, v) - v[inside]) ** 2) / 2)
+    shifted = phase + p
+    inside = shifted <= phase[-1]
+    return float(np.mean((np.interp(shifted[inside], phase, v) - v[inside]) ** 2) / 2)

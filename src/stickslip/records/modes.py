@@ -49,23 +49,23 @@ def modes(rec: Record, channel: str | None = None, count: int = 1) -> tuple[Mode
     """
     c = _response(rec, channel)
     f, H = c.t, np.asarray(c.values)
-    left, open_lines, found = np.array(H), np.arange(len(H)) > 0, []
+    left, open_lines, strongest = np.array(H), np.arange(len(H)) > 0, []
     for _ in range(count):
         peak = int(np.argmax(np.where(open_lines, abs(left), 0.0)))
         mode, share = _fitted(f, left, peak)
-        found.append(mode)
+        strongest.append(mode)
         left = left - share  # so that the flank of a mode is not taken for another one
         open_lines[max(peak - _BAND, 0) : peak + _BAND + 1] = False
-    return tuple(found)
+    return tuple(strongest)
 
 
 def _response(rec: Record, channel: str | None) -> Any:
     if channel is not None:
         return rec[channel]
-    found = [c for c in rec.channels.values() if np.iscomplexobj(c.values) and not c.over_time]
-    if not found:
+    responses = [c for c in rec.channels.values() if np.iscomplexobj(c.values) and not c.over_time]
+    if not responses:
         raise InputError("modes", ["the record has no complex channel over frequency; give channel= the name of a frequency response"])
-    return found[0]
+    return responses[0]
 
 
 def _fitted(f: Any, H: Any, peak: int) -> tuple[Mode, Any]:

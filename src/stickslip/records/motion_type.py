@@ -129,14 +129,14 @@ def motion(rec: Record, frequency: float | None = None, threshold: float | None 
     least = max(int(dwell * len(rough.v) / periods), 1)
     signs = _without_flicker(np.where(abs(rough.v) <= limit, 0, np.sign(rough.v)).astype(int), least)
     fine = cycle(rec, f, bins=_bins(rec, periods), period=periods)
-    told, rests = [], None
+    motions, rests = [], None
     for reading in _readings(signs, rough, threshold is None):
-        found = _rests(fine, reading, periods)
-        rests = found if rests is None else rests
-        choices = [(r.lasts(dwell),) if r.lasts(dwell) is not None else (r.length >= dwell, r.length < dwell) for r in found]
-        told += [_told(found, choice, reading, number, fine, dwell) for choice in list(product(*choices))[: 2**_MOST_OPEN]]
-    candidates = tuple(sorted({t["motion_type"] for t in told}))
-    first = told[0]
+        rests_here = _rests(fine, reading, periods)
+        rests = rests_here if rests is None else rests
+        choices = [(r.lasts(dwell),) if r.lasts(dwell) is not None else (r.length >= dwell, r.length < dwell) for r in rests_here]
+        motions += [_motion_with(rests_here, choice, reading, number, fine, dwell) for choice in list(product(*choices))[: 2**_MOST_OPEN]]
+    candidates = tuple(sorted({t["motion_type"] for t in motions}))
+    first = motions[0]
     words = {name: first[name] for name in ("stick_fraction", "forward_fraction", "backward_fraction", "pattern", "direction", "intervals")}
     return MeasuredMotion(
         " or ".join(candidates),
@@ -152,14 +152,14 @@ def motion(rec: Record, frequency: float | None = None, threshold: float | None 
 
 def _readings(signs: Any, c: Any, by_noise: bool) -> list[Any]:
     """The signs of the mean cycle; then those that its noise allows too: a faint slip that is none, and a slip that hides in a rest."""
-    found = [signs]
+    readings = [signs]
     if not by_noise:
-        return found
+        return readings
     weight = 1 / c.error**2
     for run in _runs(signs):
         part, sure = c.v[run] * weight[run], weight[run]
         if signs[run[0]] != 0 and abs(part.sum()) < SURE * np.sqrt(sure.sum()):
-            found += [_with(old, run, 0) for old in found]
+            readings += [_with(old, run, 0) for old in readings]
         elif signs[run[0]] == 0 and len(run) >= 3:
             thirds = np.array_split(run, 3)
             means = np.array([(c.v[t] * weight[t]).sum() / weight[t].sum() for t in thirds])
@@ -168,12 +168,12 @@ def _readings(signs: Any, c: Any, by_noise: bool) -> list[Any]:
             loud = abs(means[k]) > max(ERRORS * errors[k], RANGE * np.ptp(c.v))
             around = signs[run[0] - 1], signs[(run[-1] + 1) % len(signs)]
             if loud:
-                found += [_with(old, thirds[k], int(np.sign(means[k]))) for old in found]
+                readings += [_with(old, thirds[k], int(np.sign(means[k]))) for old in readings]
             elif around[0] == around[1] and (errors > HIDDEN / 3 * np.ptp(c.v)).any():
-                found += [_with(old, thirds[1], -int(around[0]) or s) for old in found for s in ((1,) if around[0] else (1, -1))]
-        if len(found) > _MOST_OPEN:
+                readings += [_with(old, thirds[1], -int(around[0]) or s) for old in readings for s in ((1,) if around[0] else (1, -1))]
+        if len(readings) > _MOST_OPEN:
             break
-    return found
+    return readings
 
 
 def _runs(signs: Any) -> list[Any]:
@@ -208,7 +208,7 @@ def _rests(c: Any, signs: Any, periods: int) -> tuple[Rest, ...]:
     v, error = np.tile(c.v, 3), np.tile(error, 3)
     noisy = ERRORS * np.median(c.error) > 2 * RANGE * np.ptp(c.v)
     window = max(_WINDOW[int(noisy)], 4 * float(np.diff(c.phase[:2])[0]))
-    found = []
+    rests = []
     for run in _runs(signs):
         start, end = int(run[0]), int(run[0]) + len(run)
         if signs[start] == 0:
@@ -217,21 +217,23 @@ def _rests(c: Any, signs: Any, periods: int) -> tuple[Rest, ...]:
             before, after, a, b = int(signs[start - 1]), int(signs[start]), start * width, start * width
         else:
             continue
-        found.append(rest_at(phase, v, error, a, b, window, (before, after)))
-    return tuple(found)
+        rests.append(rest_at(phase, v, error, a, b, window, (before, after)))
+    return tuple(rests)
 
 
-def _told(rests: tuple[Rest, ...], choice: tuple[bool | None, ...], signs: Any, number: int | None, c: Any, dwell: float) -> dict[str, Any]:
+def _motion_with(
+    rests: tuple[Rest, ...], choice: tuple[bool | None, ...], signs: Any, number: int | None, c: Any, dwell: float
+) -> dict[str, Any]:
     """Type and intervals if the body rests at the places chosen."""
     spans = _spans(rests, choice, signs, number or 1, dwell)
     rows = (np.array([len(spans)]), np.array([[t for t, _ in spans]]), np.array([[2 * s for _, s in spans]]))
-    told = type_of(*rows, [number or 0], [np.inf], [float(c.v.mean())], dwell, moving=[False])
+    types = type_of(*rows, [number or 0], [np.inf], [float(c.v.mean())], dwell, moving=[False])
     merged = intervals_of(*rows, dwell)
     intervals = zip(merged.start[0], merged.length[0], merged.sign[0], strict=True)
     shift = rests[0].start if rests else 0.0
-    found = {name: float(told[name][0]) for name in ("stick_fraction", "forward_fraction", "backward_fraction")}
-    return found | {
-        "motion_type": str(told["motion_type"][0]), "pattern": str(told["pattern"][0]), "direction": int(told["direction"][0]),
+    shares = {name: float(types[name][0]) for name in ("stick_fraction", "forward_fraction", "backward_fraction")}
+    return shares | {
+        "motion_type": str(types["motion_type"][0]), "pattern": str(types["pattern"][0]), "direction": int(types["direction"][0]),
         "intervals": tuple(((float(a) + shift) % (number or 1), float(b), int(s)) for a, b, s in intervals if b > 0),
     }  # fmt: skip
 

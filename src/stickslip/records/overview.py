@@ -80,16 +80,16 @@ class Overview:
 
 def overview(rec: Record) -> Overview:
     """The summary of a record."""
-    found, why = None, None
+    frequency, why = None, None
     with np.errstate(all="ignore"):  # a damaged record holds any number
         lines = tuple(_line(c) for c in rec.channels.values())
         try:
-            found = rec.drive_frequency()
+            frequency = rec.drive_frequency()
         except NotPeriodic as said:
             why = said.problems[0]
         except (InputError, np.linalg.LinAlgError):
             pass
-    value, error = (None, None) if found is None else (found.value, found.error)
+    value, error = (None, None) if frequency is None else (frequency.value, frequency.error)
     return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic, why)
 
 

@@ -110,8 +110,8 @@ def _record(
     _rename(raw, columns, problems)
     _give_units(raw, units, problems)
     scaled(raw, scale, problems)
-    told = roles_in(raw.info.get("preamble", ""))
-    raw.columns = [dataclasses.replace(c, role=told.get(c.name, c.role)) for c in raw.columns]
+    roles_told = roles_in(raw.info.get("preamble", ""))
+    raw.columns = [dataclasses.replace(c, role=roles_told.get(c.name, c.role)) for c in raw.columns]
     _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
@@ -201,15 +201,15 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
 def _name_all(raw: Raw) -> None:
     """A name for every column, and no name twice."""
     wanted = [c.name or f"column {i}" for i, c in enumerate(raw.columns, start=1)]
-    taken, seen, again = set(wanted), dict.fromkeys(wanted, 0), []
+    taken, counts, again = set(wanted), dict.fromkeys(wanted, 0), []
     for i, (c, name) in enumerate(zip(raw.columns, wanted, strict=True)):
-        seen[name] += 1
-        while seen[name] > 1 and (called := f"{name} ({seen[name]})") in taken:
-            seen[name] += 1
-        if seen[name] > 1:
+        counts[name] += 1
+        while counts[name] > 1 and (called := f"{name} ({counts[name]})") in taken:
+            counts[name] += 1
+        if counts[name] > 1:
             again.append(called)
             taken.add(called)
-        raw.columns[i] = dataclasses.replace(c, name=called if seen[name] > 1 else name)
+        raw.columns[i] = dataclasses.replace(c, name=called if counts[name] > 1 else name)
     if again:
         shown = ", ".join(repr(n) for n in again[:6]) + (", ..." if len(again) > 6 else "")
         raw.notes.append(f"names stand over several columns: the later ones are called {shown}")
@@ -237,17 +237,17 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
     for c in raw.columns:
         for part in (c, c.axis) if c.axis else (c,):
             part.values.setflags(write=False)  # nobody else has these arrays: channels share them
-    named, found = roles_of([c for c in raw.columns if id(c) not in used], roles), []
+    named, channels = roles_of([c for c in raw.columns if id(c) not in used], roles), []
     for c in raw.columns:
         if id(c) in used:
             continue
         axis = c.axis or axes.get(len(c.values)) or counted(c, rate, raw.notes)
-        found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, named.get(c.name)))
+        channels.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, named.get(c.name)))
     for axis in axes.values():
-        if all(len(axis.values) != len(c) for c in found) and found:
+        if all(len(axis.values) != len(c) for c in channels) and channels:
             raw.notes.append(f"{axis.name} has {len(axis.values)} values and no other column as many: it is not used")
-    if not found and raw.columns:
+    if not channels and raw.columns:
         c = raw.columns[0]
-        found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
-    raw.notes += remarks(found)
-    return found
+        channels = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
+    raw.notes += remarks(channels)
+    return channels

@@ -88,14 +88,14 @@ class Record:
         if key in self.channels:
             return self.channels[key]
         key = "velocity" if key == "convected velocity" else key
-        found = [c for c in self.channels.values() if c.role == key]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            names = ", ".join(repr(c.name) for c in found)
-            typed = f'roles={{"{found[0].name}": "{key}"}} (--role {found[0].name}={key})'
+        channels = [c for c in self.channels.values() if c.role == key]
+        if len(channels) == 1:
+            return channels[0]
+        if channels:
+            names = ", ".join(repr(c.name) for c in channels)
+            typed = f'roles={{"{channels[0].name}": "{key}"}} (--role {channels[0].name}={key})'
             raise InputError(
-                "record", [f"{len(found)} channels may be the {key}: {names}; give the name of one, or type {typed} when reading"]
+                "record", [f"{len(channels)} channels may be the {key}: {names}; give the name of one, or type {typed} when reading"]
             )
         raise InputError("record", [self._missing(key)])
 

@@ -86,12 +86,12 @@ def rest_at(phase: Any, v: Array, error: Any, start: float, end: float, window: 
 
 def _branch(x: Array, y: Array, e: Any, knots: Any, before: bool) -> Any:
     """Least sum of squares of a polynomial without constant term on one side of each knot."""
-    found = np.empty(len(knots))
+    sums = np.empty(len(knots))
     for i, knot in enumerate(knots):
         part = x < knot if before else x >= knot
         s = x[part] - knot
         matrix = np.stack([s, s**2, s**3], axis=1) / e[part, None]
         z = y[part] / e[part]
         fitted = matrix @ np.linalg.lstsq(matrix, z, rcond=None)[0] if len(s) else z
-        found[i] = float(np.sum((z - fitted) ** 2))
-    return found
+        sums[i] = float(np.sum((z - fitted) ** 2))
+    return sums

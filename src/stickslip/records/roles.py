@@ -39,9 +39,9 @@ def roles_of(columns: list[Column], typed: dict[str, str]) -> dict[str, str | No
     """
     alias = {"convected velocity": "velocity"}
     ours = set(OURS) <= {c.name for c in columns}
-    found = {c.name: (OURS.get(c.name), True) if ours and c.role is None else _role_and_why(c) for c in columns}
-    named = {role for role, by_name in found.values() if by_name}
-    roles = {name: None if role in named and not by_name else role for name, (role, by_name) in found.items()}
+    candidates = {c.name: (OURS.get(c.name), True) if ours and c.role is None else _role_and_why(c) for c in columns}
+    named = {role for role, by_name in candidates.values() if by_name}
+    roles = {name: None if role in named and not by_name else role for name, (role, by_name) in candidates.items()}
     given = {name: alias.get(role, role) for name, role in typed.items()}
     return {name: None if role in given.values() else role for name, role in roles.items()} | given
 

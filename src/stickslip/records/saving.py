@@ -53,7 +53,7 @@ def save(rec: Record, path: str | Path) -> Path:
         problems.add(f"{str(path)!r} ends in {path.suffix or 'nothing'!r}; allowed is .csv; type for example rec.save('run.csv')")
     if not channels:
         problems.add("it has no channels; there is nothing to write")
-    others = [c.name for c in channels if not _beside(c, channels[0])]
+    others = [c.name for c in channels if not _adjacent(c, channels[0])]
     if others:
         problems.add(
             f"{', '.join(others)} and {channels[0].name} are not sampled at the same times, so they do not fit into one table; save them "
@@ -89,12 +89,12 @@ def roles_in(text: str) -> dict[str, str]:
     >>> roles_in('# stickslip: the role of "F1" is load\n# stickslip: the role of "a\\u002c b" is not told')
     {'F1': 'load', 'a, b': ''}
     """
-    found = {}
+    roles = {}
     for line in text.splitlines():
         name, _, role = line.removeprefix(_ROLE).rpartition(" is ")
         if line.startswith(_ROLE) and role in (*ROLES, "not told"):
-            found[_name(name)] = "" if role == "not told" else role
-    return found
+            roles[_name(name)] = "" if role == "not told" else role
+    return roles
 
 
 def _name(text: str) -> str:
@@ -104,7 +104,7 @@ def _name(text: str) -> str:
         return text
 
 
-def _beside(a: Any, b: Any) -> bool:
+def _adjacent(a: Any, b: Any) -> bool:
     return (a.axis_name, a.axis_unit) == (b.axis_name, b.axis_unit) and np.array_equal(a.t, b.t)
 
 

@@ -24,10 +24,10 @@ def scaled(raw: Raw, scale: dict[str, Any], problems: Problems) -> None:
             problems.add(f"scale names {name!r}; {did_you_mean(name, names)}")
             continue
         at = names.index(name)
-        found = _factor(name, given, raw.columns[at].unit, problems)
-        if found is None:
+        scaling = _factor(name, given, raw.columns[at].unit, problems)
+        if scaling is None:
             continue
-        factor, unit = found
+        factor, unit = scaling
         raw.columns[at] = dataclasses.replace(raw.columns[at], values=raw.columns[at].values * factor, unit=unit)
         raw.notes.append(f"{name} is scaled by {given if isinstance(given, str) else f'{given:g}'}, as was typed")
 

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
 
 def segments(rec: Record, least: int = 100) -> tuple[Record, ...]:
     """The parts between gaps and between restarts of the time axis, with at least `least` samples each: records to fit jointly."""
-    found, t = [], _longest(rec).t
+    parts, t = [], _longest(rec).t
     for start, end in _stretches(rec, least):
         cut = {}
         for name, c in rec.channels.items():
             own = slice(start, end) if c.t is t or len(c) == len(t) else (c.t >= t[start]) & (c.t <= t[end - 1])
             cut[name] = dataclasses.replace(c, values=c.values[own], t=c.t[own])
         part = f"samples {start} to {end - 1}"
-        found.append(rec.replace(channels=cut, notes=rec._notes_of(cut), source={**rec.source, "segment": part}))
-    return tuple(found)
+        parts.append(rec.replace(channels=cut, notes=rec._notes_of(cut), source={**rec.source, "segment": part}))
+    return tuple(parts)
 
 
 def _longest(rec: Record) -> Any:
@@ -35,10 +35,10 @@ def _longest(rec: Record) -> Any:
 
 def _stretches(rec: Record, least: int) -> list[tuple[int, int]]:
     c = _longest(rec)
-    found = [(a, b) for a, b in _whole(c) if b - a >= least]
-    if not found:
+    stretches = [(a, b) for a, b in _whole(c) if b - a >= least]
+    if not stretches:
         raise InputError("segments", [f"no part of {c.name!r} between gaps has {least} samples; type a smaller one, for example least=10"])
-    return found
+    return stretches
 
 
 def _whole(c: Any) -> list[tuple[int, int]]:
@@ -76,15 +76,15 @@ def averaged(rec: Record, rate: float) -> Record:
     problems = Problems("averaged")
     checked_number("rate", rate, problems, positive, "a positive number [Hz]", "rate=1e4")
     problems.check()
-    made, told = {}, []
+    made, notes = {}, []
     for name, c in rec.channels.items():
         if not c.over_time:
             raise InputError("averaged", [f"{name!r} stands over {c.axis_name} and not over time; take a record over time"])
         count = max(int(np.ceil(c.rate / rate * (1 - 1e-9))), 1)
         made[name] = c if count == 1 else _means(c, count)
         if count > 1:
-            told.append(f"{name}: means of {count} samples each, {len(made[name])} of {len(c)}")
-    return rec.replace(channels=made, notes=(*rec._notes_of(made), *told), source={**rec.source, "averaged": rate})
+            notes.append(f"{name}: means of {count} samples each, {len(made[name])} of {len(c)}")
+    return rec.replace(channels=made, notes=(*rec._notes_of(made), *notes), source={**rec.source, "averaged": rate})
 
 
 def _means(c: Any, count: int) -> Any:

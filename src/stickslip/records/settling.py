@@ -34,18 +34,18 @@ def settling_periods(rec: Record, frequency: float) -> int:
     6
     """
     t, v = velocity_of(rec)
-    v, place = scaled(v), (t - t[0]) * frequency
-    periods = int(place[-1] + 1e-6 + frequency * (t[-1] - t[0]) / max(len(t) - 1, 1))
+    v, phase = scaled(v), (t - t[0]) * frequency
+    periods = int(phase[-1] + 1e-6 + frequency * (t[-1] - t[0]) / max(len(t) - 1, 1))
     if periods < _FEWEST:
         return 0
-    half = place >= periods // 2
-    each = np.minimum(place.astype(int), periods - 1)
+    half = phase >= periods // 2
+    each = np.minimum(phase.astype(int), periods - 1)
     held = np.bincount(each, minlength=periods)  # samples in each; where they are missing nothing can differ
-    seen = held >= 0.5 * np.median(held[held > 0])
-    if seen.sum() < _FEWEST or seen[periods // 2 :].sum() < _FEWEST // 2:
+    sampled = held >= 0.5 * np.median(held[held > 0])
+    if sampled.sum() < _FEWEST or sampled[periods // 2 :].sum() < _FEWEST // 2:
         return 0
-    repeats = period_number_of(place[half], v[half]) or 1
-    bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
+    repeats = period_number_of(phase[half], v[half]) or 1
+    bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(phase / repeats, 1.0)
     index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index[half], minlength=bins)
     sums = np.bincount(index[half], v[half], bins)
@@ -53,8 +53,8 @@ def settling_periods(rec: Record, frequency: float) -> int:
     rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
     number = np.maximum(held, 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
-    usual = float(np.median(size[periods // 2 :][seen[periods // 2 :]])) + (_FAINT * float(np.ptp(v))) ** 2
-    calm = np.flatnonzero(seen & (size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
+    usual = float(np.median(size[periods // 2 :][sampled[periods // 2 :]])) + (_FAINT * float(np.ptp(v))) ** 2
+    calm = np.flatnonzero(sampled & (size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
     first = int(calm[0]) if len(calm) else periods
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
 
@@ -74,11 +74,11 @@ def drive_frequency(rec: Record, about: float | None = None) -> Frequency:
     >>> bool(abs(tones.drive_frequency(rec).value - 1) > 1e-3), bool(abs(drive_frequency(rec).value - 1) < 1e-4)
     (True, True)
     """
-    found = tones.drive_frequency(rec, about)
-    if rec[found.channel].role not in ("velocity", "position"):
-        return found
-    kept, count, _ = settled(rec, "auto", found.value)
-    return tones.drive_frequency(kept, found.value) if count else found
+    frequency = tones.drive_frequency(rec, about)
+    if rec[frequency.channel].role not in ("velocity", "position"):
+        return frequency
+    kept, count, _ = settled(rec, "auto", frequency.value)
+    return tones.drive_frequency(kept, frequency.value) if count else frequency
 
 
 def settled(rec: Record, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:

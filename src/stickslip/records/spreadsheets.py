@@ -107,5 +107,5 @@ def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Col
 
 
 def _cell(cell: Any) -> float:
-    found = number_in(cell) if is_plain_number(cell) else None
-    return np.nan if found is None else found
+    value = number_in(cell) if is_plain_number(cell) else None
+    return np.nan if value is None else value

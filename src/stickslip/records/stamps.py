@@ -90,8 +90,8 @@ def nanoseconds(text: str) -> int | None:
     >>> nanoseconds("2026-03-01T12:00:00.25Z") - nanoseconds("2026-03-01 12:00:00+00:00")
     250000000
     """
-    found = _CELL[True].fullmatch(text.strip())
-    time = None if found is None else time_of(found, day_first=False)
+    match = _CELL[True].fullmatch(text.strip())
+    time = None if match is None else time_of(match, day_first=False)
     return None if time is None else time[0] * DAY + time[1]
 
 

@@ -29,37 +29,37 @@ _FORMS = (
 def parse_json(text: str, allowance: Allowance) -> Raw:
     """The columns of a JSON table, in any of the forms in which tables are written."""
     _check_nesting(text)
-    found = _loaded(text)
+    document = _loaded(text)
     units: dict[str, Any] = {}
-    while isinstance(found, dict) and not isinstance(found, _ByName):
-        if _named_rows(found):
-            found = list(found.values())
+    while isinstance(document, dict) and not isinstance(document, _ByName):
+        if _named_rows(document):
+            document = list(document.values())
             break
-        check_columns(len(found), "the JSON")
-        if _named_columns(found):
+        check_columns(len(document), "the JSON")
+        if _named_columns(document):
             break
-        told = found.get("units")
-        units |= told if isinstance(told, dict) else {}
-        if _is_split(found):
-            found = _by_column(list(map(str, found["columns"])), found["data"])
+        units_given = document.get("units")
+        units |= units_given if isinstance(units_given, dict) else {}
+        if _is_split(document):
+            document = _by_column(list(map(str, document["columns"])), document["data"])
             break
-        inner = [value for value in found.values() if _is_table(value)]
+        inner = [value for value in document.values() if _is_table(value)]
         if len(inner) != 1:
             raise InputError("read", [f"the JSON holds {len(inner)} tables; allowed is one, alone or as one part of an object; {_FORMS}"])
-        found = inner[0]
-    if isinstance(found, list):
-        found = _by_column(*_rows(found))
-    lists = {name: value for name, value in found.items() if _columnar(value)}
+        document = inner[0]
+    if isinstance(document, list):
+        document = _by_column(*_rows(document))
+    lists = {name: value for name, value in document.items() if _columnar(value)}
     check_columns(len(lists), "the JSON")
     if not lists:
         raise InputError("read", [f"the JSON holds no list of numbers; {_FORMS}"])
     allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
     raw = Raw("JSON", table=True)
-    left = [name for name in found if name not in lists and name != "units"]
+    left = [name for name in document if name not in lists and name != "units"]
     if left:
         raw.notes.append(f"{', '.join(map(repr, left[:6]))} of the JSON are not lists of numbers and are left out")
-    told = found.get("units")
-    units |= told if isinstance(told, dict) else {}
+    units_given = document.get("units")
+    units |= units_given if isinstance(units_given, dict) else {}
     for name, values in lists.items():
         plain, unit = heading(str(name))
         raw.columns.append(_column(plain, unit or _text(units.get(name)), _plain(values), raw.notes))
@@ -129,10 +129,10 @@ def _of_lines(lines: Lines) -> _ByName | None:
     for begin in range(0, len(lines), _TOGETHER):
         some = [part for line in lines.part(begin, begin + _TOGETHER) if (part := line.strip())]
         together = all(line[0] == "{" and line[-1] == "}" for line in some)  # many times faster than one by one
-        found = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
-        if len(found) != len(some):
+        values_of_rows = json.loads(f"[{','.join(some)}]") if together else [json.loads(line) for line in some]
+        if len(values_of_rows) != len(some):
             raise ValueError
-        rows.add(found)
+        rows.add(values_of_rows)
     return rows.columns()
 
 
@@ -193,8 +193,8 @@ def _text(value: Any) -> str | None:
     return value if isinstance(value, str) and value else None
 
 
-def _is_split(found: dict[str, Any]) -> bool:
-    return isinstance(found.get("columns"), list) and isinstance(found.get("data"), list)
+def _is_split(document: dict[str, Any]) -> bool:
+    return isinstance(document.get("columns"), list) and isinstance(document.get("data"), list)
 
 
 _SINGLE = {int, float, bool, str, type(None)}  # what JSON has beside lists and objects
@@ -213,13 +213,13 @@ def _labels_a_row(name: str) -> bool:
     return name.lstrip("-").isdigit() or nanoseconds(name) is not None
 
 
-def _named_columns(found: dict[str, Any]) -> bool:
-    lists = [_plain(value) for name, value in found.items() if name != "units" and _columnar(value)]
-    return not _is_split(found) and any(any(map(is_plain_number, values)) for values in lists)
+def _named_columns(document: dict[str, Any]) -> bool:
+    lists = [_plain(value) for name, value in document.items() if name != "units" and _columnar(value)]
+    return not _is_split(document) and any(any(map(is_plain_number, values)) for values in lists)
 
 
-def _named_rows(found: dict[str, Any]) -> bool:
-    return bool(found) and all(map(_labels_a_row, found)) and all(isinstance(row, dict) for row in found.values())
+def _named_rows(document: dict[str, Any]) -> bool:
+    return bool(document) and all(map(_labels_a_row, document)) and all(isinstance(row, dict) for row in document.values())
 
 
 def _is_table(value: Any) -> bool:

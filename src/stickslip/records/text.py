@@ -144,12 +144,12 @@ def _headings(lines: Sequence[str], dialect: Dialect, raw: Raw) -> list[tuple[st
     if len(fitting) > 1 and known and all(known) and not any(u is not None and u.text == "1" for u in units):
         names = fitting[-2]
         used = 2
-        found = [(name, unit.text.strip("[]()") if unit else None) for name, unit in zip(names, units, strict=True)]
+        headings = [(name, unit.text.strip("[]()") if unit else None) for name, unit in zip(names, units, strict=True)]
     else:
-        used, found = 1, [heading(cell) for cell in last]
+        used, headings = 1, [heading(cell) for cell in last]
     if len(rest) > used:
         raw.info["preamble"] = "\n".join(rest[:-used])[:_PREAMBLE]
-    return found
+    return headings
 
 
 def _of_other_columns(row: list[str], dialect: Dialect) -> bool:
@@ -268,14 +268,14 @@ class _Plain:
             read, count = self._loaded(data), data.count(b"\n") + 1
             if read is not None and len(read) == count:  # only numbers were missing
                 return np.arange(count), read
-        found = list(self._row.finditer(data))
-        if not found:
+        plain = list(self._row.finditer(data))
+        if not plain:
             return nothing
-        read = self._loaded(b"\n".join([match[0] for match in found]))
-        if read is None or len(read) != len(found):
+        read = self._loaded(b"\n".join([match[0] for match in plain]))
+        if read is None or len(read) != len(plain):
             return nothing
         ends = np.flatnonzero(np.frombuffer(data, np.uint8) == ord("\n"))
-        return np.searchsorted(ends, [match.start() for match in found]), read
+        return np.searchsorted(ends, [match.start() for match in plain]), read
 
     def _prepared(self, data: bytes) -> bytes:
         """The same lines, with points as decimal marks and NaN for what is missing."""
@@ -331,5 +331,5 @@ class _Numbers(dict[str, float | None]):
 _MIXED = 'if the decimal mark was taken for another, type ss.read(path, separator=";", decimal=",") with what the file uses'
 
 
-def _shown(found: list[tuple[int, str]]) -> str:
-    return f"the first is line {found[0][0]}: {found[0][1][:40]!r}"
+def _shown(lines: list[tuple[int, str]]) -> str:
+    return f"the first is line {lines[0][0]}: {lines[0][1][:40]!r}"

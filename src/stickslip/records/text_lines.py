@@ -38,11 +38,11 @@ class Lines(Sequence[str]):
         self._data = data
         if starts is None:
             starts = np.empty(data.count(b"\n") + 2, np.int32 if len(data) < 2**31 - 2 else np.int64)
-            starts[0], starts[-1], letters, place = 0, len(data) + 1, np.frombuffer(data, np.uint8), 1
+            starts[0], starts[-1], letters, at = 0, len(data) + 1, np.frombuffer(data, np.uint8), 1
             for begin in range(0, len(data), _PIECE):  # places of all at once would take eight times the memory of the text
                 ends = np.flatnonzero(letters[begin : begin + _PIECE] == ord("\n")) + (begin + 1)
-                starts[place : place + len(ends)] = ends
-                place += len(ends)
+                starts[at : at + len(ends)] = ends
+                at += len(ends)
         self._starts = starts
 
     @classmethod
@@ -71,19 +71,19 @@ class Lines(Sequence[str]):
         return len(self._starts) - 1
 
     @overload
-    def __getitem__(self, place: int) -> str: ...
+    def __getitem__(self, index: int) -> str: ...
 
     @overload
-    def __getitem__(self, place: slice) -> Sequence[str]: ...
+    def __getitem__(self, index: slice) -> Sequence[str]: ...
 
-    def __getitem__(self, place: Any) -> Any:
-        if isinstance(place, slice):
-            first, last, step = place.indices(len(self))
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            first, last, step = index.indices(len(self))
             return (
                 Lines(self._data, self._starts[first : max(first, last) + 1]) if step == 1 else [self[i] for i in range(first, last, step)]
             )
-        place = range(len(self))[place]
-        return self._data[self._starts[place] : self._starts[place + 1] - 1].decode("utf-8", "surrogatepass")
+        index = range(len(self))[index]
+        return self._data[self._starts[index] : self._starts[index + 1] - 1].decode("utf-8", "surrogatepass")
 
     def __iter__(self) -> Iterator[str]:
         for first in range(0, len(self), _TOGETHER):

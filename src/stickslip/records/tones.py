@@ -101,8 +101,8 @@ def harmonics(t: Array, y: Array, frequency: float, count: int = _HARMONICS) -> 
         power = power * turn
         rows += [power.real, power.imag]
     matrix = np.stack(rows)
-    found = np.linalg.lstsq(matrix @ matrix.T, matrix @ y, rcond=1e-12)[0]
-    return found, y - found @ matrix
+    coefficients = np.linalg.lstsq(matrix @ matrix.T, matrix @ y, rcond=1e-12)[0]
+    return coefficients, y - coefficients @ matrix
 
 
 @in_one_thread
@@ -155,11 +155,11 @@ def _strongest(name: str, t: Array, y: Array, about: float | None) -> Frequency:
 def _check_line(name: str, value: float, periods: float, amplitude: Any, line: int, explained: float) -> None:
     """Whether the record repeats at this frequency, or is only strongest there."""
     apart = abs(np.arange(len(amplitude)) - line)
-    beside = amplitude[(apart >= _NEAR) & (apart <= _FAR) & (np.arange(len(amplitude)) > 1)]
+    neighbours = amplitude[(apart >= _NEAR) & (apart <= _FAR) & (np.arange(len(amplitude)) > 1)]
     why = None
     if periods < _FEWEST:
         why = f"its strongest line, at {value:.4g} Hz, has only {periods:.2g} periods in it; allowed are 2 or more"
-    elif len(beside) and amplitude[line] < _STANDS_OUT * np.median(beside) and explained < _EXPLAINED:
+    elif len(neighbours) and amplitude[line] < _STANDS_OUT * np.median(neighbours) and explained < _EXPLAINED:
         why = f"its strongest line, at {value:.4g} Hz, does not stand out of those beside it"
     if why:
         raise NotPeriodic("record", [f"{name!r} is not periodic: {why}; if it is, type frequency=... [Hz]"])

@@ -49,22 +49,22 @@ def parse(data: bytes, byte_order: str | None = None) -> Raw:
     byte_order : {"little", "big"}, optional
         Overrules what a binary data set says of itself.
     """
-    raw, place, others = Raw("UFF58"), 0, Counter[int]()
-    while (start := _DELIMITER.search(data, place)) is not None:
-        place = start.end() + 1
-        line, after = _line(data, place)
+    raw, offset, others = Raw("UFF58"), 0, Counter[int]()
+    while (start := _DELIMITER.search(data, offset)) is not None:
+        offset = start.end() + 1
+        line, after = _line(data, offset)
         kind = line[:7].strip().lower()
         if kind in (b"58", b"58b"):
             check_columns(len(raw.columns) + 1, "the universal file")
-            place = _function(data, line, after, raw, byte_order)
+            offset = _function(data, line, after, raw, byte_order)
             continue
-        end = _DELIMITER.search(data, place)
+        end = _DELIMITER.search(data, offset)
         others[int(kind) if kind.isdigit() else 0] += 1
         if others.total() > _MOST_OTHERS:
             raise InputError(
                 "read", [f"the universal file has more than {_MOST_OTHERS} data sets that are no functions; export them alone"]
             )
-        place = end.end() + 1 if end else len(data)
+        offset = end.end() + 1 if end else len(data)
     for number, count in others.items():
         if number:
             times = f" ({count} times)" if count > 1 else ""
@@ -80,20 +80,20 @@ def _line(data: bytes, start: int) -> tuple[bytes, int]:
     return (data[start:], len(data)) if end < 0 else (data[start:end].rstrip(b"\r"), end + 1)
 
 
-def _function(data: bytes, first: bytes, place: int, raw: Raw, byte_order: str | None) -> int:
+def _function(data: bytes, first: bytes, offset: int, raw: Raw, byte_order: str | None) -> int:
     lines = []
     for _ in range(_HEADER):
-        line, place = _line(data, place)
+        line, offset = _line(data, offset)
         lines.append(unmarked(line))
     number = len(raw.columns) + 1
     head = _head(lines, number)
     if first[:7].strip().lower() == b"58b":
-        values, place = _binary(data, first, place, head, number, raw.notes, byte_order)
+        values, offset = _binary(data, first, offset, head, number, raw.notes, byte_order)
     else:
-        values, place = _ascii(data, place, head, number, raw.notes)
+        values, offset = _ascii(data, offset, head, number, raw.notes)
     raw.columns.append(_column(head, values, number, raw.notes))
     raw.info[f"function {number}"] = "; ".join(head.words)
-    return place
+    return offset
 
 
 def _head(lines: list[str], number: int) -> _Head:
@@ -130,9 +130,9 @@ def _numbers(head: _Head) -> int:
     return head.count * (head.parts + (0 if head.even else 1))
 
 
-def _ascii(data: bytes, place: int, head: _Head, number: int, notes: list[str]) -> tuple[Any, int]:
-    end = _DELIMITER.search(data, place)
-    block = data[place : end.start() if end else len(data)]
+def _ascii(data: bytes, offset: int, head: _Head, number: int, notes: list[str]) -> tuple[Any, int]:
+    end = _DELIMITER.search(data, offset)
+    block = data[offset : end.start() if end else len(data)]
     if end is None:  # the last number may be cut anywhere
         block = block[: max(block.rstrip().rfind(b" "), block.rstrip().rfind(b"\n"), 0)]
     values = _in_text(block, number)
@@ -149,16 +149,16 @@ def _in_text(block: bytes, number: int) -> Any:
     """The numbers of a text, which may stand without blanks between them where each has a sign."""
     if _TOO_LONG.search(block):
         raise _broken(number, f"one of its numbers has more than {MOST_NUMBER} characters")
-    parts, place = [np.empty(0)], 0
-    while place < len(block):
-        end = place + _PIECE
+    parts, offset = [np.empty(0)], 0
+    while offset < len(block):
+        end = offset + _PIECE
         end = (
             next((i for i in range(end, min(end + 4 * MOST_NUMBER, len(block))) if block[i : i + 1].isspace()), end)
             if end < len(block)
             else end
         )
-        piece = block[place:end]
-        place = end
+        piece = block[offset:end]
+        offset = end
         if not piece.translate(None, _PLAIN):
             try:
                 with warnings.catch_warnings():
@@ -191,7 +191,7 @@ def _counted(values: Array, head: _Head, number: int, notes: list[str]) -> Any:
     return values[:wanted]
 
 
-def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, notes: list[str], byte_order: str | None) -> tuple[Any, int]:
+def _binary(data: bytes, first: bytes, offset: int, head: _Head, number: int, notes: list[str], byte_order: str | None) -> tuple[Any, int]:
     try:
         order, kind, lines, size = (int(word) for word in first[7:].split()[:4])
     except ValueError:
@@ -201,11 +201,11 @@ def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, not
     wanted = _numbers(head) * head.size if head.even else head.count * (head.parts * head.size + 4)
     if size != wanted:
         notes.append(f"function {number} says {size} bytes, but {head.count} values take {wanted}")
-    block = data[place : place + min(size, wanted)]
+    block = data[offset : offset + min(size, wanted)]
     order_name = byte_order or {1: "little", 2: "big"}[order]
     values = _as_numbers(block, head.size, order_name, number, byte_order is None) if head.even else _pairs(block, head, order_name)
-    _check_end(data, place + size, number, notes)
-    return _counted(values, head, number, notes), place + size
+    _check_end(data, offset + size, number, notes)
+    return _counted(values, head, number, notes), offset + size
 
 
 _END = re.compile(rb"[ \t\r\n\0]*-1[ \t]*(?:\r?\n|$)")
