@@ -54,12 +54,12 @@ def averaged(phase: Any, y: Array, repeats: int) -> tuple[Any, Any, Any, float, 
 
 def _part(phase: Any, y: Array, period: int) -> tuple[Any, Any, Any, Any]:
     """Phases, values and weights of one part, in the order of phases; and what averaged samples differ from the averages."""
-    place = np.mod(phase, period) * (_BINS / period)
-    near = np.round(place)  # samples at whole parts of a period lie in the middle of bins
+    bin_of = np.mod(phase, period) * (_BINS / period)
+    near = np.round(bin_of)  # samples at whole parts of a period lie in the middle of bins
     number, index, count = np.unique(near.astype(int) % _BINS, return_inverse=True, return_counts=True)
-    at = (number + np.bincount(index, place - near) / count) * (period / _BINS)
+    at = (number + np.bincount(index, bin_of - near) / count) * (period / _BINS)
     mean = np.bincount(index, y) / count
-    rest = y - np.interp(place * (period / _BINS), at, mean, period=period)
+    rest = y - np.interp(bin_of * (period / _BINS), at, mean, period=period)
     several = count > 1
     square = np.bincount(index, rest**2) / np.maximum(count - 1, 1)
     usual = max(float(np.median(square[several])), (1e-9 * float(np.ptp(y))) ** 2) if several.any() else 0.0

@@ -110,8 +110,8 @@ def _residuals(problems: list[Any], places: Any, which: Any, workers: int) -> An
     if problems[0].batched:
         least, most = problems[0].ends(places[which])
         return np.stack([problems[r].rest((least[:, k], most[:, k]), places[r]) for k, r in enumerate(which)])
-    found = dict(shared(lambda r: problems[r].residuals(places[r]), which, workers))
-    return np.stack([found[r] for r in which])
+    by_replicate = dict(shared(lambda r: problems[r].residuals(places[r]), which, workers))
+    return np.stack([by_replicate[r] for r in which])
 
 
 def _resampled_problem(fit: Fit, rng: Any) -> Any:
@@ -123,18 +123,18 @@ def _resampled_problem(fit: Fit, rng: Any) -> Any:
 def _resampled_values(fit: Fit, rng: Any) -> Any:
     rest = fit.problem.parts(fit.residuals * fit.problem.sigma)
     parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
-    found = np.concatenate([_with_noise(c, r, t, rng) for c, r, t in parts])
+    values = np.concatenate([_with_noise(c, r, t, rng) for c, r, t in parts])
     if fit.changes is None:
-        return found
-    return found - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
+        return values
+    return values - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
 
 
 def _with_noise(curve: Any, rest: Any, target: Any, rng: Any) -> Any:
     """A curve with residuals of its record; what was clipped stays at the end of the range."""
     exact = target.exact
-    found = np.array(target.y, float)
-    found[exact] = curve[exact] + _resampled(rest[exact], rng, target.sigma if len(rest) == 1 else 0.0)
-    return found
+    noisy = np.array(target.y, float)
+    noisy[exact] = curve[exact] + _resampled(rest[exact], rng, target.sigma if len(rest) == 1 else 0.0)
+    return noisy
 
 
 def _resampled(rest: Any, rng: Any, sigma: float) -> Any:

@@ -30,18 +30,18 @@ def sides_of(y: Any) -> Any:
     >>> bool(np.any(sides_of(wave))), bool(np.any(sides_of(noisy)))
     (False, True)
     """
-    found = clipped_sides(y)
-    return found if found.any() and _noisy(np.where(found == 0, y, np.nan)) else 0
+    sides = clipped_sides(y)
+    return sides if sides.any() and _noisy(np.where(sides == 0, y, np.nan)) else 0
 
 
 def _noisy(y: Any) -> bool:
     """Whether differences of a high order, of which a smooth curve has none, are more than nothing."""
-    found = []
+    sizes = []
     for order in _ORDERS:
         bends = np.diff(y, order)
         bends = abs(bends[np.isfinite(bends)])
-        found.append(float(np.median(bends)) / np.sqrt(comb(2 * order, order)) if len(bends) > 8 else 0.0)
-    return min(found) > _NOISY * float(np.nanmax(y) - np.nanmin(y))
+        sizes.append(float(np.median(bends)) / np.sqrt(comb(2 * order, order)) if len(bends) > 8 else 0.0)
+    return min(sizes) > _NOISY * float(np.nanmax(y) - np.nanmin(y))
 
 
 def tail(u: Any) -> Any:

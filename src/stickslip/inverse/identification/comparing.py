@@ -196,7 +196,7 @@ def compare(
     robots = _robots(record, robot, laws)
     whole = record
     record, _, said = settled(record, settle, frequency)
-    seen = target(record, using, noise, frequency, "record", 0)
+    measured_target = target(record, using, noise, frequency, "record", 0)
     curves, report = {}, reporting(progress, "compare")
     with partial_result() as ending:
         for done, (label, model) in enumerate(robots.items()):
@@ -205,21 +205,21 @@ def compare(
             curves[label] = steady_curve(model, None, rtol)
         report("all laws", len(robots), len(robots))
     ending.needs(curves)
-    shifts = {label: best_phase(seen, curve) for label, curve in curves.items()}
-    rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
+    shifts = {label: best_phase(measured_target, curve) for label, curve in curves.items()}
+    rows = tuple(_row(label, robots[label], curve, measured_target, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label
-    measured = _measured(record, seen, shifts[best])
+    measured = _measured(record, measured_target, shifts[best])
     early = [ending.note(f"{len(curves)} of {len(robots)} laws are compared")] if ending.interrupted else []
-    notes = [*early, *_notes(record, robot, seen, curves), *_words(measured, rows)]
+    notes = [*early, *_notes(record, robot, measured_target, curves), *_words(measured, rows)]
     return Comparison(
-        measured, rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes), whole,
+        measured, rows, measured_target.sigma, measured_target.kind,
+        (np.mod(measured_target.phase + shifts[best], 1.0), measured_target.y), (*filter(None, (said, measured_target.cut)), *notes), whole,
     )  # fmt: skip
 
 
 def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
     problems = Problems("compare")
-    found: dict[str, Any] = {}
+    robots: dict[str, Any] = {}
     if not isinstance(record, Record):
         problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
     if not (hasattr(robot, "friction") and hasattr(robot, "replace")):
@@ -232,11 +232,11 @@ def _robots(record: Record, robot: Model, laws: Any) -> dict[str, Any]:
         model = _with_law(robot, law, problems)
         if model is not None:
             name = label or law_of(model).name
-            found[name if name not in found else f"{name} ({len(found) + 1})"] = model
+            robots[name if name not in robots else f"{name} ({len(robots) + 1})"] = model
     if not pairs:
         problems.add('laws is empty; type for example laws=["coulomb", "lugre"]')
     problems.check()
-    return found
+    return robots
 
 
 def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
@@ -261,11 +261,11 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
     return None
 
 
-def _row(label: str, model: Model, curve: SteadyCurve, seen: Target, shift: float) -> Row:
-    rest = modelled_values(seen, curve, seen.phase + shift) - seen.y
-    spread, square = seen.mean_square(seen.y - np.average(seen.y, weights=seen.weight)), seen.mean_square(rest)
+def _row(label: str, model: Model, curve: SteadyCurve, target_of: Target, shift: float) -> Row:
+    rest = modelled_values(target_of, curve, target_of.phase + shift) - target_of.y
+    spread, square = target_of.mean_square(target_of.y - np.average(target_of.y, weights=target_of.weight)), target_of.mean_square(rest)
     phase = np.arange(_PHASES * curve.period) / _PHASES
-    value = curve.v(phase) if seen.kind == "velocity" else curve.x(phase)
+    value = curve.v(phase) if target_of.kind == "velocity" else curve.x(phase)
     m = motion(curve.run)
     return Row(
         label, curve.mean_velocity, m.type, m.pattern, float(np.sqrt(square)), 1 - square / spread, _events(curve), phase, value, model
@@ -275,29 +275,29 @@ def _row(label: str, model: Model, curve: SteadyCurve, seen: Target, shift: floa
 def _events(curve: SteadyCurve) -> tuple[tuple[float, str], ...]:
     """Changes of mode in the last motion period, by phase."""
     T, start = curve.run.period_time, float(curve.run.strobe_times[-1 - curve.period])
-    found = [((e.t - start) / T, e.kind) for e in curve.run.events if e.t >= start]
-    return tuple((float(phase), kind) for phase, kind in found)
+    changes = [((e.t - start) / T, e.kind) for e in curve.run.events if e.t >= start]
+    return tuple((float(phase), kind) for phase, kind in changes)
 
 
-def _measured(record: Record, seen: Target, shift: float) -> Row:
+def _measured(record: Record, target_of: Target, shift: float) -> Row:
     """The record's own row: its mean cycle, over one motion period, on the phase of the best law."""
-    bins = int(np.clip(seen.count / 12, 24, _PHASES)) * seen.period
-    place = np.mod((seen.phase + shift) / seen.period, 1.0)
-    index = np.minimum((place * bins).astype(int), bins - 1)
-    count = np.bincount(index, seen.weight * np.ones(seen.count), bins)
-    mean = np.bincount(index, seen.weight * seen.y, bins) / np.where(count > 0, count, np.nan)
-    m, V = record.motion(seen.frequency), record.mean_velocity(seen.frequency)
+    bins = int(np.clip(target_of.count / 12, 24, _PHASES)) * target_of.period
+    turn = np.mod((target_of.phase + shift) / target_of.period, 1.0)
+    index = np.minimum((turn * bins).astype(int), bins - 1)
+    count = np.bincount(index, target_of.weight * np.ones(target_of.count), bins)
+    mean = np.bincount(index, target_of.weight * target_of.y, bins) / np.where(count > 0, count, np.nan)
+    m, V = record.motion(target_of.frequency), record.mean_velocity(target_of.frequency)
     first = -float(shift)
-    events = tuple((float(np.mod(start - first, seen.period)), "stick") for start, _, sign in m.intervals if sign == 0)
-    phase = (np.arange(bins) + 0.5) / bins * seen.period
+    events = tuple((float(np.mod(start - first, target_of.period)), "stick") for start, _, sign in m.intervals if sign == 0)
+    phase = (np.arange(bins) + 0.5) / bins * target_of.period
     return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, phase, mean)
 
 
-def _notes(record: Record, robot: Model, seen: Target, curves: dict[str, SteadyCurve]) -> list[str]:
+def _notes(record: Record, robot: Model, target_of: Target, curves: dict[str, SteadyCurve]) -> list[str]:
     notes = ["the record is synthetic"] if record.synthetic else []
     given = 1 / float(robot.period)
-    if abs(seen.frequency / given - 1) > 1e-3:
-        notes.append(f"the record's drive frequency is {seen.frequency:.6g} Hz and the robot's {given:.6g} Hz; compared by phase")
+    if abs(target_of.frequency / given - 1) > 1e-3:
+        notes.append(f"the record's drive frequency is {target_of.frequency:.6g} Hz and the robot's {given:.6g} Hz; compared by phase")
     notes += [f"{label}: the motion does not repeat within the run" for label, curve in curves.items() if not curve.settled]
     return notes
 

@@ -124,8 +124,8 @@ class Design(Drawn):
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("experiment", *(f"error of {name} = {with_unit(v, self.best.units.get(name, ''))}" for name, v in self.values.items()))
-        told = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
-        return [[head, *((e.words, *row) for e, row in zip(self.experiments, told, strict=False))]]
+        rows = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
+        return [[head, *((e.words, *row) for e, row in zip(self.experiments, rows, strict=False))]]
 
     __repr__ = __str__
 
@@ -186,11 +186,11 @@ def design(
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
     units = units_of_settings(make, free, settings)
-    slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []
+    slopes, curves, apart, targets, dropped = {}, {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
             curves[i], slopes[i], period = curve_and_slopes(of, free, i, using, samples, rtol)
-            seen[i] = record_of(curves[i], using, noise, period)
+            targets[i] = record_of(curves[i], using, noise, period)
             if rivals:
                 apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
         except (InputError, SolveError) as error:
@@ -200,13 +200,14 @@ def design(
         raise InputError(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
         )
-    found = [
-        _expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor)) for chosen in combinations(slopes, together)
+    expected = [
+        _expected(chosen, slopes, apart, settings, free, noise, _sensor_columns(chosen, targets, sensor))
+        for chosen in combinations(slopes, together)
     ]
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
-    found.sort(key=key)
-    best = found[0]
-    return Design(dict(free), tuple(replace(e, units=units) for e, _, _ in found), (*_notes(best, free, using), *dropped))
+    expected.sort(key=key)
+    best = expected[0]
+    return Design(dict(free), tuple(replace(e, units=units) for e, _, _ in expected), (*_notes(best, free, using), *dropped))
 
 
 def _checked(
@@ -253,15 +254,15 @@ def settings_of(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
         wrong = [name for name, v in values.items() if not v]
         for name in wrong:
             problems.add(f"experiments: {name} = {experiments[name]!r}; allowed is a list of values; {example}")
-        found = [] if wrong else [dict(zip(values, each, strict=True)) for each in product(*values.values()) if values]
+        settings = [] if wrong else [dict(zip(values, each, strict=True)) for each in product(*values.values()) if values]
     else:
-        found = [dict(e) for e in experiments if isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else []
+        settings = [dict(e) for e in experiments if isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else []
         wrong = [e for e in experiments if not isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else [experiments]
         for e in wrong:
             problems.add(f"experiments: {e!r} is not a dict of settings; {example}")
-    if not found and not wrong:
+    if not settings and not wrong:
         problems.add(f"experiments is empty; allowed is one or more; {example}")
-    return found
+    return settings
 
 
 def in_words(settings: dict[str, Any], units: Mapping[str, str]) -> str:
@@ -311,9 +312,9 @@ def record_of(here: Any, using: str, noise: float, period: float) -> Target:
     return Target(using, phase, here, noise, 1.0 / period, False, "experiment", np.ones(len(here)))
 
 
-def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None) -> tuple[Any, Any]:
+def _sensor_columns(chosen: Any, by_experiment: dict[int, Target], sensor: dict[str, Any] | None) -> tuple[Any, Any]:
     """Derivatives of all values by the numbers of the sensors, and the rows of what is known of these."""
-    targets = [seen[i] for i in chosen]
+    targets = [by_experiment[i] for i in chosen]
     numbers, _ = sensors_of(sensor, targets, "design")
     parts: list[Any] = [(t, t.y, {}) for t in targets]
     columns = [of_records(number, parts) for number in numbers]
@@ -323,7 +324,7 @@ def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None)
 
 def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, here: Any, using: str, samples: int, rtol: float) -> float:
     """The smallest rms distance of a rival's curve from ours, at the best phase."""
-    found = []
+    squares = []
     for rival in rivals:
         arguments = of.arguments(free, i)
         model = rival(**arguments) if callable(rival) else of.model(free, i).replace(friction=rival)
@@ -331,8 +332,8 @@ def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, he
         if using == "position":
             here, other = here - here.mean(), other - other.mean()
         overlap = np.fft.irfft(np.fft.rfft(here) * np.conj(np.fft.rfft(other)), samples)
-        found.append(max(float(here @ here + other @ other - 2 * overlap.max()), 0.0))
-    return min(found)
+        squares.append(max(float(here @ here + other @ other - 2 * overlap.max()), 0.0))
+    return min(squares)
 
 
 def _expected(

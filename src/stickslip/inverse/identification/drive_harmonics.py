@@ -72,7 +72,7 @@ def with_harmonics(numbers: tuple[SensorNumber, ...], given: Any, targets: Any, 
         A model of each record.
     """
     spread = _spread(given)
-    found: list[SensorNumber] = []
+    harmonics: list[SensorNumber] = []
     groups = _groups(parameters, targets)
     for records in groups:
         enough = any(targets[i].kind in ("velocity", "position") and targets[i].count >= _ENOUGH for i in records)
@@ -80,8 +80,8 @@ def with_harmonics(numbers: tuple[SensorNumber, ...], given: Any, targets: Any, 
             continue
         label = "" if len(groups) == 1 else f"[{records[0]}]"
         for order, sd in spread.items():
-            found += [DriveNumber(f"{part}{order}{label}", records, 0.0, Distribution("normal", 0.0, sd)) for part in _PARTS]
-    return (*numbers, *found)
+            harmonics += [DriveNumber(f"{part}{order}{label}", records, 0.0, Distribution("normal", 0.0, sd)) for part in _PARTS]
+    return (*numbers, *harmonics)
 
 
 def _spread(given: Any) -> dict[int, float]:
@@ -102,17 +102,17 @@ def _spread(given: Any) -> dict[int, float]:
 def _groups(parameters: Any, targets: Any) -> list[tuple[int, ...]]:
     """Records of one and the same experiment: no argument, and no free number, is of one of them alone."""
     own = {f.record for f in parameters.free if f.record is not None}
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for i in range(len(targets)):
         alike = (
-            group for group in found if i not in own and group[0] not in own and _same(parameters.fixed[i], parameters.fixed[group[0]])
+            group for group in groups if i not in own and group[0] not in own and _same(parameters.fixed[i], parameters.fixed[group[0]])
         )
         group = next(alike, None)
         if group is None:
-            found.append([i])
+            groups.append([i])
         else:
             group.append(i)
-    return [tuple(group) for group in found]
+    return [tuple(group) for group in groups]
 
 
 def _same(one: dict[str, Any], other: dict[str, Any]) -> bool:
@@ -132,5 +132,5 @@ def rippled(model: Any, reading: dict[str, Any]) -> Any:
 
 def ripple_of(reading: dict[str, Any]) -> dict[tuple[str, int], float]:
     """The harmonics among the numbers of one case: (part, order) -> part of the amplitude; empty where all are zero."""
-    found = {(name[:3], int(name[3:])): float(value) for name, value in reading.items() if name[:3] in _PARTS and name[3:].isdigit()}
-    return found if any(found.values()) else {}
+    ripple = {(name[:3], int(name[3:])): float(value) for name, value in reading.items() if name[:3] in _PARTS and name[3:].isdigit()}
+    return ripple if any(ripple.values()) else {}

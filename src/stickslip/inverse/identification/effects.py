@@ -34,15 +34,15 @@ def plainer(model: Model, effects: Any) -> Any:
 
 def numbers_without(numbers: dict[str, Any], effects: Any) -> dict[str, Any]:
     """The numbers of a model without some effects."""
-    found = {}
+    plain = {}
     for name in numbers:
         stem, dot, own = name.rpartition(".")
         for other in (EFFECTS[effect][own] for effect in effects if own in EFFECTS[effect]):
             if not isinstance(other, str):
-                found[name] = other
+                plain[name] = other
             elif f"{stem}{dot}{other}" in numbers:
-                found[name] = numbers[f"{stem}{dot}{other}"]
-    return found
+                plain[name] = numbers[f"{stem}{dot}{other}"]
+    return plain
 
 
 def floors(numbers: dict[str, Any]) -> list[float]:

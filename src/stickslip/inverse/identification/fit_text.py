@@ -52,7 +52,7 @@ def unit_of_parameter(fit: Fit, name: str) -> str:
 
 def undetermined(fit: Fit) -> list[str]:
     """Sentences on the parameters that the data do not determine: which change together while nothing measured changes."""
-    found, first = [], fit.problem.first
+    sentences, first = [], fit.problem.first
     for members, directions in fit.information.groups:
         names = [fit.names[k] for k in members if k < len(fit.names)]
         others = [fit.problem.numbers[k - first] for k in members if k >= first]
@@ -62,35 +62,35 @@ def undetermined(fit: Fit) -> list[str]:
         if len(members) == 1 and names[0] in fit.bent and names[0] not in fit.open:
             continue
         if len(members) == 1:
-            found.append(f"{names[0]} is not determined: it has no effect on the measured values; fix it, or {fit.remedy}")
+            sentences.append(f"{names[0]} is not determined: it has no effect on the measured values; fix it, or {fit.remedy}")
             continue
         phases = " the phases and offsets of the records" if len(names) + len(others) < len(members) else ""
-        beside = f" beside {listed([f'{n.name} of {n.of}' for n in others])}" if others else f" beside{phases}" if phases else ""
-        said = f"{listed(names)} {'are' if len(names) > 1 else 'is'} not determined{beside}"
+        along_with = f" beside {listed([f'{n.name} of {n.of}' for n in others])}" if others else f" beside{phases}" if phases else ""
+        sentence = f"{listed(names)} {'are' if len(names) > 1 else 'is'} not determined{along_with}"
         if len(directions) == 1 and len(names) == len(members):
-            said += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
+            sentence += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
         else:
-            told = f"the data determine {len(members) - len(directions)} of {len(members)} combinations"
-            said += f": {told}; {_advice(fit, sensors, len(directions))}"
-        found.append(said)
-    return found + _determined(fit)
+            counted = f"the data determine {len(members) - len(directions)} of {len(members)} combinations"
+            sentence += f": {counted}; {_advice(fit, sensors, len(directions))}"
+        sentences.append(sentence)
+    return sentences + _determined(fit)
 
 
 def _advice(fit: Fit, sensors: list[str], count: int) -> str:
     """Advice on directions that nothing determines."""
     if not sensors:
         return f"fix {count} of them"
-    effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held) if n.of == "the sensor"]
-    typed = ", ".join(f'"{name}": {"0.0" if name in sensors else "None"}' for name in effects)
+    names = [n.name for n in (*fit.problem.numbers, *fit.problem.held) if n.of == "the sensor"]
+    typed = ", ".join(f'"{name}": {"0.0" if name in sensors else "None"}' for name in names)
     return f'fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as ("normal", mean, sd)'
 
 
 def _determined(fit: Fit) -> list[str]:
     """The combinations of undetermined parameters that the data do determine."""
     return [
-        f"the data determine {found.formula} = {rounded(found.value, found.error)} {sure(found.error)}"
-        + ("" if found.holds else ", near the fitted values: no formula that was tried holds farther away")
-        for found in fit.determined
+        f"the data determine {combination.formula} = {rounded(combination.value, combination.error)} {sure(combination.error)}"
+        + ("" if combination.holds else ", near the fitted values: no formula that was tried holds farther away")
+        for combination in fit.determined
     ]
 
 
@@ -114,8 +114,8 @@ def known_line(fit: Fit) -> str:
     numbers = {} if callable(of.make) else {name: [value] for name, value in leaves(of.make)}
     numbers |= {name: [each[name] for each in of.fixed] for name in of.fixed[0]}
     free = {f.argument for f in of.free} | set(of.tied)
-    told = [f"{name} = {_as_given(values, unit_of_parameter(fit, name))}" for name, values in numbers.items() if name not in free]
-    return f"as given: {', '.join(told)}" if told else ""
+    given = [f"{name} = {_as_given(values, unit_of_parameter(fit, name))}" for name, values in numbers.items() if name not in free]
+    return f"as given: {', '.join(given)}" if given else ""
 
 
 def _as_given(values: list[Any], unit: str) -> str:
@@ -134,18 +134,18 @@ def _as_given(values: list[Any], unit: str) -> str:
 def sensor_lines(fit: Fit) -> list[str]:
     """Sensor effects, one sentence for all."""
     units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
-    told = [
+    effects = [
         f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'} {units[name]}".rstrip()
         for name, (value, error) in fit.sensor.items()
         if name in units
     ]
-    return ([f"sensor: {', '.join(told)}"] if told else []) + drive_lines(fit)
+    return ([f"sensor: {', '.join(effects)}"] if effects else []) + drive_lines(fit)
 
 
 def drive_lines(fit: Any) -> list[str]:
     """Harmonics of the drive, one sentence for all."""
-    told = [f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'}" for name, (value, error) in fit.drive.items()]
-    return [f"harmonics of the drive, in parts of its amplitude: {', '.join(told)}"] if told else []
+    harmonics = [f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'}" for name, (value, error) in fit.drive.items()]
+    return [f"harmonics of the drive, in parts of its amplitude: {', '.join(harmonics)}"] if harmonics else []
 
 
 def input_lines(fit: Fit) -> list[str]:
@@ -156,16 +156,16 @@ def input_lines(fit: Fit) -> list[str]:
 
 def cost_lines(fit: Fit) -> list[str]:
     """The cost of sensor effects: standard errors with them, with all their numbers known, and with those of one effect known."""
-    found, lines = fit.costs, []
+    costs, lines = fit.costs, []
     of_all = "sensor and drive" if fit.drive else "the sensor"
     for name, error in fit.errors.items():
         if name in fit.undetermined:
             continue
         each = [
-            f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])
+            f"{sure(without[name])} with its {what} known" for what, without in costs.items() if what and _matters(error, without[name])
         ]
-        if found and _matters(error, found[""][name]):
-            lines.append(f"{name}: {sure(error)}, {sure(found[''][name])} with {of_all} known{', ' if each else ''}{', '.join(each)}")
+        if costs and _matters(error, costs[""][name]):
+            lines.append(f"{name}: {sure(error)}, {sure(costs[''][name])} with {of_all} known{', ' if each else ''}{', '.join(each)}")
     return lines
 
 

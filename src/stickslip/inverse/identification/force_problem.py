@@ -83,18 +83,18 @@ class DrivenProblem(OverParameters):
         good, batches = self.parameters.batches(places)
         own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
         self.solves += int(good.sum()) * len(self.targets)
-        told = not self.holds and not any(m.open for m in self.targets)
-        found = [self._forces(good, batches, own, side) for side in ((0.0,) if told else (-1.0, 1.0))]
-        return found[0], found[-1]
+        determined = not self.holds and not any(m.open for m in self.targets)
+        forces = [self._forces(good, batches, own, side) for side in ((0.0,) if determined else (-1.0, 1.0))]
+        return forces[0], forces[-1]
 
     def _forces(self, good: Any, batches: Any, readings: Any, side: float) -> Any:
         """Forces where what is not known of the contact makes them least (side -1) or greatest (1)."""
-        found = np.full((len(self.y), len(good)), np.nan)
+        forces = np.full((len(self.y), len(good)), np.nan)
         if good.any():
             each, cases = zip(batches, self.targets, readings, strict=True), int(good.sum())
             with np.errstate(all="ignore"):
-                found[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
-        return found
+                forces[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
+        return forces
 
     def slopes(self, place: Any, readings: Any) -> tuple[Any, Any]:
         """Derivatives of both ends by differences, all parameters in one batch."""
@@ -102,5 +102,7 @@ class DrivenProblem(OverParameters):
         allowed = self.parameters.limits.allows
         sign = np.array([1.0 if max(ahead) <= 1.0 and allowed(ahead) else -1.0 for ahead in place + np.diag(np.full(len(place), _STEP))])
         least, most = self.ends(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
-        found = [np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))]
-        return found[0], found[-1]
+        derivatives = [
+            np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))
+        ]
+        return derivatives[0], derivatives[-1]

@@ -49,7 +49,7 @@ def combinations(fit: Fit) -> tuple[Combination, ...]:
     too: where numbers are moved by 7 and by 30 % and the formulas are kept, the fit is as good as before. Where there is none as simple,
     weighted sums and products of powers are tried; and where none holds, the one that does so best is told as one that holds near here.
     """
-    found, n = list[Combination](), len(fit.names)
+    combinations, n = list[Combination](), len(fit.names)
     spread = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale, fit.changes, fit.misfit)
     for members, directions in fit.information.groups:
         own = [k for k in members if k < n]
@@ -62,8 +62,8 @@ def combinations(fit: Fit) -> tuple[Combination, ...]:
         for text, function in formulas:
             slopes = np.zeros(len(fit.place))
             slopes[own] = gradient(function, at, size) / size * fit.slopes[own]
-            found.append(Combination(text, float(function(at)), float(np.sqrt(max(slopes @ spread @ slopes, 0.0))), holds))
-    return tuple(found)
+            combinations.append(Combination(text, float(function(at)), float(np.sqrt(max(slopes @ spread @ slopes, 0.0))), holds))
+    return tuple(combinations)
 
 
 def _basis(rows: Any) -> Any:
@@ -151,5 +151,5 @@ class _Way:
         others = [self.members[j] for j in rest]
         place[others] += (place - fit.place)[self.own] @ np.linalg.pinv(self.directions[:, index]) @ self.directions[:, rest]
         problem = fit.problem.only({free[k].name: float(x) for k, x in zip(self.own, v, strict=True)})
-        found = polished_to_end(problem, np.delete(place, self.own))
-        return float(max(found.cost - fit.cost - 1e-6 * fit.cost, 0.0) / fit.scale**2)
+        end = polished_to_end(problem, np.delete(place, self.own))
+        return float(max(end.cost - fit.cost - 1e-6 * fit.cost, 0.0) / fit.scale**2)

@@ -125,14 +125,14 @@ class Sensed:
 
         Of those that are nearly at the end of a range only some noise is seen, so that what is left of them is no sample of it.
         """
-        found = []
+        measured = []
         for t, rest, sigma in zip(self.targets, *map(self.parts, (residuals[: len(self.y)], self.sigma)), strict=True):
             inside = t.exact
             for side in (1, -1):
                 if np.any(t.clipped == side):
                     inside = inside & (side * (t.y + rest * sigma) < np.max(side * t.y) - _NEAR_THE_END * sigma)
-            found.append(inside)
-        return np.concatenate(found)
+            measured.append(inside)
+        return np.concatenate(measured)
 
     # ---- others like it ----
     def _like(self, model: Model, **changes: Any) -> Sensed:
@@ -177,12 +177,12 @@ class Sensed:
     # ---- predictions ----
     def readings(self, places: Any) -> list[dict[str, Any]]:
         """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
-        found: list[dict[str, Any]] = [{} for _ in self.targets]
+        readings: list[dict[str, Any]] = [{} for _ in self.targets]
         values = [*zip(self.numbers, places[self.first :], strict=True), *((n, n.value) for n in self.held)]
         for number, value in values:
             for i in number.records:
-                found[i][number.what] = value
-        return found
+                readings[i][number.what] = value
+        return readings
 
     def ends(self, places: Any) -> tuple[Any, Any]:
         """The least and the greatest values for many places (cases, numbers): arrays (values, cases); NaN where a place makes no model.
@@ -209,15 +209,15 @@ class Sensed:
         """
         least, most = ends
         y, clipped = (each if least.ndim == 1 else each[:, None] for each in (self.y, self.clipped))
-        found = np.clip(y, least, most)
-        return np.where(clipped == 0, found, np.where(clipped > 0, most, least)) if clipped.any() else found
+        met = np.clip(y, least, most)
+        return np.where(clipped == 0, met, np.where(clipped > 0, most, least)) if clipped.any() else met
 
     def standardised(self, ends: tuple[Any, Any]) -> Any:
         """(model - measured) / sigma of the least and the greatest values; of clipped samples `tail`."""
         met = self._met(ends)
         y, sigma, clipped = (each if met.ndim == 1 else each[:, None] for each in (self.y, self.sigma, self.clipped))
-        found = (met - y) / sigma
-        return np.where(clipped == 0, found, -clipped * tail(clipped * found)) if clipped.any() else found
+        deviation = (met - y) / sigma
+        return np.where(clipped == 0, deviation, -clipped * tail(clipped * deviation)) if clipped.any() else deviation
 
     def _counting(self, ends: tuple[Any, Any]) -> Any:
         """By how much residuals rise for each standard deviation of what is met: 1, and less for clipped samples; array (values,)."""
@@ -327,11 +327,11 @@ class Sensed:
 
     def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
-        found = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
+        slopes = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
         for k, number in enumerate(self.numbers):
             if number.in_the_model:
-                found = np.insert(found, k, self._model_slope(place, self.first + k, number), axis=1)
-        return found
+                slopes = np.insert(slopes, k, self._model_slope(place, self.first + k, number), axis=1)
+        return slopes
 
     def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
         """Derivatives by some numbers of the sensors that act on what the model gives."""

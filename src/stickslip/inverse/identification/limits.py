@@ -75,13 +75,13 @@ class Limits:
         """The coordinates of a place; the nearest ones of one that is not possible."""
         if not len(self.slopes):
             return place
-        found, values, done = np.array(place, float), self._values(place), self._at_once()
+        inner, values, done = np.array(place, float), self._values(place), self._at_once()
         for k in self.order:
             low, high = (float(self.free[k].inner(end)) for end, _ in self._range(k, values, done))
             part = (place[k] - low) / (high - low) if high > low else 0.0
-            found[k], done[k] = np.clip(part, 0.0, 1.0), True
-            values[k] = float(self.free[k].outer(low + found[k] * (high - low)))
-        return found
+            inner[k], done[k] = np.clip(part, 0.0, 1.0), True
+            values[k] = float(self.free[k].outer(low + inner[k] * (high - low)))
+        return inner
 
     def _at_once(self) -> Any:
         """Which numbers are set from the start."""
@@ -89,18 +89,18 @@ class Limits:
 
     def _moved(self, inner: Any) -> tuple[Any, Any]:
         """The place and its derivatives."""
-        found, n = np.array(inner, float), len(self.free)
-        values, done, turned = self._values(inner), self._at_once(), np.eye(len(found))
+        moved, n = np.array(inner, float), len(self.free)
+        values, done, turned = self._values(inner), self._at_once(), np.eye(len(moved))
         by = np.diag([f.slope(p) for f, p in zip(self.free, inner, strict=False)]) @ turned[:n]  # of the values
         for k in self.order:
             f, ends = self.free[k], self._range(k, values, done)
             low, high = (float(f.inner(end)) for end, _ in ends)
             d_low, d_high = (row @ by / f.slope(float(f.inner(end))) for end, row in ends)
-            found[k] = low + inner[k] * (high - low)
+            moved[k] = low + inner[k] * (high - low)
             turned[k] = (1 - inner[k]) * d_low + inner[k] * d_high
             turned[k, k] += high - low
-            values[k], by[k], done[k] = float(f.outer(found[k])), f.slope(found[k]) * turned[k], True
-        return found, turned
+            values[k], by[k], done[k] = float(f.outer(moved[k])), f.slope(moved[k]) * turned[k], True
+        return moved, turned
 
     def _range(self, k: int, values: Numeric, done: Any) -> tuple[tuple[float, Any], tuple[float, Any]]:
         """Least and greatest value of a number, whatever those after it will be, each with its derivatives by all values.
@@ -136,13 +136,15 @@ def limits_of(of: Any) -> Limits:
     columns = np.array([[*of.values(place).values(), 1.0] for place, _ in made])
     rooms = np.array([room for _, room in made])
     size = abs(columns).max(axis=0)
-    found, _, rank, _ = np.linalg.lstsq(columns / size, rooms, rcond=1e-12)
-    off = abs(columns / size @ found - rooms).max(axis=0)
-    even = (off <= _EVEN * np.maximum(abs(found).max(axis=0), 1e-300)) & (rooms >= -_EVEN * abs(found).max(axis=0)).all(axis=0)
+    coefficients, _, rank, _ = np.linalg.lstsq(columns / size, rooms, rcond=1e-12)
+    off = abs(columns / size @ coefficients - rooms).max(axis=0)
+    even = (off <= _EVEN * np.maximum(abs(coefficients).max(axis=0), 1e-300)) & (rooms >= -_EVEN * abs(coefficients).max(axis=0)).all(
+        axis=0
+    )
     if rank <= n:
         return none
-    found = np.where(abs(found) > _EVEN * abs(found).max(axis=0, initial=0.0), found, 0.0) / size[:, None]
-    return _that_matter(of.free, found[:n, even].T, found[n, even])
+    coefficients = np.where(abs(coefficients) > _EVEN * abs(coefficients).max(axis=0, initial=0.0), coefficients, 0.0) / size[:, None]
+    return _that_matter(of.free, coefficients[:n, even].T, coefficients[n, even])
 
 
 def _room(of: Any, place: Any) -> Any:

@@ -170,8 +170,8 @@ class Bench(Compared):
         every = np.stack([np.interp(self.t, self.t[self.at], column) for column in borne.T], axis=1)
         slip = (m.slips(t, (v,))[0] + np.zeros((len(self.t), 1)))[:, 0]
         mean = np.concatenate([slip[:1], 0.5 * (slip[1:] + slip[:-1])])
-        found = law_force(law, Stepped(self.t, mean, slip), load, every, cases, start)
-        return self._mean(found[self._inside], cases)
+        forces = law_force(law, Stepped(self.t, mean, slip), load, every, cases, start)
+        return self._mean(forces[self._inside], cases)
 
 
 def _triangle(half: int) -> Any:
@@ -193,8 +193,8 @@ def takes_records(model: Model, records: list[Any]) -> bool:
 
 def _input(model: Model) -> tuple[Any, dict[str, Any]]:
     """The quantity that a record of a machine's input stands for; None for a machine whose inner mass is shaken."""
-    found = machine_of(model).input
-    return (model, {}) if found is None else found
+    quantity = machine_of(model).input
+    return (model, {}) if quantity is None else quantity
 
 
 def _role(model: Model, rec: Record) -> str | None:
@@ -213,9 +213,9 @@ def bench_of(model: Model, rec: Record, label: str) -> Bench:
         raise InputError("identify", [f'{label} has no {_wanted(model)}; type roles={{"...": "force"}} or units={{...}} when reading'])
     _check_machine(model, label)
     clock = clock_of(rec, APPLIED[kind][0], label)
-    smooth, told = motion_behind(rec)
+    smooth, notes = motion_behind(rec)
     half, noisy = _half(clock, smooth)
-    return _made(kind, clock, smooth, half, noisy, label, told)
+    return _made(kind, clock, smooth, half, noisy, label, notes)
 
 
 def _wanted(model: Model) -> str:
@@ -265,39 +265,39 @@ def _velocities(clock: Clock, smooth: Smooth | None) -> Any:
     return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
 
 
-def _made(kind: str, clock: Clock, smooth: Smooth | None, half: int, noisy: float, label: str, told: list[str]) -> Bench:
+def _made(kind: str, clock: Clock, smooth: Smooth | None, half: int, noisy: float, label: str, notes: list[str]) -> Bench:
     t, h = clock.t, clock.step
     x = clock.x if smooth is None else smooth.at(t)
     rate = _velocities(clock, smooth)
     apart = 2 * half + 1 if half > 1 else 1
     at = np.arange(half, len(t) - half, apart)
     turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
-    beside = half + int(np.clip(len(t) / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
+    margin = half + int(np.clip(len(t) / (_STROKE * (turns[-1] + 1)), 0, _LATE))  # a delay brings the friction before a reversal after it
     whole = clock.joined(at, half)
-    even = turns[np.minimum(at + beside, len(t) - 1)] == turns[np.maximum(at - beside, 0)]
+    even = turns[np.minimum(at + margin, len(t) - 1)] == turns[np.maximum(at - margin, 0)]
     at = at[whole & even]
     if len(at) < 16:
         raise InputError("identify", [_few(label, len(at), len(t), kind, half, smooth)])
     weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)
     still = rate[at] == 0
     a = _accelerations(x, at, half, h)
-    cut = "; ".join([*clock.notes, *told, *_said(half, noisy, int((whole & ~even).sum()))]) or None
+    cut = "; ".join([*clock.notes, *notes, *_said(half, noisy, int((whole & ~even).sum()))]) or None
     return Bench(kind, t, x, rate, at, a, _averaged(clock.y, at, half), weight, still, half, label, cut, measured=smooth)
 
 
 def _few(label: str, count: int, samples: int, kind: str, half: int, smooth: Smooth | None) -> str:
     """Why so few values are left of a record, and what helps."""
-    found = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are 16 or more"
+    sentence = f"{label} has {count} values between reversals with motion and {kind}, of {samples} samples; allowed are 16 or more"
     if half > 1:
-        found += f"; the noise of the motion asks for averages over {2 * half - 1} samples: "
-        found += "a longer log, faster or longer strokes, or a finer encoder"
-        found += " gives more" if smooth is None else f" than one of {max(smooth.noise.values()):.2g} gives more"
-    return found
+        sentence += f"; the noise of the motion asks for averages over {2 * half - 1} samples: "
+        sentence += "a longer log, faster or longer strokes, or a finer encoder"
+        sentence += " gives more" if smooth is None else f" than one of {max(smooth.noise.values()):.2g} gives more"
+    return sentence
 
 
 def _said(half: int, noisy: float, turned: int) -> list[str]:
     """Sentences on windows."""
-    found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
+    sentences = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
     if noisy > _TOLD:
-        found.append(f"the noise of the motion is {noisy:.2g} of the acceleration, of which an inertia is told")
-    return found + ([f"{turned} values about reversals are left out"] if turned else [])
+        sentences.append(f"the noise of the motion is {noisy:.2g} of the acceleration, of which an inertia is told")
+    return sentences + ([f"{turned} values about reversals are left out"] if turned else [])

@@ -44,10 +44,10 @@ class MeansProblem(OverParameters):
         """Mean velocities for many places (cases, numbers): array (records, cases); NaN where a place makes no model."""
         made = [self.parameters.models(place) for place in np.asarray(places, float)]
         good = np.array([models is not None for models in made], bool)
-        found = np.full((len(self.targets), len(made)), np.nan)
+        means = np.full((len(self.targets), len(made)), np.nan)
         if good.any():
-            found[:, good] = self._of_all([models for models in made if models is not None])
-        return found
+            means[:, good] = self._of_all([models for models in made if models is not None])
+        return means
 
     def _of_all(self, made: list[list[Any]]) -> Any:
         """Mean velocities of the models of all records at some places, as one batch where they are of one kind: array (records, cases)."""
@@ -68,8 +68,8 @@ class MeansProblem(OverParameters):
 
     def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
         """The least and the greatest values for many places, which are the same."""
-        found = self.batch(places)
-        return found, found
+        means = self.batch(places)
+        return means, means
 
     def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
         """Derivatives of the least and the greatest values, which are the same: central differences, at bounds one-sided ones."""
@@ -77,8 +77,8 @@ class MeansProblem(OverParameters):
         low, high = (self._beside(place, side * _STEP) for side in (-1.0, 1.0))
         moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
         down, up = np.split(self.batch(moved), 2, axis=1)
-        found = np.nan_to_num((up - down) / (high - low))
-        return found, found
+        derivatives = np.nan_to_num((up - down) / (high - low))
+        return derivatives, derivatives
 
     def _beside(self, place: Any, step: float) -> Any:
         """Each number a step away, or where it was if it cannot be there."""

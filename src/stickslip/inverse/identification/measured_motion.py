@@ -22,8 +22,8 @@ _SAID = ("", "/s", "/s²")
 
 def motion_behind(rec: Record) -> tuple[Smooth | None, list[str]]:
     """The motion behind the position, velocity and acceleration of a record, and what to say of it; None where its noise is nothing."""
-    found = {order: rec[role] for role, order in _ORDERS.items() if role in rec}
-    own = {order: made for order, c in found.items() if (made := channel(order, c.time, c.si)) is not None}
+    channels = {order: rec[role] for role, order in _ORDERS.items() if role in rec}
+    own = {order: made for order, c in channels.items() if (made := channel(order, c.time, c.si)) is not None}
     first = min(own, default=2)
     if first == 2:
         return None, []
@@ -34,16 +34,16 @@ def motion_behind(rec: Record) -> tuple[Smooth | None, list[str]]:
     for order in (o for o in sorted(own) if o > first):
         calibrated = _calibrated(own[order], motion)
         if calibrated is None:
-            notes.append(f"the {found[order].name} does not agree with the {found[first].name} within its noise and is not used")
+            notes.append(f"the {channels[order].name} does not agree with the {channels[first].name} within its noise and is not used")
         else:
             used.append(calibrated)
             motion = smoothed(tuple(used)) or motion
-    unit = found[first].unit or ""
-    size = motion.noise[first] / (float(np.median(abs(found[first].si[np.isfinite(found[first].si)]))) or 1.0)
-    told = f"noise of the {found[first].name} {_shown(motion.noise[first], found[first])} {unit}".rstrip()
-    beside = "".join(f", with the {found[c.order].name}" for c in used[1:])
+    unit = channels[first].unit or ""
+    size = motion.noise[first] / (float(np.median(abs(channels[first].si[np.isfinite(channels[first].si)]))) or 1.0)
+    noise_text = f"noise of the {channels[first].name} {_shown(motion.noise[first], channels[first])} {unit}".rstrip()
+    combined = "".join(f", with the {channels[c.order].name}" for c in used[1:])
     if size > 0:
-        notes.append(f"the motion is smoothed to a bandwidth of {motion.bandwidth:.3g} Hz{beside} ({told})")
+        notes.append(f"the motion is smoothed to a bandwidth of {motion.bandwidth:.3g} Hz{combined} ({noise_text})")
     return motion, notes
 
 

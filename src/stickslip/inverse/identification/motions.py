@@ -97,8 +97,8 @@ class Motion(Compared):
     @cached_property
     def compared(self) -> Any:
         """Which samples are compared: array (n,) of bool."""
-        found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
-        return found & (self.weights > 0)
+        valid = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
+        return valid & (self.weights > 0)
 
     @cached_property
     def clipped(self) -> Any:
@@ -212,10 +212,12 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
     whole = known & np.isfinite(F)
     why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
-    told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
+    remarks = [note for note in notes if "left out" not in note] + (
+        [f"of {len(t)} samples {reasons}; they are left out"] if reasons else []
+    )
     t, x, F, N = t[good], x[good], F[good], N[good]
     smooth, said = motion_behind(rec)
-    told += said
+    remarks += said
     x = x if smooth is None else smooth.at(t)
     own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
@@ -233,7 +235,7 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
         same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
         own = same * own
     level = noise(rec["load"].si) if load is None else 0.0
-    made = Motion(t, v, N, F, lead, flipped, label, "; ".join(told) or None, own, any_start=any_start and not lead,
+    made = Motion(t, v, N, F, lead, flipped, label, "; ".join(remarks) or None, own, any_start=any_start and not lead,
                   load_noise=level if np.isfinite(level) else 0.0)  # fmt: skip
     if smooth is None:
         return made
@@ -266,10 +268,10 @@ def _fewer(rec: Record) -> tuple[Any, list[str]]:
 
 def _integrated(t: Array, v: Array) -> Any:
     """The position; NaN where the velocity, or the time, is missing."""
-    found, known = np.full(len(v), np.nan), np.isfinite(t) & np.isfinite(v)
+    position, known = np.full(len(v), np.nan), np.isfinite(t) & np.isfinite(v)
     t, v = t[known], v[known]
-    found[known] = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])[: len(v)]
-    return found
+    position[known] = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])[: len(v)]
+    return position
 
 
 def _first_period(rec: Any, t: Array, x: Array, F: Any) -> int:

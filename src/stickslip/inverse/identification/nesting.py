@@ -69,7 +69,7 @@ def _changed(differences: Any) -> bool:
 
 def _idle(problem: Any, effects: Any) -> list[int]:
     """Free parameters that change nothing once the effects are left out."""
-    of, found = problem.parameters.leaving_out(effects), []
+    of, idle = problem.parameters.leaving_out(effects), []
     base = next((p for p in _samples(problem) if of.models(p) is not None), None)
     if base is None:
         return []
@@ -82,8 +82,8 @@ def _idle(problem: Any, effects: Any) -> list[int]:
             models = of.models(place)
             moved += [] if models is None else [[dict(leaves(m)) for m in models] == here]
         if moved and all(moved):
-            found.append(k)
-    return found
+            idle.append(k)
+    return idle
 
 
 def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any], starts: int, seed: int) -> Any:
@@ -137,6 +137,6 @@ def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Numeric) -> 
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, _GRID - 1)]
     with np.errstate(invalid="ignore"):  # where there is no law
         near = minimize_scalar(size, bounds=(low, high), method="bounded", options={"xatol": _FINE})
-    found = np.array(place)
-    found[k] = min((sizes[i], grid[i]), (near.fun, near.x))[1]
-    return found
+    nearest = np.array(place)
+    nearest[k] = min((sizes[i], grid[i]), (near.fun, near.x))[1]
+    return nearest

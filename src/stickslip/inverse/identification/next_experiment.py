@@ -93,17 +93,17 @@ def next_experiment(
             problems.add(f"experiments: {name} is what is sought; allowed are what an experiment sets, such as {known[0]}")
     problems.whole("samples", samples, 40, example=2000)
     problems.check()
-    rows, units, found, dropped = _rows_of(fit), _units(fit, settings), [], []
+    rows, units, designs, dropped = _rows_of(fit), _units(fit, settings), [], []
     for chosen in settings:
         try:
-            found.append(_expected(fit, rows, chosen, {**usual, **{k: v for k, v in chosen.items() if k in _HOW}}, samples))
+            designs.append(_expected(fit, rows, chosen, {**usual, **{k: v for k, v in chosen.items() if k in _HOW}}, samples))
         except (InputError, SolveError) as error:
             dropped.append(f"{in_words(chosen, units)} is left out: {error}")
-    if not found:
+    if not designs:
         raise InputError("next_experiment", ["none of the experiments can be computed", *dropped])
-    found.sort(key=lambda pair: pair[1])
-    best = replace(found[0][0], units=units)
-    return Design(dict(fit.values), tuple(replace(e, units=units) for e, _ in found), (_verdict(fit, best), *dropped))
+    designs.sort(key=lambda pair: pair[1])
+    best = replace(designs[0][0], units=units)
+    return Design(dict(fit.values), tuple(replace(e, units=units) for e, _ in designs), (_verdict(fit, best), *dropped))
 
 
 def _units(fit: Fit, settings: list[dict[str, Any]]) -> dict[str, str]:
@@ -131,9 +131,9 @@ def _rows_of(fit: Fit) -> Any:
 
     Those of a number that is flat from bound to bound are none, whatever they are where the search ended.
     """
-    told = np.ones(fit.jacobian.shape[1])
-    told[: len(fit.names)] = [name not in fit.open for name in fit.names]
-    return fit.jacobian * told / fit.scale
+    determined = np.ones(fit.jacobian.shape[1])
+    determined[: len(fit.names)] = [name not in fit.open for name in fit.names]
+    return fit.jacobian * determined / fit.scale
 
 
 def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> tuple[Experiment, tuple[float, float]]:
@@ -198,10 +198,10 @@ def _moved(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) 
     target = _sine(fit, of, chosen, samples)
     problem = DrivenProblem(of, (target,), float(how["noise"]), 1, model.holds)
     numbers, held = _numbers(fit, how["sensor"], target)
-    sensed = Sensed(problem, tuple(numbers), held)
+    problem_with_sensors = Sensed(problem, tuple(numbers), held)
     place = np.concatenate([fit.place[: len(of.free)], [n.value for n in numbers]])
-    predicted = sensed.predicted(place)
-    return sensed.with_values(predicted).jacobian(place)
+    predicted = problem_with_sensors.predicted(place)
+    return problem_with_sensors.with_values(predicted).jacobian(place)
 
 
 def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
@@ -229,10 +229,10 @@ def _frequency(t: Array, x: Array) -> float:
 
 def _verdict(fit: Fit, best: Experiment) -> str:
     left = [name for name in fit.undetermined if not np.isfinite(best.errors[name])]
-    told = [name for name in fit.undetermined if name not in left]
+    determined = [name for name in fit.undetermined if name not in left]
     if not fit.undetermined:
         return f"{best.words} leaves the least uncertain; all parameters are determined already"
-    if not told:
+    if not determined:
         return f"none of the experiments determines {listed(left)}; change what else an experiment sets, or fix {listed(left[:1])}"
-    beside = f"; {listed(left)} stay open" if left else ""
-    return f"{best.words} determines {listed(told)}{beside}"
+    remainder = f"; {listed(left)} stay open" if left else ""
+    return f"{best.words} determines {listed(determined)}{remainder}"

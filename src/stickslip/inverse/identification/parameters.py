@@ -70,8 +70,8 @@ class Free:
     @property
     def record(self) -> int | None:
         """The record it belongs to; None for all."""
-        found = re.fullmatch(r".*\[(\d+)\]", self.name)
-        return int(found[1]) if found else None
+        match = re.fullmatch(r".*\[(\d+)\]", self.name)
+        return int(match[1]) if match else None
 
 
 @sealed
@@ -121,13 +121,13 @@ class Parameters:
 
     def arguments(self, values: dict[str, Any], record: int) -> dict[str, Any]:
         """All arguments of the model of one record."""
-        found = dict(self.fixed[record])
+        arguments = dict(self.fixed[record])
         for f in self.free:
             if f.record in (None, record):
-                found[f.argument] = values[f.name]
+                arguments[f.argument] = values[f.name]
         for name, rule in self.tied.items():
-            found[name] = rule({**found, **values}) if callable(rule) else found[rule]
-        return found
+            arguments[name] = rule({**arguments, **values}) if callable(rule) else arguments[rule]
+        return arguments
 
     def model(self, values: dict[str, Any], record: int) -> Any:
         """The model of one record; raises `InputError` where the values make none."""
@@ -217,20 +217,20 @@ def _known(make: Model | Callable[..., Any]) -> list[str] | None:
     """Names of the arguments; None if any is allowed."""
     if not callable(make):
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
-    found = parameters_of(make)
-    return None if any(p.kind is p.VAR_KEYWORD for p in found) else [p.name for p in found]
+    known = parameters_of(make)
+    return None if any(p.kind is p.VAR_KEYWORD for p in known) else [p.name for p in known]
 
 
 def _needed(make: Model | Callable[..., Any]) -> list[str]:
     """Arguments that have no default."""
     if not callable(make):
         return []
-    found = parameters_of(make)
-    return [p.name for p in found if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    known = parameters_of(make)
+    return [p.name for p in known if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
 
 
 def _free(make: Model | Callable[..., Any], free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
-    found = []
+    parameters = []
     for name, typed in free.items():
         bounds = in_its_unit(name.partition("[")[0], typed, make, problems, f"free: {name}")
         parts = tuple(bounds) if isinstance(bounds, (tuple, list)) else ()
@@ -243,11 +243,11 @@ def _free(make: Model | Callable[..., Any], free: dict[str, Any], count: int, pr
             continue
         low, high = float(parts[0]), float(parts[1])
         each = [name.replace("[:]", f"[{i}]") for i in range(count)] if name.endswith("[:]") else [name]
-        found += [Free(one, low, high, log, known) for one in each]
-    for f in found:
+        parameters += [Free(one, low, high, log, known) for one in each]
+    for f in parameters:
         if f.record is not None and f.record >= count:
             problems.add(f"free: {f.name} names record {f.record}; there are {count}, counted from 0")
-    return found
+    return parameters
 
 
 def _check_once(free: list[Free], tied: dict[str, Any], arguments: dict[str, Any], count: int, problems: Problems) -> None:

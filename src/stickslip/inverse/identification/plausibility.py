@@ -24,9 +24,9 @@ def doubts(problem: Sensed, values: dict[str, float], place: Any) -> list[str]:
     models = {i: problem.parameters.model(values, i) for i, _ in curves}
     shown = problem.model.predicted(place[: problem.first]) if curves else None
     parts = [] if shown is None else np.split(shown, np.cumsum([t.count for t in problem.targets])[:-1])
-    found = [_frequencies(target, models[i]) for i, target in curves] + [_sizes(target, parts[i]) for i, target in curves if parts]
+    sentences = [_frequencies(target, models[i]) for i, target in curves] + [_sizes(target, parts[i]) for i, target in curves if parts]
     notes = [note for model in models.values() if is_machine(model) for note in machine_of(model).notes if note.startswith(MISTAKEN)]
-    return list(dict.fromkeys([*(sentence for sentence in found if sentence), *notes]))
+    return list(dict.fromkeys([*(sentence for sentence in sentences if sentence), *notes]))
 
 
 def _frequencies(target: Target, model: Model) -> str:
@@ -36,9 +36,9 @@ def _frequencies(target: Target, model: Model) -> str:
     ratio = target.frequency / own
     if not math.isfinite(ratio) or abs(ratio - (1 if one_drive else max(round(ratio), 1))) < _APART * ratio:
         return ""
-    told = f"the record repeats at {target.frequency:.5g} Hz and the drive of the model at {own:.5g} Hz"
+    mismatch = f"the record repeats at {target.frequency:.5g} Hz and the drive of the model at {own:.5g} Hz"
     advice = "correct the drive's frequency or the unit of the record's times"
-    return f"{target.label}: {told}: the fitted friction is that of another drive; {advice}"
+    return f"{target.label}: {mismatch}: the fitted friction is that of another drive; {advice}"
 
 
 def _sizes(target: Target, modelled: Any) -> str:

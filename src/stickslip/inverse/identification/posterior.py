@@ -80,8 +80,8 @@ def _root(fit: Fit) -> Array:
 def distribution_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:
     """How a fit's parameters spread the numbers of a machine; what stands against it is noted."""
     if lost := [name for name, error in fit.errors.items() if name in fit.undetermined or not np.isfinite(error)]:
-        told = f"the data do not determine {' and '.join(lost)}, which could be anything"
-        problems.add(f"{told}; fix {'it' if len(lost) == 1 else 'them'}, or {fit.remedy}")
+        mistake = f"the data do not determine {' and '.join(lost)}, which could be anything"
+        problems.add(f"{mistake}; fix {'it' if len(lost) == 1 else 'them'}, or {fit.remedy}")
         return None
     moved, known = _moved(fit), {name for name, _ in leaves(machine)}
     inside = {leaf: next((name for name in (leaf, f"friction.{leaf}") if name in known), "") for leaf in moved}

@@ -55,9 +55,9 @@ class Quality:
     @property
     def excess(self) -> str:
         """The unexplained rest, in words."""
-        beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
+        noise = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
         more = f", {self.structure}" if self.structure else ""
-        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}{more}"
+        return f"residuals of {self.rms:.3g} {self.unit}{noise}, neighbours correlated {self.correlation:.2f}{more}"
 
     @property
     def suspicious(self) -> bool:
@@ -78,16 +78,16 @@ def _of_input(fit: Fit) -> list[float]:
     if fit.changes is None:
         return [0.0] * len(fit.problem.targets)
     left = fit.changes - fit.jacobian[: fit.count] @ (fit.information.inverse[:, : fit.count] @ fit.changes)
-    found = []
+    correlations = []
     for part, rest in zip(fit.problem.parts(left), fit.problem.parts(fit.residuals), strict=True):
         size = float(np.mean(rest**2)) or 1.0
-        found.append(float(np.mean([max(neighbours(column), 0.0) * np.mean(column**2) for column in part.T])) / size)
-    return found
+        correlations.append(float(np.mean([max(neighbours(column), 0.0) * np.mean(column**2) for column in part.T])) / size)
+    return correlations
 
 
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """Goodness of fit of each record."""
-    found = []
+    qualities = []
     rests, inputs, plain = fit.problem.parts(fit.residuals * fit.problem.sigma), _of_input(fit), fit.problem.unclipped(fit.residuals)
     structure = fit.misfit.said if fit.misfit else ("",) * len(rests)
     for target, exact, rest, of_input, said in zip(fit.problem.targets, fit.problem.parts(plain), rests, inputs, structure, strict=True):
@@ -104,7 +104,7 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
         known_ones, in_phase = rest[exact], rest[order][exact[order]]
         folded, shape = neighbours(in_phase), max(neighbours(known_ones), neighbours(in_phase), key=abs)
         coloured = (periodic and abs(folded) < 3.5 / np.sqrt(len(known_ones))) or (target.kind in OVER_MOTION and not said)
-        found.append(
+        qualities.append(
             Quality(
                 target.label,
                 target.kind,
@@ -119,4 +119,4 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
                 of_input,
             )
         )
-    return tuple(found)
+    return tuple(qualities)

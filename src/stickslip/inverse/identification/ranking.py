@@ -107,8 +107,10 @@ class Ranking(Drawn):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("", "numbers", "rms [σ]", "ΔAICc", "ΔBIC", "weight", "held out", "")
         held = ["" if np.isnan(r.held_out) else f"{r.held_out:.4g}" for r in self.rows]
-        told = [(f"{r.rms:.4g}", f"{r.aicc:.4g}", f"{r.bic:.4g}", f"{r.weight:.3f}") for r in self.rows]
-        return [[head, *((r.label, str(r.parameters), *t, h, "; ".join(r.faults)) for r, t, h in zip(self.rows, told, held, strict=True))]]
+        criteria = [(f"{r.rms:.4g}", f"{r.aicc:.4g}", f"{r.bic:.4g}", f"{r.weight:.3f}") for r in self.rows]
+        return [
+            [head, *((r.label, str(r.parameters), *t, h, "; ".join(r.faults)) for r, t, h in zip(self.rows, criteria, held, strict=True))]
+        ]
 
     __repr__ = __str__
 
@@ -220,17 +222,17 @@ def prediction_errors(
         body=None if body is None else names[body], harmonics=fit.problem.harmonics,
     )  # fmt: skip
     problem = whole.only(fit.values)
-    found = polished_to_end(problem, problem.aligned(np.empty(0)))
-    rest = problem.parts(found.residuals[: len(problem.y)] * problem.sigma)
+    end = polished_to_end(problem, problem.aligned(np.empty(0)))
+    rest = problem.parts(end.residuals[: len(problem.y)] * problem.sigma)
     return [float(np.sqrt(np.mean(part**2))) for part in rest]
 
 
 def _named(fits: Any) -> dict[str, Fit]:
-    found: dict[str, Fit] = {}
+    named: dict[str, Fit] = {}
     for fit in fits:
-        label = fit.law if fit.law not in found else f"{fit.law} ({len(found) + 1})"
-        found[label] = fit
-    return found
+        label = fit.law if fit.law not in named else f"{fit.law} ({len(named) + 1})"
+        named[label] = fit
+    return named
 
 
 def _check(named: dict[str, Fit]) -> None:

@@ -27,10 +27,10 @@ def finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
         return problem, Found(place, problem.residuals(place), problem.jacobian(place), rough.steps, True)
     best = polished(problem, place)
     for _ in range(_ROUNDS):
-        told = with_noise_of(problem, best)
-        if best.stopped or told is problem:
+        with_noise = with_noise_of(problem, best)
+        if best.stopped or with_noise is problem:
             break
-        problem, best = told, polished(told, best.place)
+        problem, best = with_noise, polished(with_noise, best.place)
     return problem, best
 
 
@@ -54,18 +54,18 @@ def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
     One that the fit needs, within the bounds of the others, stays as it is.
     """
     held, needed = spared, set[str]()
-    found = _holding(problem, best, held)
-    while names := [n for n in _lost(problem, held, found) if n not in held and n not in needed]:
+    fitted = _holding(problem, best, held)
+    while names := [n for n in _lost(problem, held, fitted) if n not in held and n not in needed]:
         more = _holding(problem, best, [*held, names[0]])
-        if more.cost > found.cost * (1 + _NOTHING):
+        if more.cost > fitted.cost * (1 + _NOTHING):
             needed.add(names[0])
         else:
-            held, found = [*held, names[0]], more
+            held, fitted = [*held, names[0]], more
     if not held:
         return best
     kept = _kept(problem, held)
     place = np.array([*best.place[: problem.first], *(n.neutral for n in problem.numbers)])
-    place[kept] = found.place
+    place[kept] = fitted.place
     return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
 
 
@@ -79,24 +79,24 @@ def _kept(problem: Sensed, held: Any) -> Any:
     return np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
 
 
-def _lost(problem: Sensed, held: Any, found: Found) -> list[str]:
+def _lost(problem: Sensed, held: Any, end: Found) -> list[str]:
     """Numbers of sensors that the data do not determine if some are held, in the order of the problem."""
     reduced = problem.holding(held) if held else problem
-    return [reduced.numbers[k - reduced.first].name for k in undetermined(reduced, found) if k >= reduced.first]
+    return [reduced.numbers[k - reduced.first].name for k in undetermined(reduced, end) if k >= reduced.first]
 
 
 def spared_numbers(problem: Sensed, best: Found) -> list[str]:
     """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
     effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
     while effects:
-        found: list[tuple[float, list[str]]] = []
+        tried: list[tuple[float, list[str]]] = []
         for out in (None, *effects):
             way = [e for e in effects if e != out]
             spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
-            found.append((_holding(problem, best, spared).cost, way))
-            if found[-1][0] <= _MAKES_UP * best.cost:
+            tried.append((_holding(problem, best, spared).cost, way))
+            if tried[-1][0] <= _MAKES_UP * best.cost:
                 return spared
-        effects = min(found[1:])[1]
+        effects = min(tried[1:])[1]
     return []
 
 
@@ -122,6 +122,6 @@ def spared_note(names: list[str]) -> list[str]:
     return [f"{left}: the values are those of an ideal sensor, and the intervals allow for a real one"]
 
 
-def undetermined(problem: Sensed, found: Found) -> list[int]:
+def undetermined(problem: Sensed, end: Found) -> list[int]:
     """Which numbers of a place the data do not determine."""
-    return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]
+    return [int(k) for k in np.flatnonzero(information_of(problem, end.jacobian).undetermined)]

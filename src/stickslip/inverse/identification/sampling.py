@@ -120,7 +120,7 @@ def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
     return np.clip(places, low + 1e-6 * room, high - 1e-6 * room) + 1e-9 * room * rng.uniform(-1, 1, places.shape)
 
 
-def _told_less(fit: Fit) -> float:
+def _remaining_information(fit: Fit) -> float:
     """The part of the information that noise of the input leaves, of the parameter that it costs most."""
     whole, part = np.diag(fit.spread)[: len(fit.names)], fit.input_spread**2
     known = np.isfinite(whole) & (whole > 0)
@@ -134,45 +134,45 @@ class _Posterior:
         self.fit, self.low, self.high = fit, low, high
         rest = fit.problem.parts(fit.residuals)
         self.worth = np.concatenate([np.full(len(r), effective(r) / len(r)) for r in rest])
-        self.worth *= _told_less(fit) / max(widening(fit).values(), default=1.0) ** 2
+        self.worth *= _remaining_information(fit) / max(widening(fit).values(), default=1.0) ** 2
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
 
     def __call__(self, places: Any) -> Any:
         places = np.atleast_2d(places)
-        found = np.full(len(places), -np.inf)
+        logs = np.full(len(places), -np.inf)
         inside = ((places >= self.low) & (places <= self.high)).all(axis=1)
         if inside.any():
-            found[inside] = self._inside(places[inside])
-        return found
+            logs[inside] = self._inside(places[inside])
+        return logs
 
     def _inside(self, places: Any) -> Any:
         rests = self.fit.problem.standardised(self.fit.problem.ends(places))
         cost = np.sum(self.worth[:, None] * rests**2, axis=0)
-        told = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
+        log_likelihood = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
         known = np.array([self._known(place) for place in places])
-        return np.where(np.isfinite(told), told + known, -np.inf)
+        return np.where(np.isfinite(log_likelihood), log_likelihood + known, -np.inf)
 
     def _known(self, place: Any) -> float:
         """The prior distribution; one that is flat between bounds adds nothing."""
-        found = 0.0
+        log_prior = 0.0
         for row in self.fit.problem._known:
             if not np.isfinite(row.prior.low):
-                found -= 0.5 * ((row.value(place) - row.prior.mean) / row.prior.sd) ** 2
-        return found
+                log_prior -= 0.5 * ((row.value(place) - row.prior.mean) / row.prior.sd) ** 2
+        return log_prior
 
 
 def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
     """Names of the numbers of a place, their conversion to values, and their units."""
-    found: dict[str, tuple[Any, dict[str, str]]] = {}
+    named: dict[str, tuple[Any, dict[str, str]]] = {}
     for free in fit.problem.parameters.free:
-        found[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}
+        named[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}
     for record, what in getattr(fit.problem.model, "_timing", ()):
-        found[f"{what}[{record}]"] = np.asarray, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
+        named[f"{what}[{record}]"] = np.asarray, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
     for number in fit.problem.numbers:
         unit = number.unit(unit_of_values(fit.problem.targets[number.records[0]]))
-        found[f"{number.of.removeprefix('the ')} {number.name}"] = np.asarray, {"units": unit}
-    return found
+        named[f"{number.of.removeprefix('the ')} {number.name}"] = np.asarray, {"units": unit}
+    return named
 
 
 def bands(fit: Fit, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:

@@ -88,11 +88,11 @@ def virtual_rig(
     run = solve(robot, periods=settle + periods + 1, settle=settle, rtol=rtol, samples=8, keep="trajectory")
     T = run.period_time
     t = np.arange(round(periods * samples)) / samples * T
-    seen = _seen(run, (settle + phase % 1.0) * T, t, T / samples, bandwidth, channels)
+    columns = _recorded(run, (settle + phase % 1.0) * T, t, T / samples, bandwidth, channels)
     rng, made = np.random.default_rng(seed), {}
     for name in channels:
-        y, unit = seen[name], _UNITS[name]
-        level = noise if unit == "m/s" else noise * float(np.ptp(y)) / max(float(np.ptp(seen["velocity"])), 1e-300)
+        y, unit = columns[name], _UNITS[name]
+        level = noise if unit == "m/s" else noise * float(np.ptp(y)) / max(float(np.ptp(columns["velocity"])), 1e-300)
         y = y + (offset if unit == "m/s" else 0.0) + level * rng.normal(size=len(t))
         made[name] = Channel(name, np.round(y / resolution) * resolution if resolution else y, unit, t, "time", "s", name)
     return Record(made, (_LABEL,), {"format": "virtual rig", **_truth(robot, run, noise, seed, bandwidth, resolution)}, synthetic=True)
@@ -138,7 +138,7 @@ def _is_one_sine(drive: Any) -> bool:
     return bool(np.allclose(drive.acceleration(t), Harmonic.acceleration(drive, t), rtol=1e-12, atol=0.0))
 
 
-def _seen(run: Any, start: float, t: Array, step: float, bandwidth: float | None, channels: Any) -> dict[str, Any]:
+def _recorded(run: Any, start: float, t: Array, step: float, bandwidth: float | None, channels: Any) -> dict[str, Any]:
     """The readings of ideal sensors of the given bandwidth."""
     if bandwidth is None:
         return _columns(run.at(np.minimum(start + t, run.pieces.t[-1])))
