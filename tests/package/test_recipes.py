@@ -281,3 +281,12 @@ def test_a_law_in_the_registry_without_the_base_class_is_told_what_to_write(monk
 
 def test_a_class_that_is_no_dataclass_is_told_what_to_write():
     assert lacking("odd", type("Odd", (), {}), ()) == ["Odd: write @dataclass(frozen=True, eq=False) above the class"]
+
+
+def test_an_import_that_fails_in_a_file_of_ours_is_told_with_that_file(request):
+    unreadable = request.config.pluginmanager.get_plugin(str(ROOT / "conftest.py")).unreadable
+    imported = "tests/x.py:1: in <module>\nsrc/stickslip/analysis/duty.py:10: in <module>\nE   ImportError: cannot import name 'motionn'"
+    assert unreadable(imported) == "src/stickslip/analysis/duty.py, line 10: ImportError: cannot import name 'motionn'"
+    spelt = 'tests/x.py:1: in <module>\nE     File "/home/src/stickslip/a.py", line 3\nE       def\nE   SyntaxError: invalid syntax'
+    assert unreadable(spelt) == "src/stickslip/a.py, line 3: SyntaxError: invalid syntax"
+    assert unreadable("src/stickslip/a.py:3: in f\nE   TypeError: no") is None

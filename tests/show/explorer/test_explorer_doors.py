@@ -17,7 +17,7 @@ from websockets.sync.client import connect
 
 from stickslip.show.explorer import server, uploads
 from stickslip.show.explorer.frames import read
-from stickslip.show.explorer.upload_reading import Readers
+from stickslip.show.explorer.upload_reading import Reader
 
 SOON = 20.0  # by when what is to end has ended, on a machine with other work
 RECORD = ("t [ms];v [mm/s]\n" + "".join(f"{i}.0;{i % 2}.0\n" for i in range(50))).encode()
@@ -92,7 +92,7 @@ def served():
         patch.setattr(uploads, "RECEIVING", 2.0)  # instead of two minutes
         made = Served()
         with contextlib.closing(made):
-            process_of(made.app.inner.state.uploads._readers).ask("velocity", "a.csv", RECORD, 120)  # it is ready
+            process_of(made.app.inner.state.uploads._reader).ask("velocity", "a.csv", RECORD, 120)  # it is ready
             yield made
 
 
@@ -165,8 +165,8 @@ def test_an_upload_that_trickles_ends(served):
 
 
 @pytest.fixture
-def readers():
-    made = Readers(seconds=uploads.READING, count=1)
+def reader():
+    made = Reader(uploads.READING)
     yield made
     made.end()
 
@@ -175,10 +175,8 @@ def said(answer):
     return " ".join(read(answer)[0].get("problems", ()))
 
 
-def process_of(readers):
-    reader = readers._ready.get(timeout=60)
-    readers._ready.put(reader)
-    return reader
+def process_of(reader):
+    return reader._process
 
 
 def bomb(folder):
@@ -188,49 +186,49 @@ def bomb(folder):
     return (folder / "a.h5").read_bytes()
 
 
-def test_a_file_is_read_beside_the_server_and_the_next_one_by_the_same_process(readers):
-    process = process_of(readers)
+def test_a_file_is_read_beside_the_server_and_the_next_one_by_the_same_process(reader):
+    process = process_of(reader)
     for what in ("velocity", "velocity", "drive"):
-        readers.read(what, "a.csv", RECORD)
-    assert process_of(readers) is process
-    assert read(readers.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
-    assert "no table of numbers" in said(readers.read("velocity", "a.csv", b"no numbers"))
-    assert "has no known file extension" in said(readers.read("velocity", "a", RECORD))
+        reader.read(what, "a.csv", RECORD)
+    assert process_of(reader) is process
+    assert read(reader.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
+    assert "no table of numbers" in said(reader.read("velocity", "a.csv", b"no numbers"))
+    assert "has no known file extension" in said(reader.read("velocity", "a", RECORD))
 
 
-def test_a_file_that_unpacks_without_end_is_refused(readers, tmp_path):
-    assert "STICKSLIP_LARGEST" in said(readers.read("velocity", "a.h5", bomb(tmp_path)))
+def test_a_file_that_unpacks_without_end_is_refused(reader, tmp_path):
+    assert "STICKSLIP_LARGEST" in said(reader.read("velocity", "a.h5", bomb(tmp_path)))
 
 
-def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(readers):
-    process = process_of(readers)
+def test_a_file_that_ends_its_reader_is_said_and_the_next_one_is_read(reader):
+    process = process_of(reader)
     process.ask("velocity", "a.csv", RECORD, 60)
     os.kill(process._process.pid, signal.SIGSEGV)
     process._process.wait(60)
     process.is_alive = lambda: True  # it ends while it reads
-    assert "the process that read the record crashed" in said(readers.read("velocity", "a.csv", RECORD))
-    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
+    assert "the process that read the record crashed" in said(reader.read("velocity", "a.csv", RECORD))
+    assert said(reader.read("velocity", "a.csv", RECORD)) == ""
 
 
 def test_a_file_that_takes_too_long_is_given_up_and_the_next_one_is_read(tmp_path):
-    readers = Readers(seconds=0.5, count=1)
-    process = process_of(readers)
+    reader = Reader(0.5)
+    process = process_of(reader)
     process.ask("velocity", "a.csv", RECORD, 60)
     os.kill(process._process.pid, signal.SIGSTOP)
-    assert "not read in time" in said(readers.read("velocity", "a.csv", RECORD))
-    readers._seconds = uploads.READING
-    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
-    readers.end()
-    assert all(reader._process.poll() is not None for reader in readers._all)
+    assert "not read in time" in said(reader.read("velocity", "a.csv", RECORD))
+    reader._seconds = uploads.READING
+    assert said(reader.read("velocity", "a.csv", RECORD)) == ""
+    reader.end()
+    assert not process_of(reader).is_alive()
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="this system has no limits of memory")
 def test_a_file_that_needs_too_much_memory_is_said(monkeypatch, tmp_path):
     monkeypatch.setenv("STICKSLIP_LARGEST", "1e12")  # the limit of the process remains
-    readers = Readers(seconds=60.0, count=1)
-    assert "more memory than" in said(readers.read("velocity", "a.h5", bomb(tmp_path)))
-    assert said(readers.read("velocity", "a.csv", RECORD)) == ""
-    readers.end()
+    reader = Reader(60.0)
+    assert "more memory than" in said(reader.read("velocity", "a.h5", bomb(tmp_path)))
+    assert said(reader.read("velocity", "a.csv", RECORD)) == ""
+    reader.end()
 
 
 def test_messages_of_nonsense_do_not_end_a_page(served):

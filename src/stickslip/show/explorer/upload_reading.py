@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import queue
 import struct
 import subprocess
 import sys
@@ -32,23 +31,20 @@ def _problem(*sentences: str) -> bytes:
     return written({"kind": "problems", "problems": sentences})
 
 
-class Readers:
-    """Processes that read records, one record at a time each.
+class Reader:
+    """A process that reads one record at a time, and is replaced when it has ended.
 
     Parameters
     ----------
     seconds : float
         Time limit for one record.
-    count : int
-        Largest number of records read simultaneously.
     """
 
-    def __init__(self, seconds: float, count: int = 2):
-        self._seconds, self._free = seconds, threading.BoundedSemaphore(count)
-        self._ready: queue.SimpleQueue[_Reader] = queue.SimpleQueue()
-        self._all: set[_Reader] = set()
-        self._ended = False
-        self._add()
+    def __init__(self, seconds: float):
+        self._seconds, self._lock, self._ended = seconds, threading.Lock(), False
+        self._process: _Process | None = None
+        with contextlib.suppress(OSError):  # the next file tries again, and reports it
+            self._start()
 
     def read(self, what: str, name: str, data: bytes) -> bytes:
         """The response to a file; blocks until it is available or the deadline has passed.
@@ -60,49 +56,37 @@ class Readers:
             Name of the file.
         data : bytes
         """
-        with self._free:
+        with self._lock:
             try:
-                reader = self._taken()
+                process = self._process if self._process is not None and self._process.is_alive() else self._start()
             except OSError as error:
                 return _problem(f"no process could be started to read the record: {error.strerror}")
-            answer = reader.ask(what, name, data, self._seconds)
+            answer = process.ask(what, name, data, self._seconds)
             if answer is None:
-                why = self._drop(reader)
-                self._add()
+                why = process.end()
+                if not self._ended:
+                    with contextlib.suppress(OSError):
+                        self._start()
                 return _problem(why)
-            self._ready.put(reader)
             return answer
 
     def end(self) -> None:
-        """End the processes."""
+        """End the process."""
         self._ended = True
-        for reader in [*self._all]:
-            reader.end()
+        if self._process is not None:
+            self._process.end()
 
-    def _taken(self) -> _Reader:
-        """A process that is ready, or a new one."""
-        with contextlib.suppress(queue.Empty):
-            while True:
-                reader = self._ready.get_nowait()
-                if reader.is_alive():
-                    return reader
-                self._drop(reader)
-        self._all.add(reader := _Reader())
-        return reader
-
-    def _add(self) -> None:
-        """Start another process in advance; if that fails, the next file reports it."""
-        if not self._ended:
-            with contextlib.suppress(OSError):
-                self._all.add(reader := _Reader())
-                self._ready.put(reader)
-
-    def _drop(self, reader: _Reader) -> str:
-        self._all.discard(reader)
-        return reader.end()
+    def _start(self) -> _Process:
+        """A process that is ready before a file arrives."""
+        if self._process is not None:
+            self._process.end()
+        self._process = _Process()
+        if self._ended:
+            self._process.end()
+        return self._process
 
 
-class _Reader:
+class _Process:
     """One reading process."""
 
     def __init__(self) -> None:

@@ -8,17 +8,17 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import PlainTextResponse, Response
 
 from stickslip.show.explorer.dropped_records import MOST_BYTES
-from stickslip.show.explorer.upload_reading import Readers
+from stickslip.show.explorer.upload_reading import Reader
 
 #: Time limits for receiving a record, and for reading it [s].
 RECEIVING, READING = 120.0, 20.0
 
 
 class Uploads:
-    """The records that pages send, and the processes that read them."""
+    """The records that pages send, and the process that reads them."""
 
     def __init__(self) -> None:
-        self._readers = Readers(READING)
+        self._reader = Reader(READING)
 
     async def answer(self, request: Request, what: str) -> Response:
         """The response to a file: its "velocity" or its "drive", or the error."""
@@ -32,12 +32,12 @@ class Uploads:
         if data is None:
             return PlainTextResponse(f"the file is larger than {MOST_BYTES // 1_000_000} MB\n", 413, {"Connection": "close"})
         loop = asyncio.get_running_loop()
-        answer = await loop.run_in_executor(None, self._readers.read, what, request.path_params["name"], data)
+        answer = await loop.run_in_executor(None, self._reader.read, what, request.path_params["name"], data)
         return Response(answer, media_type="application/octet-stream")
 
     def close(self) -> None:
-        """End the reading processes."""
-        self._readers.end()
+        """End the reading process."""
+        self._reader.end()
 
 
 async def _whole(request: Request) -> bytes | None:
