@@ -82,31 +82,31 @@ def _plain(name: str, value: Any) -> Any:
     )
 
 
-def from_message(told: dict[str, Any]) -> Plan:
+def from_message(message: dict[str, Any]) -> Plan:
     """Restore a tile on a worker: a plan of its own with one tile."""
     columns = {}
-    for name, (dims, values) in told["columns"].items():
+    for name, (dims, values) in message["columns"].items():
         if isinstance(values, list):
-            words = np.empty(list(told["sizes"].values()), object)
+            words = np.empty(list(message["sizes"].values()), object)
             words[...] = np.array(values, object).reshape(words.shape)
             values = words
         columns[name] = Column(tuple(dims), values)
-    space = Space(dict(told["sizes"]), columns, dict(told["fixed"]), {})
-    return Plan(_found(told["make"]), space, told["options"], told["start"], told["along"], max(space.cases, 1))
+    space = Space(dict(message["sizes"]), columns, dict(message["fixed"]), {})
+    return Plan(_maker(message["make"]), space, message["options"], message["start"], message["along"], max(space.cases, 1))
 
 
-def _found(make: dict[str, Any]) -> Any:
+def _maker(make: dict[str, Any]) -> Any:
     if "toml" in make:
         return from_text(make["toml"])
     return pkgutil.resolve_name(f"{make['module']}:{make['name']}")
 
 
-def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int], str]:
+def work(message: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int], str]:
     """Compute one tile on a worker: its columns, its notes, and the identity of the models as they are there."""
     from stickslip.studies.solving import solved_models
 
-    plan = from_message(told)
-    return solved_models(plan, 0, 1, None, ModelIdentities(plan, told["every"]))
+    plan = from_message(message)
+    return solved_models(plan, 0, 1, None, ModelIdentities(plan, message["every"]))
 
 
 def _check_models(k: int, mine: str, theirs: str) -> None:

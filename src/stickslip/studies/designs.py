@@ -217,8 +217,8 @@ def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[
     problems.check()
     points = unit(count, len(ranges))
     columns = {name: scale(points[:, i]) for i, (name, scale) in enumerate(ranges.items())}
-    told = {name: list(value) for name, value in bounds.items()}
-    return Design(dim, columns, {"design": kind, "seed": seed, "bounds": told})
+    ranges_given = {name: list(value) for name, value in bounds.items()}
+    return Design(dim, columns, {"design": kind, "seed": seed, "bounds": ranges_given})
 
 
 def _bounds(name: str, value: Any, problems: Problems) -> Any:

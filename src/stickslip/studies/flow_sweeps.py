@@ -38,18 +38,18 @@ def sweep_of_flow(
     problems.check()
     space = space_of(flow, designs, axes)
     case = _cases(flow, space, arguments)
-    watch, found = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
+    watch, rows = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
     with partial_result() as ending:
         for k, columns in shared(case, range(space.cases), workers):
-            found[k] = columns
+            rows[k] = columns
             watch.finished(k, np.array([columns["status"]]))
-    whole = {name: _column(found, name).reshape(space.shape) for name in next((c for c in found if len(c) > 1), {"status": 0})}
-    data = {name: (space.dims, values, _told(name)) for name, values in whole.items()}
+    whole = {name: _column(rows, name).reshape(space.shape) for name in next((c for c in rows if len(c) > 1), {"status": 0})}
+    data = {name: (space.dims, values, _attributes(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
     coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
     attributes = {"settings": json.dumps(plain(arguments | {"start": str(arguments["start"])}))}
     if ending.interrupted:
-        attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in found)})
+        attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in rows)})
     return xr.Dataset(data, coords, attributes)
 
 
@@ -79,16 +79,16 @@ def _cases(flow: SwitchingFlow, space: Space, arguments: dict[str, Any]) -> Call
     return case
 
 
-def _column(found: list[dict[str, Any]], name: str) -> Array:
+def _column(rows: list[dict[str, Any]], name: str) -> Array:
     """A column over all cases; unsolved or missing cases are NaN, -1, or their status."""
     if name == "status":
-        return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in found], np.int8)
-    known = [columns[name] for columns in found if name in columns]
+        return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in rows], np.int8)
+    known = [columns[name] for columns in rows if name in columns]
     whole = all(isinstance(value, (int, np.integer)) for value in known)
-    return np.array([columns.get(name, -1 if whole else np.nan) for columns in found])
+    return np.array([columns.get(name, -1 if whole else np.nan) for columns in rows])
 
 
-def _told(name: str) -> dict[str, str]:
+def _attributes(name: str) -> dict[str, str]:
     """The attributes of a column."""
     what, _, state = name.partition("_")
     long = {

@@ -80,23 +80,23 @@ def read_manifest(folder: str | Path) -> dict[str, Any]:
     """The manifest of a study folder; `InputError` if the folder is not one."""
     path = as_path(folder, "open_study", "grid") / MANIFEST
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        version = int(found["stickslip_format"])
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+        version = int(manifest["stickslip_format"])
     except FileNotFoundError:
         raise InputError(
             "study", [f"{str(folder)!r} is not a study folder: it has no {MANIFEST}; give the folder of a sweep with out="]
         ) from None
     except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise InputError("study", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
-    if found.get("content") == "atlas":
+    if manifest.get("content") == "atlas":
         raise InputError(
             "study", [f"{str(folder)!r} is the folder of an atlas; type ss.atlas(..., out=, resume=True), or stickslip resume"]
         )
     if version > FORMAT:
         raise InputError("study", [f"{str(folder)!r} has format {version}, this stickslip reads up to {FORMAT}; install a newer stickslip"])
-    if (what := flaw(found)) is not None:
+    if (what := flaw(manifest)) is not None:
         raise InputError("study", [f"{str(path)!r} is damaged: {what}; {_ANEW}"])
-    return found
+    return manifest
 
 
 _ANEW = "delete it and type the sweep again with resume=True (--resume), which writes it anew and keeps the tiles"
@@ -187,8 +187,10 @@ class Study:
             why = "which did not record the models of each tile"
             raise InputError("sweep", [f"{what}, {why}: it can be opened, merged and exported, but not gone on with; give another folder"])
         if theirs.get("study") != self.manifest["study"]:
-            told = differences_between(self.manifest, theirs)
-            raise InputError("sweep", [f"{str(self.folder)!r} is the folder of another study: {reason}" for reason in told] or ["unknown"])
+            differences = differences_between(self.manifest, theirs)
+            raise InputError(
+                "sweep", [f"{str(self.folder)!r} is the folder of another study: {reason}" for reason in differences] or ["unknown"]
+            )
 
     def _sweep_up(self) -> None:
         """Remove incomplete files that a killed process left for our tiles."""

@@ -104,13 +104,13 @@ def _one_step(
     notes.update(refused.values())
     for group in groups:
         going_on = Group(group.at, group.robot, _start(group.start, ends, group.at))
-        found = columns_of_group(going_on, plan.options, workers, None, notes, solve_to_end)
-        for name, values in found.items():
+        solved = columns_of_group(going_on, plan.options, workers, None, notes, solve_to_end)
+        for name, values in solved.items():
             if name in columns:
                 columns[name][group.at] = values
             elif name.startswith(END):
                 _keep(
-                    after, name.removeprefix(END), group.at, np.where(per_case(found["status"] <= 1, values), values, np.nan), len(points)
+                    after, name.removeprefix(END), group.at, np.where(per_case(solved["status"] <= 1, values), values, np.nan), len(points)
                 )
     return columns, after
 

@@ -55,13 +55,13 @@ def _version(library: str) -> str:
 
 def labels_of(plan: Plan) -> dict[str, Column]:
     """Coordinates of the dataset: labels of its dimensions, varying arguments, and single numbers."""
-    found = dict(plan.space.coords)
+    labels = dict(plan.space.coords)
     if plan.along:
-        found["way"] = Column(("way",), WAYS)
+        labels["way"] = Column(("way",), WAYS)
     for name, value in plan.space.fixed.items():
-        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*found, *COLUMNS):
-            found[name] = Column((), np.asarray(float(value)))
-    return found
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*labels, *COLUMNS):
+            labels[name] = Column((), np.asarray(float(value)))
+    return labels
 
 
 def attributes_of(plan: Plan) -> dict[str, Any]:
@@ -71,27 +71,27 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     """
     fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
-    told = {
+    described = {
         "maker": maker_of(plan.make),
         "fixed": json.dumps(plain(fixed)),
         "numbers": json.dumps(numbers := shared_numbers(plan.make, plan.space)),
         "described": json.dumps(_described(plan, numbers), ensure_ascii=False),
     }
-    return {**words, **told, **_units_of(plan), **_robot_of(plan.make)}
+    return {**words, **described, **_units_of(plan), **_robot_of(plan.make)}
 
 
 def _units_of(plan: Plan) -> dict[str, str]:
     """The units of columns for machines that turn about an axis; empty for others."""
-    found = {name: unit for name in COLUMNS if (unit := unit_of(name, plan.sample)) != VARIABLES[name].unit}
-    return {"units": json.dumps(found)} if found else {}
+    units = {name: unit for name in COLUMNS if (unit := unit_of(name, plan.sample)) != VARIABLES[name].unit}
+    return {"units": json.dumps(units)} if units else {}
 
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Names and units of axes and shared numbers, as far as fields and makers give them."""
-    found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
+    axes = {name: axis_of(name, plan.make) for name in labels_of(plan)}
     if plan.sample is not None:
-        found |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
-    return {name: axis for name, axis in found.items() if axis}
+        axes |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
+    return {name: axis for name, axis in axes.items() if axis}
 
 
 def _robot_of(make: Any) -> dict[str, str]:
@@ -111,8 +111,8 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
     attributes = {**attributes_of(plan), **{k: json.dumps(plain(v)) for k, v in more.items()}}
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
-    found = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
-    return with_units(found, about(plan))
+    grid = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
+    return with_units(grid, about(plan))
 
 
 def about(plan: Plan) -> dict[str, dict[str, str]]:
@@ -141,8 +141,8 @@ def _unit_of_result(of: str, model: Model) -> str:
 
 def with_units(grid: Any, observed: dict[str, dict[str, str]]) -> Any:
     """The dataset with the attributes of user-defined columns."""
-    for name, told in observed.items():
-        grid[name].attrs.update(told)
+    for name, attributes in observed.items():
+        grid[name].attrs.update(attributes)
     return grid
 
 
@@ -160,7 +160,7 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
     own = {name: {"units": units[base_of(name)]} if base_of(name) in units else {} for name in columns}
     data = {name: (dims, values, described(base_of(name)) | own[name] | unitless) for name, (dims, values) in columns.items()}
     known = json.loads(attributes.get("described", "{}"))
-    coords = {name: (column.dims, _label(column.values), _told(name, known)) for name, column in labels.items()}
+    coords = {name: (column.dims, _label(column.values), _attributes(name, known)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)
 
 
@@ -171,6 +171,6 @@ def _label(values: Array) -> Array:
     return values
 
 
-def _told(name: str, known: dict[str, tuple[str, str]]) -> dict[str, str]:
-    found = known.get(name) or axis_of(name)
-    return {"long_name": found[0], "units": found[1]} if found else {}
+def _attributes(name: str, known: dict[str, tuple[str, str]]) -> dict[str, str]:
+    axis = known.get(name) or axis_of(name)
+    return {"long_name": axis[0], "units": axis[1]} if axis else {}

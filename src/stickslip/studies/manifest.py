@@ -163,31 +163,31 @@ def has_checksums(manifest: dict[str, Any]) -> bool:
     return int(manifest["stickslip_format"]) >= 2
 
 
-def flaw(found: Any) -> str | None:
+def flaw(manifest: Any) -> str | None:
     """The error in a manifest that was read from a file; None if it is valid."""
-    missing = [name for name, kind in _KINDS.items() if not isinstance(found.get(name), kind)]
+    missing = [name for name, kind in _KINDS.items() if not isinstance(manifest.get(name), kind)]
     if missing:
         return f"{' and '.join(missing)} cannot be read"
-    if has_checksums(found) and found.get(SEAL) != of_manifest(found):
+    if has_checksums(manifest) and manifest.get(SEAL) != of_manifest(manifest):
         return "its checksum does not fit"
-    if len(found["dims"]) != len(found["shape"]) or not all(type(n) is int and n >= 0 for n in found["shape"]):
-        return f"shape is {found['shape']}"
-    each, cases = found["cases_per_tile"], math.prod(found["shape"])
-    if found["cases"] != cases or each < 0 or found["tiles"] != (-(-cases // each) if each else 0):
-        return f"{cases} cases in {found['tiles']} tiles of {each} do not fit"
-    parts = found.get("parts", {})
+    if len(manifest["dims"]) != len(manifest["shape"]) or not all(type(n) is int and n >= 0 for n in manifest["shape"]):
+        return f"shape is {manifest['shape']}"
+    each, cases = manifest["cases_per_tile"], math.prod(manifest["shape"])
+    if manifest["cases"] != cases or each < 0 or manifest["tiles"] != (-(-cases // each) if each else 0):
+        return f"{cases} cases in {manifest['tiles']} tiles of {each} do not fit"
+    parts = manifest.get("parts", {})
     if not isinstance(parts, dict) or not all(isinstance(names, list) for names in parts.values()):
         return f"parts is {parts!r}"
     allowed = {each for name in COLUMNS for each in (name, *part_columns(name, parts))}
-    unknown = [name for name in found["columns"] if name not in allowed | set(found.get("observed", {}))]
+    unknown = [name for name in manifest["columns"] if name not in allowed | set(manifest.get("observed", {}))]
     if unknown:
         return f"it has columns that are not known: {', '.join(unknown)}"
-    return _flaw_of_models(found) if has_models(found) else None
+    return _flaw_of_models(manifest) if has_models(manifest) else None
 
 
-def _flaw_of_models(found: dict[str, Any]) -> str | None:
-    for name, count in (("models", found["tiles"]), ("unchecked", None)):
-        words = found.get(name)
+def _flaw_of_models(manifest: dict[str, Any]) -> str | None:
+    for name, count in (("models", manifest["tiles"]), ("unchecked", None)):
+        words = manifest.get(name)
         if not isinstance(words, list) or not all(isinstance(word, str) for word in words) or count not in (None, len(words)):
             return f"{name} cannot be read"
     return None
@@ -212,18 +212,18 @@ def _model_differences(mine: dict[str, Any], theirs: dict[str, Any]) -> list[str
 
 def differences(mine: dict[str, str], theirs: dict[str, str], of_models: Callable[[], list[str]] = list) -> list[str]:
     """The differences between two identities, in sentences; `of_models` gives those between the models."""
-    found = []
+    differing = []
     for name in dict.fromkeys([*theirs, *mine]):
         a, b = theirs.get(name), mine.get(name)
         if a != b:
             if name.startswith("axis ") and a and b:
-                found.append(f"the values of {name[5:]} are others")
+                differing.append(f"the values of {name[5:]} are others")
             elif name == "robot" and a and b:
-                found += of_models() or ["the robot has other numbers or another kind"]
+                differing += of_models() or ["the robot has other numbers or another kind"]
             elif name == "start" and a and b:
-                found.append("the start has other numbers")
+                differing.append("the start has other numbers")
             elif name == "code of the maker" and a and b:
-                found.append("the code of the maker, or what it refers to, is another")
+                differing.append("the code of the maker, or what it refers to, is another")
             else:
-                found.append(f"{name} was {a or 'not there'}, now it is {b or 'not there'}")
-    return found
+                differing.append(f"{name} was {a or 'not there'}, now it is {b or 'not there'}")
+    return differing

@@ -51,24 +51,24 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
         raise InputError("merge", ["no folders are given; type merge([shard1, shard2], out)"])
     target = as_path(out, "merge", "grid")
     sources = [*sources, target] if (target / MANIFEST).exists() else sources
-    told = _checked(sources)
-    found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told)) is not None}
-    missing = [k for k in range(told["tiles"]) if k not in found]
+    manifest = _checked(sources)
+    files = {k: file for k in range(manifest["tiles"]) if (file := _file_in(sources, k, manifest)) is not None}
+    missing = [k for k in range(manifest["tiles"]) if k not in files]
     if missing and not partial:
         named = ", ".join(map(str, missing[:8])) + (", …" if len(missing) > 8 else "")
-        what = f"{len(missing)} of {told['tiles']} tiles are in none of the folders (number {named})"
+        what = f"{len(missing)} of {manifest['tiles']} tiles are in none of the folders (number {named})"
         raise InputError("merge", [f"{what}; finish the shards with --resume, or type partial=True (--partial)"])
     make_folder(target, TILES)
     for name in (AXES, MANIFEST):
         if not (target / name).exists():
             put(target / name, (sources[0] / name).read_bytes())
-    for k, place in found.items():
-        if place != file_of(target, k):
-            put(file_of(target, k), place.read_bytes())
+    for k, file in files.items():
+        if file != file_of(target, k):
+            put(file_of(target, k), file.read_bytes())
     return open_study(target)
 
 
-def _place(folders: list[Path], k: int, manifest: dict[str, Any]) -> Path | None:
+def _file_in(folders: list[Path], k: int, manifest: dict[str, Any]) -> Path | None:
     """The last folder's undamaged file of tile k; None if there is none."""
     return next((file_of(folder, k) for folder in reversed(folders) if tile_is_good(folder, k, manifest)), None)
 

@@ -81,14 +81,14 @@ class ModelIdentities:
 
     def of_tiles(self, tiles: Iterable[int]) -> list[str]:
         """The identities of some tiles."""
-        found: list[str] = []
+        identities: list[str] = []
         waiting: dict[int, Array] = {}
         for k in tiles:
             waiting[k] = self.compared(self.plan.points(k).ravel())
             if sum(map(len, waiting.values())) >= _CHUNK:
-                found += self._of_points(waiting)
+                identities += self._of_points(waiting)
                 waiting = {}
-        return found + (self._of_points(waiting) if waiting else [])
+        return identities + (self._of_points(waiting) if waiting else [])
 
     def made(self, k: int) -> Made:
         """The models of a tile, made now unless they were kept, and the reasons for places without one; what was kept is given once."""
@@ -136,7 +136,7 @@ class ModelIdentities:
                 if not traced and kind not in parts[k]:
                     values[k].append(self._checked_values(some_of(group.robot, within[:1])))
                 parts[k].setdefault(kind, []).append((at[within] - ends[k], table[within]))
-        return [_digest(tile, f"{count} {told}") for tile, told, count in zip(parts, values, counts, strict=True)]
+        return [_digest(tile, f"{count} {plain}") for tile, plain, count in zip(parts, values, counts, strict=True)]
 
     def _kind(self, model: Model) -> tuple[str, bool]:
         """The identity of everything in a model but its numbers, and whether its equations are traced."""
@@ -145,10 +145,10 @@ class ModelIdentities:
         content = fingerprint(others)
         known = None if content.unchecked else self._kinds.get(content.digest)
         if known is None:
-            known = self._kinds[content.digest] = self._found(model, others, content)
+            known = self._kinds[content.digest] = self._identified(model, others, content)
         return known
 
-    def _found(self, model: Model, others: list[tuple[str, Any]], content: Fingerprint) -> tuple[str, bool]:
+    def _identified(self, model: Model, others: list[tuple[str, Any]], content: Fingerprint) -> tuple[str, bool]:
         """The same, from the equations if they can be traced."""
         if (traced := None if is_flow(model) else self._traced(model)) is not None:
             return f"equations {traced} {fingerprint([(name, value) for name, value in others if _is_data(value)]).digest}", True
@@ -232,7 +232,7 @@ def _takes_arrays(plan: Plan) -> bool:
 # ---- values of what cannot be traced ----
 def _plain_values(model: Any) -> list[str]:
     """Values of a model's laws and drives at some places, to nine digits: they change too if a file or a library that they use does."""
-    found: list[str] = []
+    values: list[str] = []
     try:
         model = cases_of(model)[0]
         if is_flow(model):
@@ -240,15 +240,15 @@ def _plain_values(model: Any) -> list[str]:
         machine = machine_of(model)
         for law in machine.laws:
             for load in _LOADS:
-                found += _values(law.start, load) + ([] if law.dynamic else _values(law.breakaway, load))
+                values += _values(law.start, load) + ([] if law.dynamic else _values(law.breakaway, load))
                 for v in _SLIPS:
-                    found += _values(law.rate, v, law.start(load), load) if law.dynamic else _values(law.sliding, v, load)
+                    values += _values(law.rate, v, law.start(load), load) if law.dynamic else _values(law.sliding, v, load)
         for _, drive in machine.inner_masses:
             for part in _INSTANTS:
-                found += _values(drive.acceleration, part * float(model.period))
+                values += _values(drive.acceleration, part * float(model.period))
     except Exception:  # of a user's own code, which may refuse anything; it is reported when the case is solved
-        return found
-    return found
+        return values
+    return values
 
 
 def _values_of_flow(flow: SwitchingFlow) -> list[str]:

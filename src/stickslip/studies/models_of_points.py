@@ -47,10 +47,10 @@ def _by_words(columns: dict[str, Array], places: Array) -> Iterator[tuple[Array,
     if not words:
         yield places, {}
         return
-    found: dict[tuple[Any, ...], list[int]] = {}
+    by_choice: dict[tuple[Any, ...], list[int]] = {}
     for i, choice in zip(places.tolist(), zip(*(v[places].tolist() for v in words.values()), strict=True), strict=True):
-        found.setdefault(choice, []).append(i)
-    for choice, at in found.items():
+        by_choice.setdefault(choice, []).append(i)
+    for choice, at in by_choice.items():
         yield np.array(at), dict(zip(words, choice, strict=True))
 
 
@@ -132,15 +132,15 @@ def shared_numbers(make: Model | Callable[..., Any], space: Space) -> dict[str, 
 
 def refusals(make: Model | Callable[..., Any], space: Space) -> list[str]:
     """Errors for axis values that the maker refuses whatever the others are: input errors, reported before the work."""
-    found: list[str] = []
+    errors: list[str] = []
     for name, column in space.columns.items():
         if column.dims != (name,) or not callable(getattr(make, "replace", make)) or name in START:
             continue
         values = column.values[np.isfinite(column.values)] if column.values.dtype.kind == "f" else column.values
-        said = [_said(make, space, name, values, end) for end in (0, -1)]
-        if all(said):
-            found += said[0]
-    return list(dict.fromkeys(found))
+        sentences = [_said(make, space, name, values, end) for end in (0, -1)]
+        if all(sentences):
+            errors += sentences[0]
+    return list(dict.fromkeys(errors))
 
 
 def _said(make: Model | Callable[..., Any], space: Space, name: str, values: Array, end: int) -> list[str]:

@@ -56,28 +56,28 @@ def open_study(folder: str | Path) -> xr.Dataset:
     folder = as_path(folder, "open_study", "grid")
     if folder.is_file():
         return _open_file(folder)
-    told = read_manifest(folder)
+    manifest = read_manifest(folder)
     import xarray as xr
 
-    parts, columns = told.get("parts", {}), {}
-    for name in dict.fromkeys(map(base_of, told["columns"])):
+    parts, columns = manifest.get("parts", {}), {}
+    for name in dict.fromkeys(map(base_of, manifest["columns"])):
         dim = dim_of(name, parts)
-        dims = (*told["dims"], *([dim] if dim else []))
-        columns[name] = dims, xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data
-    grid = assembled(columns, read_labels(folder, told) | labels_of_parts(parts), told["attributes"])
-    grid.attrs["provenance"] = json.dumps(told["provenance"])
-    with_units(grid, told.get("observed", {}))
-    grid.attrs["study"] = told["study"]
-    notes = notes_of(folder, told) | dict.fromkeys(_doubts(told), told["cases"])
+        dims = (*manifest["dims"], *([dim] if dim else []))
+        columns[name] = dims, xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, manifest, name)))._data
+    grid = assembled(columns, read_labels(folder, manifest) | labels_of_parts(parts), manifest["attributes"])
+    grid.attrs["provenance"] = json.dumps(manifest["provenance"])
+    with_units(grid, manifest.get("observed", {}))
+    grid.attrs["study"] = manifest["study"]
+    notes = notes_of(folder, manifest) | dict.fromkeys(_remarks(manifest), manifest["cases"])
     if notes:
         grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     return grid
 
 
-def _doubts(told: dict[str, Any]) -> list[str]:
+def _remarks(manifest: dict[str, Any]) -> list[str]:
     """What the folder does not know of itself: its damage, or parts of its models."""
-    old = [*([] if has_checksums(told) else [_OLD]), *([] if has_models(told) else [UNCHECKED])]
-    return [*old, *told.get("unchecked", [])]
+    old = [*([] if has_checksums(manifest) else [_OLD]), *([] if has_models(manifest) else [UNCHECKED])]
+    return [*old, *manifest.get("unchecked", [])]
 
 
 def _open_file(path: Path) -> Any:
@@ -101,10 +101,10 @@ def _open_file(path: Path) -> Any:
     grid.attrs.pop("Conventions", None)
     read = {str(name): (tuple(map(str, grid[name].dims)), _decoded(str(name), grid[name])) for name in grid.variables}
     labels = {name: Column(dims, values) for name, (dims, values) in read.items() if name in grid.coords}
-    found = assembled({name: column for name, column in read.items() if name not in labels}, labels, dict(grid.attrs))
-    for name in found.data_vars:
-        found[name].attrs = found[name].attrs or {k: v for k, v in grid[name].attrs.items() if k != "kept_as"}
-    return found
+    dataset = assembled({name: column for name, column in read.items() if name not in labels}, labels, dict(grid.attrs))
+    for name in dataset.data_vars:
+        dataset[name].attrs = dataset[name].attrs or {k: v for k, v in grid[name].attrs.items() if k != "kept_as"}
+    return dataset
 
 
 def _decoded(name: str, variable: Any) -> Array:
@@ -118,11 +118,11 @@ def _decoded(name: str, variable: Any) -> Array:
 class _Tiled(BackendArray):
     """One column of a study as an array that reads its tiles on access."""
 
-    def __init__(self, folder: Path, told: dict[str, Any], name: str):
-        self.folder, self.manifest, self.name = folder, told, name
-        self.parts = told.get("parts", {})
+    def __init__(self, folder: Path, manifest: dict[str, Any], name: str):
+        self.folder, self.manifest, self.name = folder, manifest, name
+        self.parts = manifest.get("parts", {})
         dim = dim_of(name, self.parts)
-        self.cases = tuple(told["shape"])
+        self.cases = tuple(manifest["shape"])
         self.shape = (*self.cases, *([len(self.parts[dim])] if dim else []))
         self.dtype = np.dtype(kind_of(name))
 
@@ -146,6 +146,6 @@ class _Tiled(BackendArray):
         result, tiles = np.empty((len(flat), *self.shape[len(self.cases) :]), self.dtype), flat // each
         for k in np.unique(tiles):
             at = np.flatnonzero(tiles == k)
-            found = read_tile(self.folder, self.manifest, int(k), [*names])
-            result[at] = stacked(self.name, found, self.parts)[flat[at] - k * each]
+            columns = read_tile(self.folder, self.manifest, int(k), [*names])
+            result[at] = stacked(self.name, columns, self.parts)[flat[at] - k * each]
         return result

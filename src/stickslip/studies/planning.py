@@ -172,16 +172,16 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
     if start is not None and not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
         return {}
-    found: dict[str, Any] = {}
+    starts: dict[str, Any] = {}
     for name, value in (start or {}).items():
-        found[name] = value
+        starts[name] = value
         if np.ndim(value) == 0:
             continue
         try:
-            found[name] = spread(value, Labels(space.shape, space.dims)) + 0.0
+            starts[name] = spread(value, Labels(space.shape, space.dims)) + 0.0
         except ValueError as error:
             problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
-    return found
+    return starts
 
 
 def _check_derived(plan: Plan) -> None:

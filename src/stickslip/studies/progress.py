@@ -61,11 +61,11 @@ class Progress:
     def line(self) -> str:
         """A summary in one line."""
         share = int(100 * self.done / self.cases) if self.cases else 100
-        told = [f"{share} %, {int(self.done)} of {self.cases} cases"]
+        parts = [f"{share} %, {int(self.done)} of {self.cases} cases"]
         if self.rate > 0:
-            told += [f"{self.rate:.3g} per second", f"{_duration(self.left)} left"]
+            parts += [f"{self.rate:.3g} per second", f"{_duration(self.left)} left"]
         unusual = {text: n for text, n in self.statuses.items() if text not in (STATUS[0], STATUS[1])}
-        return ", ".join(told + [f"{n} {text}" for text, n in unusual.items()])
+        return ", ".join(parts + [f"{n} {text}" for text, n in unusual.items()])
 
 
 def _duration(seconds: float) -> str:

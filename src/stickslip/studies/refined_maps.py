@@ -108,8 +108,8 @@ def _check_plane(plan: Plan) -> None:
 def _other_axes(names: Sequence[str]) -> str:
     """The error for other than two numeric axes, with alternatives."""
     drawn = f', and ss.plot.line_cut(grid, "{names[0]}") to draw it' if len(names) == 1 else ""
-    told = f"the axes are {', '.join(names)}" if len(names) > 1 else f"the only axis is {names[0]}" if names else "there is no axis"
-    return f"{told}; allowed are exactly two, of numbers; type ss.sweep with the same arguments for others{drawn}"
+    axes = f"the axes are {', '.join(names)}" if len(names) > 1 else f"the only axis is {names[0]}" if names else "there is no axis"
+    return f"{axes}; allowed are exactly two, of numbers; type ss.sweep with the same arguments for others{drawn}"
 
 
 class _Refined:
@@ -137,7 +137,7 @@ class _Refined:
                 stride //= 2
                 finer = self._lines(stride)
                 self._fill(lines, finer)
-                self._compute(self._beside(changing, lines, finer))
+                self._compute(self._next_to_changes(changing, lines, finer))
                 lines = finer
         self.columns["status"][~self.known & (self.kind != "")] = Status.FILLED
         if ending.interrupted:
@@ -145,8 +145,8 @@ class _Refined:
             self.notes[ending.note(Status.NOT_COMPUTED.sentence)] = int((self.columns["status"] == Status.NOT_COMPUTED).sum())
         if all_failed(self.columns["status"][self.known]):
             raise InputError("map", list(self.notes))
-        found = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
-        return found.assign_attrs(refined=json.dumps({"computed": int(self.known.sum()), "cases": self.plan.cases, "coarse": coarse}))
+        result = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
+        return result.assign_attrs(refined=json.dumps({"computed": int(self.known.sum()), "cases": self.plan.cases, "coarse": coarse}))
 
     def _leave_blank(self) -> None:
         """After an interruption: points that were to be computed, since motions differ about them, and were only filled."""
@@ -164,19 +164,19 @@ class _Refined:
         self.asked.reshape(-1)[points] = True
         for part in np.array_split(points, -(-len(points) // _CHUNK)) if len(points) else ():
             look()
-            found, notes = solved_points(self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1))
-            there = found["status"] != Status.NOT_COMPUTED
-            part, found = part[there], {name: values[there] for name, values in found.items()}
+            solved, notes = solved_points(self.plan, part, starts_at(self.plan.start, part), self.workers, partial(self.watch.at_work, -1))
+            there = solved["status"] != Status.NOT_COMPUTED
+            part, solved = part[there], {name: values[there] for name, values in solved.items()}
             for name in self.columns:
-                self.columns[name].reshape(-1)[part] = found[name]
+                self.columns[name].reshape(-1)[part] = solved[name]
             self.notes.update(notes)
-            words = [found[name] for name in part_columns("motion_type", self.plan.parts)]
-            words += [found["period"].astype("U4"), np.where(found["status"] <= 1, "ok", found["status"].astype("U4"))]
+            words = [solved[name] for name in part_columns("motion_type", self.plan.parts)]
+            words += [solved["period"].astype("U4"), np.where(solved["status"] <= 1, "ok", solved["status"].astype("U4"))]
             kinds = reduce(np.char.add, words)
             self.kind = self.kind.astype(np.promote_types(self.kind.dtype, kinds.dtype))
             self.kind.reshape(-1)[part] = kinds
             self.known.reshape(-1)[part] = True
-            self.watch.finished(-1, found["status"])
+            self.watch.finished(-1, solved["status"])
             if not there.all():
                 look()
 
@@ -194,7 +194,7 @@ class _Refined:
                 return changing
             self._compute(_crossed(*lines, self.shape).reshape(kind.shape)[need])
 
-    def _beside(self, changing: Array, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> Array:
+    def _next_to_changes(self, changing: Array, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> Array:
         """The points of the finer grid inside or on the border of a changing cell."""
         near = np.zeros((len(finer[0]), len(finer[1])), bool)
         sides = [
@@ -210,8 +210,8 @@ class _Refined:
         """Interpolate columns at the unknown points of the finer grid from the corners of their cells."""
         axes = [self.plan.space.coords[d].values for d in self.plan.dims]
         (i0, i1, u), (j0, j1, w) = (_between(x, old, new) for x, old, new in zip(axes, lines, finer, strict=True))
-        place = np.ix_(*finer)
-        new = ~self.known[place]
+        cells = np.ix_(*finer)
+        new = ~self.known[cells]
         for values in [*self.columns.values(), self.kind]:
             if values.dtype.kind == "f":
                 low = values[np.ix_(i0, j0)] * (1 - u) + values[np.ix_(i1, j0)] * u
@@ -219,7 +219,7 @@ class _Refined:
                 filled = low * (1 - w.T) + high * w.T
             else:
                 filled = values[np.ix_(np.where(u[:, 0] < 0.5, i0, i1), np.where(w[:, 0] < 0.5, j0, j1))]
-            values[place] = np.where(new, filled, values[place])
+            values[cells] = np.where(new, filled, values[cells])
 
 
 def _crossed(first: Array, second: Array, shape: tuple[int, ...]) -> Array:

@@ -142,20 +142,20 @@ def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
     [nan, 0.5]
     """
     known = {name: values for part in parts for name, values in part.items()}
-    found = {}
+    whole = {}
     for name, like in known.items():
-        found[name] = np.concatenate(
+        whole[name] = np.concatenate(
             [part[name] if name in part else _unknown(name, len(part["status"]), like.shape[1:]) for part in parts]
         )
-    return found
+    return whole
 
 
 def coded(name: str, values: Array) -> Array:
     """A column as written to a file."""
     name = base_of(name)
     if name == "motion_type":
-        found, place = np.unique(values, return_inverse=True)
-        return np.array([TYPES.index(name) for name in found.tolist()], np.int8)[place].reshape(np.shape(values))
+        distinct, inverse = np.unique(values, return_inverse=True)
+        return np.array([TYPES.index(name) for name in distinct.tolist()], np.int8)[inverse].reshape(np.shape(values))
     if name == "pattern":
         return np.ascontiguousarray(values.astype("S32")).view("S1").reshape(*values.shape, 32)
     return values.astype(COLUMNS.get(name, values.dtype))
@@ -206,9 +206,9 @@ def from_characters(texts: Array, kept: str) -> Array:
     >>> from_characters(raw.view(f"S{raw.shape[-1]}")[..., 0], kept).tolist()
     [None, True, 'µ', 2.5]
     """
-    told = [text.decode() if isinstance(text, bytes) else text for text in texts.ravel().tolist()]
-    values = np.empty(len(told), object)
-    for i, text in enumerate(told):  # element by element: a value may be a list
+    decoded = [text.decode() if isinstance(text, bytes) else text for text in texts.ravel().tolist()]
+    values = np.empty(len(decoded), object)
+    for i, text in enumerate(decoded):  # element by element: a value may be a list
         values[i] = text if kept == "text" else json.loads(text)
     if kept == "bool" or all(isinstance(v, str) for v in values):
         values = values.astype(bool if kept == "bool" else str)
@@ -232,4 +232,4 @@ def flags(name: str) -> dict[str, Any]:
 def attributes_in_files(name: str) -> dict[str, Any]:
     """Units and names of a column, with a word for each of its codes."""
     codes = flags(name)
-    return {about: told for about, told in described(base_of(name)).items() if about not in codes} | codes
+    return {about: value for about, value in described(base_of(name)).items() if about not in codes} | codes

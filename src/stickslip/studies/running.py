@@ -195,9 +195,9 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
         plan = replace(plan, tile=_tile_in_memory(plan, workers))
     whole, notes, left = vacant(plan.cases, plan.columns), Counter[str](), set(range(plan.tiles))
     with partial_result() as ending, taking_some_cases():
-        for k, columns, told, _ in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+        for k, columns, remarks, _ in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
             _put(whole, plan.bounds(k), columns)
-            notes.update(told)
+            notes.update(remarks)
             left.remove(k)
             watch.finished(k, columns["status"])
             if (columns["status"] == Status.NOT_COMPUTED).any():
@@ -248,5 +248,5 @@ def tiles_of(
     def work(k: int) -> tuple[dict[str, Array], dict[str, int], str]:
         return solved_models(plan, k, 1 if several else workers, partial(watch.at_work, k), identities)
 
-    for k, found in shared(work, todo, workers if several else 1):
-        yield (k, *found)
+    for k, done in shared(work, todo, workers if several else 1):
+        yield (k, *done)

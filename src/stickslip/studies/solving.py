@@ -76,7 +76,7 @@ def _solved_groups(
     groups, refused = made
     notes, before = Counter(refused.values()), 0
 
-    def found(group: Group) -> dict[str, Array]:
+    def columns_of_one(group: Group) -> dict[str, Array]:
         def begun(count: int, whole: int) -> None:
             if tell is not None:
                 tell(before + count)
@@ -89,11 +89,11 @@ def _solved_groups(
         return {name: values for name, values in columns.items() if name in whole}
 
     if len(groups) == 1 and not refused:  # all points, in their order
-        return filled(found(groups[0]), len(points), plan.columns), notes
+        return filled(columns_of_one(groups[0]), len(points), plan.columns), notes
     result = empty(len(points), plan.columns)
     result["status"][list(refused)] = Status.BAD_INPUT
     for group in groups:
-        for name, values in found(group).items():
+        for name, values in columns_of_one(group).items():
             result[name][group.at] = values
         before += len(group.at)
     return result, notes
@@ -121,9 +121,9 @@ def columns_of_group(
 ) -> dict[str, Array]:
     """The columns of a group; if it fails as a whole, it is split in halves until the failing cases are isolated."""
     try:
-        found = columns_of(group.robot, group.start, options, workers, tell, solver, notes)
+        columns = columns_of(group.robot, group.start, options, workers, tell, solver, notes)
         return {
-            name: values if len(values) == len(group.at) else np.repeat(values, len(group.at), axis=0) for name, values in found.items()
+            name: values if len(values) == len(group.at) else np.repeat(values, len(group.at), axis=0) for name, values in columns.items()
         }
     except _OURS:
         raise
@@ -184,15 +184,15 @@ def columns_of(
         notes.update(notes_of_cases(many.model, many.columns))
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
-    found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
+    columns_kept = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
     observed, derived = parted(options.get("observe"))
-    found |= {name: many.columns[name] for name in observed}
+    columns_kept |= {name: many.columns[name] for name in observed}
     if derived:
-        found |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
+        columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
     if machine_of(robot).is_single:
-        found |= _power(robot, many.columns, more) | _alphas(robot)
+        columns_kept |= _power(robot, many.columns, more) | _alphas(robot)
     ends = {name: values for name, values in more.items() if name.startswith(END)}
-    return {each: of for name, values in found.items() for each, of in flattened(name, values, names).items()} | ends
+    return {each: of for name, values in columns_kept.items() for each, of in flattened(name, values, names).items()} | ends
 
 
 def _summary(robot: Model, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
@@ -210,12 +210,12 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
     """Mean power of the actuator: dissipation by friction minus the power of gravity; known if these distances or the losses are."""
     if machine_of(robot).track is None or not ("forward_way" in more or "friction_power" in columns):
         return {}
-    beside = steady_force(robot, numbers_by_name(robot))  # gravity along the track
-    if beside is None:
+    steady = steady_force(robot, numbers_by_name(robot))  # gravity along the track
+    if steady is None:
         return {}
     with np.errstate(invalid="ignore", divide="ignore"):
         lost = _along_the_ways(robot, columns, more) if "forward_way" in more else columns["friction_power"]
-        fall = np.reshape(beside, np.shape(beside) and np.shape(lost)) * columns["mean_velocity"]
+        fall = np.reshape(steady, np.shape(steady) and np.shape(lost)) * columns["mean_velocity"]
         power = np.where(columns["period"] > 0, lost - fall, np.nan)
         cost = power / (robot.total_mass * robot.gravity * abs(columns["mean_velocity"]))
     return {"drive_power": power, "cost_of_transport": np.where(columns["direction"] != 0, cost, np.nan)}

@@ -107,13 +107,13 @@ def _count(space: Space, make: Model | Callable[..., Any]) -> None:
 
 
 def _check_designs(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> None:
-    seen: set[str] = set(axes)
+    taken: set[str] = set(axes)
     for design in designs:
         if not isinstance(design, Design):
             raise InputError("sweep", [_no_design(design)])
-        for name in [n for n in design.columns if n in seen]:
+        for name in [n for n in design.columns if n in taken]:
             problems.add(f"{name} is given twice")
-        seen |= set(design.columns)
+        taken |= set(design.columns)
 
 
 def _no_design(given: Any) -> str:

@@ -34,8 +34,8 @@ def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
     sizes = dict(zip(manifest["dims"], manifest["shape"], strict=True))
 
     def columns(file: Any) -> dict[str, Column]:
-        found = [_label(variable, variable[...]) for variable in file.values()]
-        labels = {name: column for name, column in found if name}
+        stored = [_label(variable, variable[...]) for variable in file.values()]
+        labels = {name: column for name, column in stored if name}
         for name, column in labels.items():
             if np.shape(column.values) != tuple(sizes[dim] for dim in column.dims):
                 raise Damaged(f"{name} has shape {np.shape(column.values)}")

@@ -187,8 +187,8 @@ def _matlab(data: Any, file: BinaryIO) -> None:
 def _cells(values: Array) -> Array:
     """Values that a cell array can hold: words, numbers, and empty cells."""
     cells = np.empty(values.shape, object)
-    for place, value in np.ndenumerate(values):
-        cells[place] = np.zeros((0, 0)) if value is None else value if isinstance(value, (str, int, float)) else str(value)
+    for index, value in np.ndenumerate(values):
+        cells[index] = np.zeros((0, 0)) if value is None else value if isinstance(value, (str, int, float)) else str(value)
     return cells
 
 
@@ -198,13 +198,13 @@ def one_row_a_case(data: Any) -> Any:
     if not _is_sweep(data):
         return data
     dims = data["mean_velocity"].dims
-    found = data.drop_vars([n for n in data.variables if not set(data[n].dims) <= set(dims)])
+    table = data.drop_vars([n for n in data.variables if not set(data[n].dims) <= set(dims)])
     for name in map(str, data.data_vars):
         further = [dim for dim in data[name].dims if dim not in dims]
         if len(further) == 1 and further[0] in data.coords:
             parts = enumerate(data[further[0]].values.tolist())
-            found = found.assign({f"{name}.{part}": data[name].isel({further[0]: i}, drop=True) for i, part in parts})
-    return found
+            table = table.assign({f"{name}.{part}": data[name].isel({further[0]: i}, drop=True) for i, part in parts})
+    return table
 
 
 def _rows(data: Any) -> Iterator[dict[str, Array]]:
@@ -231,8 +231,8 @@ def _headed(data: Any, name: str) -> str:
 
 def _sentences(codes: Array) -> list[str]:
     """The meanings of status codes; a repeating strobe point is "settled"."""
-    told = STATUS | {1: "settled"}
-    return [told.get(int(code), f"status {code}") for code in codes]
+    sentences = STATUS | {1: "settled"}
+    return [sentences.get(int(code), f"status {code}") for code in codes]
 
 
 def _texts(name: str, values: Array) -> list[str | None]:
@@ -260,9 +260,9 @@ def _excel(data: Any, file: BinaryIO) -> None:
 
 def _explained(data: Any, name: str) -> tuple[str, str, str]:
     """Heading, unit and meaning of a column, with the meanings of its codes, except for the status, which is written in words."""
-    told = data[name].attrs
-    codes = f" ({told['flag_meanings']})" if "flag_meanings" in told and name != "status" else ""
-    return _headed(data, name), str(told.get("units", "1")), f"{told.get('long_name', '')}{codes}"
+    attributes = data[name].attrs
+    codes = f" ({attributes['flag_meanings']})" if "flag_meanings" in attributes and name != "status" else ""
+    return _headed(data, name), str(attributes.get("units", "1")), f"{attributes.get('long_name', '')}{codes}"
 
 
 def _parquet(data: Any, file: BinaryIO) -> None:

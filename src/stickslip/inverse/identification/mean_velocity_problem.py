@@ -74,13 +74,13 @@ class MeansProblem(OverParameters):
     def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
         """Derivatives of the least and the greatest values, which are the same: central differences, at bounds one-sided ones."""
         place = np.asarray(place, float)
-        low, high = (self._beside(place, side * _STEP) for side in (-1.0, 1.0))
+        low, high = (self._step_away(place, side * _STEP) for side in (-1.0, 1.0))
         moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
         down, up = np.split(self.batch(moved), 2, axis=1)
         derivatives = np.nan_to_num((up - down) / (high - low))
         return derivatives, derivatives
 
-    def _beside(self, place: Any, step: float) -> Any:
+    def _step_away(self, place: Any, step: float) -> Any:
         """Each number a step away, or where it was if it cannot be there."""
         moved = np.clip(place + step, 0.0, 1.0)
         allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(place), dtype=bool), moved, place)]

@@ -110,8 +110,8 @@ def _check(
         if not isinstance(value, (int, float, np.number)) or not least <= value < np.inf:
             problems.add(f"{name} = {value!r}; allowed is {least} or more; type for example {name}={max(least, 20)}")
     if not problems.mistakes and periods * samples > MOST_SAMPLES:
-        told = f"periods = {periods!r} with samples = {samples!r} are {periods * samples:.3g} samples"
-        problems.add(f"{told}; allowed are {MOST_SAMPLES:.0e} in all")
+        count = f"periods = {periods!r} with samples = {samples!r} are {periods * samples:.3g} samples"
+        problems.add(f"{count}; allowed are {MOST_SAMPLES:.0e} in all")
     there = [name for name in CHANNELS if drive is not None or name not in _OF_THE_DRIVE]
     for name in channels:
         if not is_one_of(name, there):

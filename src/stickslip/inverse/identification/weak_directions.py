@@ -45,11 +45,11 @@ def sharpened(jacobian: Array, along: Callable[[Any], Any], singular: float) -> 
     """
     sizes = np.sqrt(np.sum(jacobian**2, axis=0))
     sizes = np.where(sizes > _NOTHING * sizes.max(initial=0.0), sizes, np.inf)
-    found = jacobian / sizes
-    values, directions = decomposed(found)
+    scaled = jacobian / sizes
+    values, directions = decomposed(scaled)
     most = values.max(initial=0.0)
     weak, strong = (values > singular * most) & (values < _WEAK * most), values >= _WEAK * most
-    inverse = (directions[strong].T / values[strong] ** 2) @ directions[strong] @ found.T
+    inverse = (directions[strong].T / values[strong] ** 2) @ directions[strong] @ scaled.T
     for direction in directions[weak]:
         change = along(direction / sizes)
         for _ in range(_TIMES):
@@ -58,8 +58,8 @@ def sharpened(jacobian: Array, along: Callable[[Any], Any], singular: float) -> 
             direction = direction - inverse @ change
             change = along(direction / sizes)
         if change is not None:
-            found = found + np.outer(change - found @ direction, direction) / (direction @ direction)
-    return np.where(np.isfinite(sizes), found * np.where(np.isfinite(sizes), sizes, 0.0), jacobian)
+            scaled = scaled + np.outer(change - scaled @ direction, direction) / (direction @ direction)
+    return np.where(np.isfinite(sizes), scaled * np.where(np.isfinite(sizes), sizes, 0.0), jacobian)
 
 
 def derivative_along(problem: Any, place: Any, slopes: Any, direction: Any) -> Any:

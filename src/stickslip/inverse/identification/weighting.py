@@ -39,9 +39,9 @@ def weighted(records: list[Any], weights: Array, what: str = "identify") -> list
         count = f"{len(own)} records" if isinstance(own, (list, tuple)) else "one record"
         problems.add(f"weights are for {count} and there are {len(records)} records; type weights=[w0, w1], an array or None for each")
         problems.check()
-    found = [_with(rec, w, i, problems) for i, (rec, w) in enumerate(zip(records, own, strict=True))]
+    with_weights = [_with(rec, w, i, problems) for i, (rec, w) in enumerate(zip(records, own, strict=True))]
     problems.check()
-    return found
+    return with_weights
 
 
 def _is_list_for(weights: ArrayLike, count: int) -> bool:

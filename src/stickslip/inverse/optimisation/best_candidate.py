@@ -71,16 +71,16 @@ def _on_an_edge(model: Model, worth: Candidates, own: float) -> list[str]:
     moved: dict[str, tuple[str, ...]] = {name: (name,) for name in _not_of_waveforms(model, worth)}
     try:
         near = moved_by(model, moves_of(moved, sizes_of(model, moved), [-_OFF, _OFF]))
-        beside = np.asarray(results_of(near, 2 * len(moved), rtol=1e-9)[worth.quantity], float).reshape(-1, 2)
+        neighbours = np.asarray(results_of(near, 2 * len(moved), rtol=1e-9)[worth.quantity], float).reshape(-1, 2)
     except (StickslipError, KeyError, ValueError):  # a number at the end of its range, or a quantity of the drive alone
         return []
-    losses = worth.sign * (beside - own)
+    losses = worth.sign * (neighbours - own)
     worst = np.unravel_index(np.nanargmax(losses), losses.shape) if np.isfinite(losses).any() else (0, 0)
     if not losses[worst] > _LOST * abs(own):
         return []
     name = list(moved)[worst[0]]
-    told = f"with {name} off by {_OFF:.2%} {worth.quantity} is {beside[worst]:.6g} instead of {own:.6g}"
-    return [f'the optimum is at an edge: {told}; type robust={{"{name}": ({dict(leaves(model))[name]:.6g}, "1%")}} for one that is not']
+    change = f"with {name} off by {_OFF:.2%} {worth.quantity} is {neighbours[worst]:.6g} instead of {own:.6g}"
+    return [f'the optimum is at an edge: {change}; type robust={{"{name}": ({dict(leaves(model))[name]:.6g}, "1%")}} for one that is not']
 
 
 def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
@@ -92,9 +92,9 @@ def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
 def values_of(model: Model, rtol: float = 1e-9) -> dict[str, Any]:
     """Numbers of the motion from rest, and the peaks of the drives."""
     columns = results_of(spread_over(model, 1), 1, rtol=rtol)
-    found = {name: values[0].item() for name, values in columns.items() if not name.startswith("end.")}
+    numbers = {name: values[0].item() for name, values in columns.items() if not name.startswith("end.")}
     drives = list(drives_within(model))
-    return found | {name: float(reduce(max, [peaks_of(drive, name) for drive in drives])) for name in (LIMITS if drives else ())}
+    return numbers | {name: float(reduce(max, [peaks_of(drive, name) for drive in drives])) for name in (LIMITS if drives else ())}
 
 
 def _another_way(V: float, way: float | None) -> list[str]:
@@ -109,7 +109,7 @@ def _active_limits(limits: list[Limit], values: dict[str, Any]) -> list[str]:
 
 
 def _active_bounds(space: Unknowns, u: Array) -> list[str]:
-    numbers = [(each, float(u[place.start])) for each, place in zip(space.varied, space.slices, strict=True) if each.form is None]
+    numbers = [(each, float(u[part.start])) for each, part in zip(space.varied, space.slices, strict=True) if each.form is None]
     return [each.name for each, value in numbers if min(value, 1.0 - value) <= _ACTIVE]
 
 

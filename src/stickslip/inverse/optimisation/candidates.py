@@ -76,18 +76,18 @@ class Candidates:
     def __call__(self, U: Array) -> Array:
         """The objective of each row: penalised beyond a limit, and worst if there is no machine."""
         values, over = self.values(U)
-        found = np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
-        return found + np.where(over > 0.0, _BEYOND * _GUIDE_BEYOND, _GUIDE) * self._guide(np.atleast_2d(U))
+        objective = np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
+        return objective + np.where(over > 0.0, _BEYOND * _GUIDE_BEYOND, _GUIDE) * self._guide(np.atleast_2d(U))
 
     def _guide(self, U: Array) -> Array:
         """Which way leads off a plateau: of machines at rest, how near they are to being moved."""
-        found, rests, way = np.zeros(len(U)), np.flatnonzero(self._rests), self._way()
+        guide, rests, way = np.zeros(len(U)), np.flatnonzero(self._rests), self._way()
         if way and len(rests):
             machines, good = self._machines(U[rests])
             near = nearness(machines, len(good), forwards=way < 0.0) if len(good) else None
             if near is not None:
-                found[rests[good]] = -np.clip(np.nan_to_num(near), 0.0, 1.0)
-        return found
+                guide[rests[good]] = -np.clip(np.nan_to_num(near), 0.0, 1.0)
+        return guide
 
     def _way(self) -> float:
         """-1 where machines are to go forwards, 1 backwards, 0 where that is not asked."""
@@ -129,8 +129,8 @@ class Candidates:
         early = [limit for limit in self.bounding if limit.of_drive]
         late = [limit for limit in self.limits if not limit.of_drive]
         over = self._over(early, machines, {}, count)
-        found, columns = self._results(machines, count)
-        return found, np.maximum(over, self._over(late, machines, columns, count)), columns["mean_velocity"] == 0.0
+        results, columns = self._results(machines, count)
+        return results, np.maximum(over, self._over(late, machines, columns, count)), columns["mean_velocity"] == 0.0
 
     def _results(self, machines: Any, count: int, rtol: float | None = None) -> tuple[Array, dict[str, Array]]:
         """The objective, and columns for limits; over a sample their quantile and their worst."""
@@ -173,9 +173,9 @@ class Candidates:
         """Derivatives of the objective, without its limits, by the unknowns: exact where `exactly` knows them."""
         if self.sample is None and not not_followed(self.space.model):
             try:
-                found = self._exact(u)
-                if np.isfinite(found).all():
-                    return found
+                exact = self._exact(u)
+                if np.isfinite(exact).all():
+                    return exact
             except StickslipError:
                 pass
         return self._differences(u)
@@ -209,8 +209,8 @@ class Candidates:
         if not len(good):
             return whole
         columns = self._results(machines, len(good), _FINE)[1] if any(not limit.of_drive for limit in self.bounding) else {}
-        found = [limit.margins(np.broadcast_to(limit.values(machines, columns), (len(good),))) for limit in self.bounding]
-        whole[:, good] = np.nan_to_num(np.concatenate(found), nan=-1.0)
+        margins = [limit.margins(np.broadcast_to(limit.values(machines, columns), (len(good),))) for limit in self.bounding]
+        whole[:, good] = np.nan_to_num(np.concatenate(margins), nan=-1.0)
         return whole
 
 

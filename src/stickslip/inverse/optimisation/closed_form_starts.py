@@ -36,14 +36,14 @@ def closed_starts(space: Unknowns) -> Array:
     rows = []
     for at_end in (False, True):
         row = np.full(space.count, 0.5)
-        for each, place in zip(space.varied, space.slices, strict=True):
+        for each, part in zip(space.varied, space.slices, strict=True):
             if each.form is None:
                 is_drive = ".drive." in f".{each.leaves[0]}"
                 value = each.high if at_end and is_drive else float(own[each.leaves[0]])
                 value = _push(space.model) if at_end and each.leaves[0] == "drive.w1" else value
-                row[place] = each.unknown(value)
+                row[part] = each.unknown(value)
             elif each.form.kind == "pieces" and (verge := _verge(space, each.form.count)) is not None:
-                row[place] = verge
+                row[part] = verge
         rows.append(row)
     return np.unique(np.array(rows), axis=0)
 

@@ -25,8 +25,8 @@ def from_other_starts(model: Model, V: float) -> list[str]:
     speed, at = float(machine.free_velocity), coordinates(model)
     kick = [0.0 if name != "v" else 1.0 for name in at.names]
     start = at.start(np.outer([speed, -speed], kick)) if "v" in at.names else {}
-    found = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
-    other = [float(v) for v in found if abs(v - V) > _SAME * max(abs(V), speed)]
+    velocities = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
+    other = [float(v) for v in velocities if abs(v - V) > _SAME * max(abs(V), speed)]
     return [f"another motion coexists, with V = {v:.6g} m/s from another start" for v in other[:1]]
 
 

@@ -74,8 +74,8 @@ def checked_limits(model: Model, subject_to: Any, problems: Problems) -> list[Li
     if not isinstance(subject_to, dict):
         problems.add(f"subject_to = {subject_to!r}; allowed is a dict of limits; {_TYPED}")
         return []
-    found = [_limit(model, str(name), ends, problems) for name, ends in subject_to.items()]
-    return [limit for limit in found if limit is not None]
+    limits = [_limit(model, str(name), ends, problems) for name, ends in subject_to.items()]
+    return [limit for limit in limits if limit is not None]
 
 
 def _limit(model: Model, name: str, ends: Any, problems: Problems) -> Limit | None:

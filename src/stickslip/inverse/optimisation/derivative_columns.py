@@ -79,7 +79,7 @@ def values(model: Model, cases: int, asked: dict[str, Derived], periods: int) ->
     if not cases:
         return {}
     model = model if shape_of(model) else replace_leaf(model, {name: np.full(cases, float(own)) for name, own in leaves(model)})
-    found = {name: np.full(cases, np.nan) for name in asked}
+    derivatives = {name: np.full(cases, np.nan) for name in asked}
     for part in parts_of(cases, _PART):
         machines = some_of(model, part)
         motions = settled(machines, at, part.stop - part.start, periods)
@@ -88,8 +88,8 @@ def values(model: Model, cases: int, asked: dict[str, Derived], periods: int) ->
             for names in quantities:
                 columns = _slopes(some_of(machines, which), at, {name: asked[name] for name in names}, first, motions, which)
                 for name, slopes in columns.items():
-                    found[name][part.start + which] = slopes
-    return found
+                    derivatives[name][part.start + which] = slopes
+    return derivatives
 
 
 def _first_of(model: Model) -> Any:
@@ -109,8 +109,8 @@ def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[lis
         check_of("derivative", each.of, first)
         moved = directions_of("derivative", first, each.by)
         if exactly(each.of, first, at, seeds_of(moved), 1) is None:
-            told = f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.gradient(robot, ...) for one machine"
-            raise InputError("derivative", [f"{name}: {told}"])
+            reason = f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.gradient(robot, ...) for one machine"
+            raise InputError("derivative", [f"{name}: {reason}"])
         together.setdefault(each.of, []).append(name)
     return list(together.values())
 
@@ -124,8 +124,8 @@ def _slopes(
     exact = exactly(next(iter(asked.values())).of, machines, at, seeds, count)
     assert isinstance(exact, Exact)
     along = Closing(machines, at, seeds, count, RTOL_OF_SLOPES, len(which), exact.means, exact.observe)
-    found = along.near(motions.state[which], period)
+    closed = along.near(motions.state[which], period)
     free = np.broadcast_to(np.asarray(machine_of(machines).free_velocity, float), (len(which),))
-    good = along.is_good(found) & (abs(found.mean_velocity - motions.mean_velocity[which]) <= AGREE * free)
-    slopes = np.where(good[:, None], exact.of(found)[1], np.nan)
+    good = along.is_good(closed) & (abs(closed.mean_velocity - motions.mean_velocity[which]) <= AGREE * free)
+    slopes = np.where(good[:, None], exact.of(closed)[1], np.nan)
     return {name: slopes[:, list(moved).index(each.by)] for name, each in asked.items()}

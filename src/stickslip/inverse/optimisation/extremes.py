@@ -83,10 +83,10 @@ def extreme_of(of: Any, model: Model) -> Extreme | None:
     node = next((signal.node for signal in system.signals if name in signal.names), None)
     if node is None:  # a stop that throws back has no force
         return None
-    found = Extreme(system, node, 1.0 if kind == MOST else -1.0)
+    extreme = Extreme(system, node, 1.0 if kind == MOST else -1.0)
     known = {system.modes[k].name for contact in system.contacts for k in contact.modes}
-    modes = {each.name for each in needed_by([node, found.rate]) if each.op == "flag" and each.name.startswith("mode")}
-    return found if modes <= known else None
+    modes = {each.name for each in needed_by([node, extreme.rate]) if each.op == "flag" and each.name.startswith("mode")}
+    return extreme if modes <= known else None
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Looked:
 
     def derivatives(self) -> tuple[float, Array]:
         """The value, and its derivative along each direction; NaN where how a corner moves is not known."""
-        place = self._place()
+        place = self._location()
         e, rate, change, _ = self._valued(place.t + place.inward * self.T, place.piece)
         if not place.inward:
             return float(e[0]), change
@@ -136,8 +136,8 @@ class Looked:
         ends = [extreme.node, extreme.rate, extreme.change(tuple(self.seeds))]
         known = self._known(t, np.tile(y, (self.count, 1)), np.full(self.count, piece)) | self._parts | {"d t": dT / T * t}
         known |= {f"d {s.name}": S[:, i] for i, s in enumerate(extreme.system.y)}
-        found = values_of(extreme.system.graph, known, ends)
-        e, rate, change = (np.broadcast_to(found[node.number], (self.count,)) for node in ends)
+        computed = values_of(extreme.system.graph, known, ends)
+        e, rate, change = (np.broadcast_to(computed[node.number], (self.count,)) for node in ends)
         return e, rate, change, late
 
     @property
@@ -150,12 +150,12 @@ class Looked:
         system, graph = self.extreme.system, self.extreme.system.graph
         instants = [*system.instants, *(instant for instant, _ in system.impulses)]
         along = Along(graph, {name: graph.case(part_in(name)) for name in self.seeds})
-        found = values_of(graph, dict(self.numbers) | self._parts, [*instants, *map(along.of, instants)])
+        computed = values_of(graph, dict(self.numbers) | self._parts, [*instants, *map(along.of, instants)])
         T, dT = self._whole.period
         for instant in instants:
-            t = found[instant.number]
+            t = computed[instant.number]
             if np.all(abs((place.t - t + 0.5 * self.T) % self.T - 0.5 * self.T) <= 2 * _BESIDE * self.T):
-                return found[along.of(instant).number] - dT / T * t
+                return computed[along.of(instant).number] - dT / T * t
         other = self._valued(place.t - place.inward * self.T, place.piece + (1 if place.inward < 0 else -1))
         if not instants:
             return other[3] if place.inward < 0 else self._valued(place.t + place.inward * self.T, place.piece)[3]
@@ -181,8 +181,8 @@ class Looked:
         periods = int(0.5 * (self.ends[piece] + self.ends[piece + 1]) / self.T)
         states, starts = np.tile(self.orbit.state, (self.count, 1)), self.changes
         if periods:
-            found = self._whole.after(states, starts, periods)
-            states, starts = np.hstack([found.state, states[:, found.state.shape[1] :]]), found.change
+            after = self._whole.after(states, starts, periods)
+            states, starts = np.hstack([after.state, states[:, after.state.shape[1] :]]), after.change
         t = t - periods * self.T
         follower = self._follower(np.full(self.count, t / self.T))
         end, n = follower.lanes(states, starts, 1)[1].end, follower.carried.n
@@ -213,11 +213,11 @@ class Looked:
         """The quantity and its rate at times on some pieces."""
         begun = np.floor(0.5 * (self.ends[piece] + self.ends[piece + 1]) / self.T) * self.T
         ends = [self.extreme.node, self.extreme.rate]
-        found = values_of(self.extreme.system.graph, self._known(t - begun, self._columns(t), piece), ends)
-        e, rate = (self.extreme.sign * np.broadcast_to(found[node.number], t.shape) for node in ends)
+        computed = values_of(self.extreme.system.graph, self._known(t - begun, self._columns(t), piece), ends)
+        e, rate = (self.extreme.sign * np.broadcast_to(computed[node.number], t.shape) for node in ends)
         return e, rate
 
-    def _place(self) -> Place:
+    def _location(self) -> Place:
         """Where it is the largest."""
         h, k = np.diff(self.ends), len(_INNER)
         t, piece = (self.ends[:-1, None] + h[:, None] * _INNER).ravel(), np.repeat(np.arange(len(h)), k)

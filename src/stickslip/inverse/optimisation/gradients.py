@@ -60,8 +60,8 @@ class Gradient(dict[str, float]):
         self.of, self.value, self.notes = of, value, tuple(notes)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}: {value:.9g}" for name, value in self.items())
-        return f"<Gradient of {self.of} = {self.value:.9g} by {told}{''.join(f'; {note}' for note in self.notes)}>"
+        listed = ", ".join(f"{name}: {value:.9g}" for name, value in self.items())
+        return f"<Gradient of {self.of} = {self.value:.9g} by {listed}{''.join(f'; {note}' for note in self.notes)}>"
 
 
 @explains_arguments
@@ -123,13 +123,13 @@ def gradient(
     at, seeds = coordinates(model), seeds_of(moved)
     exact = exactly(of, model, at, seeds, len(moved))
     motion, orbit, stepped = steady_motion(model, moved, at, exact, rtol)
-    beside = _one_sided(motion, orbit, moved, at, stepped)
+    one_sided = _one_sided(motion, orbit, moved, at, stepped)
     value, slopes = (each[0] for each in exact.of(motion)) if exact else _extremes(of, orbit, at, seeds, motion)
     if exact is None and np.isnan(slopes).any():
-        return _by_differences(orbit, of, moved, beside)
-    found = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *beside])
-    unknown = {name: moved[name] for name, slope in found.items() if np.isnan(slope)}
-    return _with_differences(found, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else found
+        return _by_differences(orbit, of, moved, one_sided)
+    result = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *one_sided])
+    unknown = {name: moved[name] for name, slope in result.items() if np.isnan(slope)}
+    return _with_differences(result, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else result
 
 
 def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], motion: ClosedMotions) -> tuple[Any, Any]:
@@ -144,8 +144,8 @@ def steady_motion(
     model: Model, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
 ) -> tuple[ClosedMotions, PeriodicOrbit, bool]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved; whether it is made of steps."""
-    found = settled(model, at, periods=PERIODS)
-    period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
+    steady = settled(model, at, periods=PERIODS)
+    period, V, state = _repeating(int(steady.period[0])), float(steady.mean_velocity[0]), steady.state[0]
     means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
     along = Closing(model, at, seeds_of(moved), len(moved), rtol, means=means, observe=observe)
     motion = along.near(state[None], period)
@@ -153,7 +153,7 @@ def steady_motion(
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
-    return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), rtol), found.stepped
+    return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), rtol), steady.stepped
 
 
 def check_of(what: str, of: Any, model: Model) -> None:
@@ -174,22 +174,22 @@ def named(of: Any) -> str:
     return f"the {of.meaning}" if isinstance(of, Observable) else str(of)
 
 
-def _with_differences(found: Gradient, orbit: PeriodicOrbit, of: Any, unknown: dict[str, tuple[str, ...]]) -> Gradient:
+def _with_differences(followed: Gradient, orbit: PeriodicOrbit, of: Any, unknown: dict[str, tuple[str, ...]]) -> Gradient:
     """Derivatives of which some are not followed along the motion, and are differences where the quantity is a column of sweeps."""
-    told = f"{', '.join(unknown)}: what the number does to an instant at which a law forgets is not followed"
+    reason = f"{', '.join(unknown)}: what the number does to an instant at which a law forgets is not followed"
     try:
         more = _by_differences(orbit, of, unknown)
     except InputError:
-        return Gradient(found, found.of, found.value, [*found.notes, f"{told}: there is no derivative"])
-    return Gradient({**found, **more}, found.of, found.value, [*found.notes, f"{told}: by differences", *more.notes[1:]])
+        return Gradient(followed, followed.of, followed.value, [*followed.notes, f"{reason}: there is no derivative"])
+    return Gradient({**followed, **more}, followed.of, followed.value, [*followed.notes, f"{reason}: by differences", *more.notes[1:]])
 
 
 def _orbit_of_runs(model: Any) -> PeriodicOrbit:
     """The same under laws that are written for plain numbers only, by runs alone."""
-    found = results_of(spread_over(model, 1), 1)
-    period = _repeating(int(found.get("period", [0])[0]))
-    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), int(found["periods_run"][0]), RTOL).state[0])
-    _check_same(model, float(found["mean_velocity"][0]), orbit.mean_velocity)
+    results = results_of(spread_over(model, 1), 1)
+    period = _repeating(int(results.get("period", [0])[0]))
+    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), int(results["periods_run"][0]), RTOL).state[0])
+    _check_same(model, float(results["mean_velocity"][0]), orbit.mean_velocity)
     return orbit
 
 
@@ -209,14 +209,14 @@ def _check_same(model: Model, settled: float, V: float) -> None:
         raise SolveError(f"gradient: from rest V is {settled:.9g} m/s, and the periodic motion found there has {V:.9g} m/s")
 
 
-def _beside(
+def _neighbours(
     orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Array, observe: dict[str, Any] | None = None
 ) -> tuple[dict[str, Array], Array]:
     """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
     sizes, (k, m) = sizes_of(orbit.model, moved), shares.shape
     start = coordinates(orbit.model).start(orbit.state)
-    found = results_of(moved_by(orbit.model, moves_of(moved, sizes, shares)), k * m, start=start, rtol=_RTOL_BESIDE, observe=observe)
-    return {name: values.reshape(k, m) for name, values in found.items()}, sizes
+    results = results_of(moved_by(orbit.model, moves_of(moved, sizes, shares)), k * m, start=start, rtol=_RTOL_BESIDE, observe=observe)
+    return {name: values.reshape(k, m) for name, values in results.items()}, sizes
 
 
 def _multipliers(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Array, _: Any) -> tuple[dict[str, Array], Array]:
@@ -224,23 +224,23 @@ def _multipliers(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares
     sizes, (k, m) = sizes_of(orbit.model, moved), shares.shape
     near, at = moved_by(orbit.model, moves_of(moved, sizes, shares)), coordinates(orbit.model)
     along = Closing(near, at, {}, 0, RTOL, k * m)
-    found = along.near(np.tile(orbit.state, (k * m, 1)), orbit.period)
-    good = along.is_good(found) & np.isfinite(found.monodromy).all(axis=(1, 2))
+    closed = along.near(np.tile(orbit.state, (k * m, 1)), orbit.period)
+    good = along.is_good(closed) & np.isfinite(closed.monodromy).all(axis=(1, 2))
     values = np.full(k * m, np.nan)
-    values[good] = np.max(abs(np.linalg.eigvals(found.monodromy[good])), axis=1, initial=0.0)
+    values[good] = np.max(abs(np.linalg.eigvals(closed.monodromy[good])), axis=1, initial=0.0)
     return {MULTIPLIER: values.reshape(k, m), "period": np.full((k, m), orbit.period)}, sizes
 
 
-def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, ...]], beside: Sequence[str] = ()) -> Gradient:
+def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, ...]], remarks: Sequence[str] = ()) -> Gradient:
     """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
     shares = np.array([0.0, *(side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0))])
     observe = {OWN: of} if isinstance(of, Observable) else None
     sides = sides_of(orbit.model, moved, _BESIDE)[:, None]  # beyond the end of a range stands the number itself
-    found, sizes = (_multipliers if of == MULTIPLIER else _beside)(orbit, moved, np.where(sides * shares < 0.0, 0.0, shares), observe)
-    own = found.get(OWN if observe else of)
+    results, sizes = (_multipliers if of == MULTIPLIER else _neighbours)(orbit, moved, np.where(sides * shares < 0.0, 0.0, shares), observe)
+    own = results.get(OWN if observe else of)
     if own is None:
         raise InputError("gradient", [f"of = {of!r} is not known of this {type(orbit.model).__name__}; type of='mean_velocity'"])
-    value, columns, words = float(own[0, 0]), own[:, 1:].reshape(len(moved), -1, 4), words_of(found)
+    value, columns, words = float(own[0, 0]), own[:, 1:].reshape(len(moved), -1, 4), words_of(results)
     steps = np.array(_STEPS) * sizes[:, None]
     long, short = (columns[..., 2 * k] - columns[..., 2 * k + 1] for k in (0, 1))
     slopes = np.where(sides == 0, (4.0 * short - 0.5 * long) / 3.0, 4.0 * short - long) / steps
@@ -250,12 +250,12 @@ def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, .
                 slopes[i, j] = np.nan  # across a change of modes
     apart = abs(np.diff(slopes, axis=1))
     best = [slopes[i, 1 + int(np.nanargmin(row))] if np.isfinite(row).any() else np.nan for i, row in enumerate(apart)]
-    told = [
+    missing = [
         f"{name}: no derivative of {named(of)}, as the sequence of modes changes next to it"
         for name, x in zip(moved, best, strict=True)
         if x != x
     ]
-    notes = [f"derivatives of {named(of)} are differences of the steady motion", *told, *beside]
+    notes = [f"derivatives of {named(of)} are differences of the steady motion", *missing, *remarks]
     return Gradient(dict(zip(moved, map(float, best), strict=True)), named(of), value, notes)
 
 
@@ -272,21 +272,21 @@ def _one_sided(motion: ClosedMotions, orbit: PeriodicOrbit, moved: dict[str, tup
     except InputError:  # a number at the end of its range
         words, V = _around(motion, orbit, moved, at, stepped, sides_of(model, moved, _BESIDE))
     free = float(machine_of(model).free_velocity)
-    noise, told = _NOISE * free, []
+    noise, sentences = _NOISE * free, []
     for name, (below, here, above), (less, own, more), size in zip(moved, words, V, sizes, strict=True):
         left, right = own - less, more - own
         kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
         if below == here == above and not kink:
             continue
         all_three = f" (below {below}, here {here}, above {above})" if not below == here == above else ""
-        told.append(
+        sentences.append(
             f"{name}: one-sided, as the sequence of modes changes within {_BESIDE:g} of it{all_three}; "
-            f"{_beside_it(-left, -_BESIDE * size, free)} below, {_beside_it(right, _BESIDE * size, free)} above"
+            f"{_slope_in_words(-left, -_BESIDE * size, free)} below, {_slope_in_words(right, _BESIDE * size, free)} above"
         )
-    return told
+    return sentences
 
 
-def _beside_it(change: float, step: float, free: float) -> str:
+def _slope_in_words(change: float, step: float, free: float) -> str:
     """By how much the mean velocity differs one step beside a number: at once, or in proportion to the step."""
     return f"V jumps by {change:+.3g}" if abs(change) > _JUMP * free else f"V changes by {change / step:.6g} per unit"
 

@@ -189,15 +189,15 @@ def _as_given(robust: Any) -> dict[str, Any]:
 
 def _check_middle(space: Unknowns) -> None:
     """Numbers in the middle of their bounds have to make a machine: the record says what they may be."""
-    forms = [place for each, place in zip(space.varied, space.slices, strict=True) if each.form is not None]
+    forms = [part for each, part in zip(space.varied, space.slices, strict=True) if each.form is not None]
     u = np.full(space.count, 0.5)
-    for place in forms:
-        u[place] = np.resize([0.1, 0.9], place.stop - place.start)
+    for part in forms:
+        u[part] = np.resize([0.1, 0.9], part.stop - part.start)
     try:
         space.machine(u)
     except InputError as error:
-        told = [f"no machine can be made with numbers in the middle of the bounds: {problem}" for problem in error.problems]
-        raise InputError("optimise", told) from None
+        sentences = [f"no machine can be made with numbers in the middle of the bounds: {problem}" for problem in error.problems]
+        raise InputError("optimise", sentences) from None
 
 
 def _none_kept(worth: Candidates) -> InputError:

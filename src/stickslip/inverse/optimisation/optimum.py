@@ -137,8 +137,10 @@ class Optimum(Drawn):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         known = [name for name, value in self.values.items() if isinstance(value, float) and isinstance(self.given.get(name), float)]
         varied: list[tuple[str, ...]] = [(name, f"{value:.6g}", unit_in(name, self.model)) for name, value in self.varied.items()]
-        found: list[tuple[str, ...]] = [(name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}", self._unit(name)) for name in known]
-        return [[("number", "best", "unit"), *varied], [("result", "given", "best", "unit"), *found]]
+        compared: list[tuple[str, ...]] = [
+            (name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}", self._unit(name)) for name in known
+        ]
+        return [[("number", "best", "unit"), *varied], [("result", "given", "best", "unit"), *compared]]
 
     def _unit(self, name: str) -> str:
         return unit_of_result(name, self.model)

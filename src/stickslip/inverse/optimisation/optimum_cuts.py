@@ -26,7 +26,7 @@ def cuts_of(worth: Candidates) -> dict[str, Array]:
     [1.0, 0.0008, 0.004308808, 1.0]
     """
     space = worth.space
-    asked = [(each, place.start) for each, place in zip(space.varied, space.slices, strict=True) if each.form is None]
+    asked = [(each, part_of.start) for each, part_of in zip(space.varied, space.slices, strict=True) if each.form is None]
     if not asked:
         return {}
     parts = [np.unique(np.append(np.linspace(0.0, 1.0, _POINTS), worth.best[k])) for _, k in asked]
@@ -37,4 +37,4 @@ def cuts_of(worth: Candidates) -> dict[str, Array]:
     values, over, _ = worth.judged(rows)
     split = (np.split(column, ends[:-1]) for column in (worth.sign * values, (over == 0.0) & np.isfinite(values)))
     each = zip(asked, parts, *split, strict=True)
-    return {one.name: np.array([part, one.value(part), found, kept]) for (one, _), part, found, kept in each}
+    return {one.name: np.array([part, one.value(part), results, kept]) for (one, _), part, results, kept in each}

@@ -88,18 +88,20 @@ def pareto(
     asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers)
     least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
     most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
-    found, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
+    optima, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
     with partial_result() as ending:
         for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
             report(done + 2, whole)
             look()
             try:
-                found.append(optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked))
+                optima.append(
+                    optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked)
+                )
             except StickslipError:  # the search has not met a machine below this level
                 continue
-    front = _dataset([each for each in found if not _beaten(each, found, maximise, minimise)], maximise, minimise)
+    front = _dataset([each for each in optima if not _beaten(each, optima, maximise, minimise)], maximise, minimise)
     if ending.interrupted:
-        return front.assign_attrs(note=ending.note(f"{len(found)} of at most {points} searches are done"))
+        return front.assign_attrs(note=ending.note(f"{len(optima)} of at most {points} searches are done"))
     report(whole, whole)
     return front
 
@@ -110,17 +112,17 @@ def _beaten(one: Optimum, others: list[Optimum], maximise: str, minimise: str) -
     return any(a >= 0.0 and b >= 0.0 and (a > 0.0 or b > 0.0) for a, b in pairs)
 
 
-def _dataset(found: list[Optimum], maximise: str, minimise: str) -> xr.Dataset:
+def _dataset(optima: list[Optimum], maximise: str, minimise: str) -> xr.Dataset:
     import xarray as xr
 
-    found = sorted(found, key=lambda each: each[minimise])
-    numbers = [dict(leaves(each.model)) for each in found]
+    optima = sorted(optima, key=lambda each: each[minimise])
+    numbers = [dict(leaves(each.model)) for each in optima]
     varied = [name for name in numbers[0] if len({each[name] for each in numbers}) > 1]
-    columns = {name: [each[name] for each in found] for name in (minimise, maximise)}
+    columns = {name: [each[name] for each in optima] for name in (minimise, maximise)}
     columns |= {name: [each[name] for each in numbers] for name in varied}
-    model = found[0].model
-    told = {name: (VARIABLES[name].long_name, unit_of(name, model)) for name in (minimise, maximise) if name in VARIABLES}
-    told |= {name: axis for name in varied if (axis := axis_of(name, model))}
-    known = {name: {"long_name": label, "units": unit} for name, (label, unit) in told.items()}
+    model = optima[0].model
+    labels = {name: (VARIABLES[name].long_name, unit_of(name, model)) for name in (minimise, maximise) if name in VARIABLES}
+    labels |= {name: axis for name in varied if (axis := axis_of(name, model))}
+    known = {name: {"long_name": label, "units": unit} for name, (label, unit) in labels.items()}
     made = {name: ("point", np.array(values), known.get(name, {})) for name, values in columns.items()}
-    return xr.Dataset(made, coords={"point": np.arange(len(found))}, attrs={"maximise": maximise, "minimise": minimise})
+    return xr.Dataset(made, coords={"point": np.arange(len(optima))}, attrs={"maximise": maximise, "minimise": minimise})

@@ -41,8 +41,8 @@ def peaks_of(drive: Any, name: str) -> Array:
     if name == "relative_velocity":
         return np.maximum(_highest(drive, drive.velocity), _highest(drive, lambda t: -drive.velocity(t)))
     jumps = [abs(np.asarray(jump, float)) for _, jump in drive_of(drive).jumps]
-    found = np.maximum(_highest(drive, drive.acceleration), _highest(drive, lambda t: -drive.acceleration(t)))
-    return np.where(np.asarray(sum(jumps, 0.0)) > 0.0, np.inf, found)[()]
+    peak = np.maximum(_highest(drive, drive.acceleration), _highest(drive, lambda t: -drive.acceleration(t)))
+    return np.where(np.asarray(sum(jumps, 0.0)) > 0.0, np.inf, peak)[()]
 
 
 def _highest(drive: Any, of: Callable[[Any], Any]) -> Array:
@@ -62,10 +62,10 @@ def _highest(drive: Any, of: Callable[[Any], Any]) -> Array:
         with np.errstate(invalid="ignore", divide="ignore"):
             move = np.where(bend < 0.0, 0.5 * h * (around[0] - around[1]) / bend, 0.0)
         tried = np.stack([t - h, t + h, t + np.clip(move, -h, h)])
-        found = np.concatenate([best[None], around, _values(of, tried[2:])])
-        at = np.argmax(np.where(np.isnan(found), -np.inf, found), axis=0)
+        candidates = np.concatenate([best[None], around, _values(of, tried[2:])])
+        at = np.argmax(np.where(np.isnan(candidates), -np.inf, candidates), axis=0)
         t = np.take_along_axis(np.concatenate([t[None], tried]), at[None], axis=0)[0]
-        best, h = np.take_along_axis(found, at[None], axis=0)[0], h / _FINER
+        best, h = np.take_along_axis(candidates, at[None], axis=0)[0], h / _FINER
     return best[()]
 
 

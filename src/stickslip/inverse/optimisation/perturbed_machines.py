@@ -35,11 +35,11 @@ def moves_of(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> di
     {'a': [-1.0, 1.0, 0.0, 0.0], 'b': [0.0, 0.0, -1.5, 1.5]}
     """
     by = sizes[:, None] * np.asarray(shares)
-    found: dict[str, Array] = {}
+    moves: dict[str, Array] = {}
     for i, names in enumerate(moved.values()):
         for name in names:
-            found.setdefault(name, np.zeros(by.shape))[i] = by[i]
-    return {name: values.ravel() for name, values in found.items()}
+            moves.setdefault(name, np.zeros(by.shape))[i] = by[i]
+    return {name: values.ravel() for name, values in moves.items()}
 
 
 def sides_of(model: Model, moved: dict[str, tuple[str, ...]], share: float) -> Array:
@@ -66,8 +66,8 @@ def is_allowed(model: Any, numbers: dict[str, Any]) -> bool:
     return True
 
 
-def words_of(found: dict[str, Array]) -> list[list[str]]:
+def words_of(results: dict[str, Array]) -> list[list[str]]:
     """The sequences of modes of all contacts, for each direction and share."""
-    columns = [values for name, values in found.items() if name.partition(".")[0] in ("pattern", "period")]
+    columns = [values for name, values in results.items() if name.partition(".")[0] in ("pattern", "period")]
     shape = columns[0].shape
     return [["/".join(str(values[i, j]) for values in columns) for j in range(shape[1])] for i in range(shape[0])]

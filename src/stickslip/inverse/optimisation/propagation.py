@@ -64,8 +64,8 @@ class Indices(Drawn):
 
     def __repr__(self) -> str:
         ends = {name: _spans(self, name) for name in self.first}
-        told = (f"{n} {self.first[n]:z.2f} ({a}), total {self.total[n]:z.2f} ({b})" for n, (a, b) in ends.items())
-        return f"<Indices, with 95 % intervals: {'; '.join(told)}>"
+        listed = (f"{n} {self.first[n]:z.2f} ({a}), total {self.total[n]:z.2f} ({b})" for n, (a, b) in ends.items())
+        return f"<Indices, with 95 % intervals: {'; '.join(listed)}>"
 
 
 def _spans(indices: Indices, name: str) -> tuple[str, ...]:
@@ -139,13 +139,13 @@ class Propagated(Drawn):
         low, high = (self.quantile(q) for q in (0.05, 0.95))
         cases = f"{len(self.values)}" + (f", {self.failed} of them have none" if self.failed else "")
         error = self.std / max(len(self.values) - self.failed, 1) ** 0.5
-        told = {
+        facts = {
             "nominal": f"{self.nominal:.6g}",
             "mean": f"{rounded(self.mean, error)} {sure(error)}",
             "standard deviation": f"{self.std:.3g}",
             "nine in ten": f"{low:.4g} to {high:.4g}",
         }
-        return {"of": self.of, **{name: f"{text} {self.unit}".rstrip() for name, text in told.items()}, "cases": cases}
+        return {"of": self.of, **{name: f"{text} {self.unit}".rstrip() for name, text in facts.items()}, "cases": cases}
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         return self.indices._tables() if self.indices is not None else []
@@ -250,10 +250,10 @@ def propagate(
     if ending.interrupted:
         return _part(model, of, spread, u, values, there, nominal, ending)
     values = values.reshape(u.shape[1:])
-    found, notes = _indices(spread.names, values, int(seed)) if indices else (None, [])
+    sobol, notes = _indices(spread.names, values, int(seed)) if indices else (None, [])
     kept = values[:2] if indices else values  # the other rows of a design for indices are mixtures of the first two
     inputs = spread.inputs(u[:, : len(kept)].reshape(len(u), -1))
-    return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes), unit_of_result(of, model))
+    return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), sobol, tuple(notes), unit_of_result(of, model))
 
 
 def _part(model: Model, of: str, spread: Any, u: Array, values: Array, there: Array, nominal: float, ending: Ending) -> Propagated:
@@ -281,14 +281,14 @@ def _run(
     """A result for each case of a sample, and whether it was computed."""
     check_sample("propagate", model, sample)
     machines, cases = sampled(model, 1, sample)
-    found = results_of(machines, cases, workers, watch=watch)
-    return found[of], found["status"] != Status.NOT_COMPUTED
+    results = results_of(machines, cases, workers, watch=watch)
+    return results[of], results["status"] != Status.NOT_COMPUTED
 
 
 def _swings(model: Model, spread: Any, of: str) -> dict[str, tuple[float, float]]:
     """The result where each number in turn is at the ends of its band."""
-    found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of)[0] for name in spread.names}
-    return {name: (float(low), float(high)) for name, (low, high) in found.items()}
+    ends = {name: _run(model, spread.alone(name, np.array(_TAILS)), of)[0] for name in spread.names}
+    return {name: (float(low), float(high)) for name, (low, high) in ends.items()}
 
 
 def _indices(names: tuple[str, ...], values: Array, seed: int) -> tuple[Indices | None, list[str]]:
@@ -298,10 +298,10 @@ def _indices(names: tuple[str, ...], values: Array, seed: int) -> tuple[Indices 
     if not np.ptp(values[:2]) > 0.0:
         return None, ["no indices: all values are the same"]
     rng, n = np.random.default_rng(seed), values.shape[1]
-    found = _estimated(values)
+    estimates = _estimated(values)
     again = np.array([_estimated(values[:, rng.integers(n, size=n)]) for _ in range(_RESAMPLED)])
     low, high = np.quantile(again, [0.5 - 0.5 * _LEVEL, 0.5 + 0.5 * _LEVEL], axis=0)
-    first, total = (dict(zip(names, map(float, part), strict=True)) for part in found)
+    first, total = (dict(zip(names, map(float, part), strict=True)) for part in estimates)
     ends = (zip(map(float, a), map(float, b), strict=True) for a, b in zip(low, high, strict=True))
     bands = [dict(zip(names, part, strict=True)) for part in ends]
     return Indices(first, total, *bands), []

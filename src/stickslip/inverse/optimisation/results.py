@@ -43,9 +43,9 @@ def results_of(
     [0.002032039, 0.004308808]
     """
     options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
-    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())
-    found.setdefault("mean_velocity", np.full(cases, np.nan))
-    return found
+    columns = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, Counter())
+    columns.setdefault("mean_velocity", np.full(cases, np.nan))
+    return columns
 
 
 def quantities(model: Model) -> list[str]:

@@ -90,14 +90,14 @@ def _climb(worth: Candidates) -> None:
     def slopes(u: Array) -> Array:
         h = 1e-6
         ends = np.clip(np.vstack([u + h * np.eye(n), u - h * np.eye(n)]), 0.0, 1.0)
-        found, width = worth.margins(ends), np.diag(ends[:n] - ends[n:])
-        return (found[:, :n] - found[:, n:]) / width
+        values, width = worth.margins(ends), np.diag(ends[:n] - ends[n:])
+        return (values[:, :n] - values[:, n:]) / width
 
     kept = [{"type": "ineq", "fun": lambda u: worth.margins(np.clip(u, 0.0, 1.0))[:, 0], "jac": slopes}] if sides else []
 
     def value(u: Array) -> float:
-        found = worth.values(np.clip(u, 0.0, 1.0))[0][0]
-        return float(found) / scale if np.isfinite(found) else _NO_VALUE
+        values = worth.values(np.clip(u, 0.0, 1.0))[0][0]
+        return float(values) / scale if np.isfinite(values) else _NO_VALUE
 
     minimize(
         value, worth.best, jac=lambda u: worth.slope(np.clip(u, 0.0, 1.0)) / scale,

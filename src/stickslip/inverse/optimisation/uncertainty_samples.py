@@ -73,7 +73,7 @@ def checked_spread(model: Model, argument: str, given: Any, problems: Problems) 
     if not given:
         problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
         return None
-    known, found = [name for name, _ in leaves(model)], []
+    known, uncertain = [name for name, _ in leaves(model)], []
     for name, said in given.items():
         meant = numbers_meant(str(name), known)
         if not meant:
@@ -81,8 +81,8 @@ def checked_spread(model: Model, argument: str, given: Any, problems: Problems) 
         elif (each := distribution_of(in_its_unit(meant[0], said, model, problems, f"{argument}[{name!r}]"))) is None:
             problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
         else:
-            found.append(Uncertain(str(name), meant, each))
-    return Independent(tuple(found)) if found else None
+            uncertain.append(Uncertain(str(name), meant, each))
+    return Independent(tuple(uncertain)) if uncertain else None
 
 
 def sobol(dimensions: int, count: int, seed: int) -> Array:

@@ -81,14 +81,14 @@ class Unknowns:
 
     def changes(self, u: Array) -> dict[str, Any]:
         """Values for the machine: numbers by name, drives by path."""
-        found: dict[str, Any] = {}
-        for each, place in zip(self.varied, self.slices, strict=True):
+        changes: dict[str, Any] = {}
+        for each, part in zip(self.varied, self.slices, strict=True):
             if each.form is not None:
-                found[each.leaves[0]] = drive_of_waveform(each.form, u[place], self.scales or Scales(1.0))
+                changes[each.leaves[0]] = drive_of_waveform(each.form, u[part], self.scales or Scales(1.0))
             else:
-                value = each.value(u[place.start])
-                found |= {name: float(value) if np.ndim(value) == 0 else value for name in each.leaves}
-        return found
+                value = each.value(u[part.start])
+                changes |= {name: float(value) if np.ndim(value) == 0 else value for name in each.leaves}
+        return changes
 
     def machine(self, u: Array) -> Any:
         """The machine of one row of unknowns, checked."""
@@ -122,16 +122,16 @@ class Unknowns:
         """Derivatives of the numbers that vary by the unknowns, formulas that differences give nearly to rounding: arrays (unknowns,)."""
         shifts = step * np.eye(self.count)
         numbers = _numbers_in(self.changes(np.vstack([u + shifts, u - shifts]).T))
-        found = {name: (v[: self.count] - v[self.count :]) / (2 * step) for name, v in numbers.items() if np.ndim(v)}
-        return {name: slope for name, slope in found.items() if np.any(slope != 0.0)}
+        slopes = {name: (v[: self.count] - v[self.count :]) / (2 * step) for name, v in numbers.items() if np.ndim(v)}
+        return {name: slope for name, slope in slopes.items() if np.any(slope != 0.0)}
 
 
 def _numbers_in(changes: dict[str, Any]) -> dict[str, Any]:
     """The numbers among what is put into a machine, by name."""
-    found: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for name, change in changes.items():
-        found |= {name: change} if isinstance(change, (float, np.ndarray)) else dict(leaves(change, name + "."))
-    return found
+        numbers |= {name: change} if isinstance(change, (float, np.ndarray)) else dict(leaves(change, name + "."))
+    return numbers
 
 
 def checked_over(model: Model, over: Any, problems: Problems) -> list[Varied]:
@@ -140,12 +140,12 @@ def checked_over(model: Model, over: Any, problems: Problems) -> list[Varied]:
         problems.add(f"over = {over!r}; allowed is a dict of what varies; {_TYPED}")
         return []
     known = [name for name, _ in leaves(model)]
-    found = [each for name, what in over.items() if (each := _varied(model, str(name), what, known, problems)) is not None]
-    for i, one in enumerate(found):
-        for other in found[i + 1 :]:
+    varied = [each for name, what in over.items() if (each := _varied(model, str(name), what, known, problems)) is not None]
+    for i, one in enumerate(varied):
+        for other in varied[i + 1 :]:
             if same := _both(one, other):
                 problems.add(f"{one.name!r} and {other.name!r} cannot both vary: {same} would be set twice; leave one of them out")
-    return found
+    return varied
 
 
 def _both(one: Varied, other: Varied) -> str:
@@ -162,9 +162,9 @@ def _varied(model: Model, name: str, what: Any, known: list[str], problems: Prob
         hint = other_words(name, None, known) or did_you_mean(name, known)
         problems.add(f"over: {name!r} is not a number of {type(model).__name__}; {hint}")
         return None
-    told = {leaf: field_description(model, leaf) for leaf in meant}
+    descriptions = {leaf: field_description(model, leaf) for leaf in meant}
     try:
-        low, high = typed_ends(what, str(told[meant[0]].get("unit", "")))
+        low, high = typed_ends(what, str(descriptions[meant[0]].get("unit", "")))
         if low is None or high is None:
             raise ValueError("a bound is missing")
     except ValueError as error:
@@ -175,29 +175,31 @@ def _varied(model: Model, name: str, what: Any, known: list[str], problems: Prob
         typed = "type a dict without it" if low == high else swapped
         problems.add(f"over[{name!r}] = ({low:g}, {high:g}); allowed are finite bounds, the lower one first; {typed}")
         return None
-    if why := next((why for each in told.values() if (why := _left(each, low, high))), ""):
+    if why := next((why for each in descriptions.values() if (why := _left(each, low, high))), ""):
         problems.add(f"over[{name!r}] = ({low:g}, {high:g}) leaves what {name.rpartition('.')[2]} may be; {why}")
         return None
     return Varied(name, meant, low, high)
 
 
-def _left(told: Mapping[str, Any], low: float, high: float) -> str:
+def _left(description: Mapping[str, Any], low: float, high: float) -> str:
     """The allowed part of a number's bounds; a bound itself may lie on the limit, such as 0 for a positive number."""
-    rule, inward = told.get("rule"), _INWARD * (high - low)
+    rule, inward = description.get("rule"), _INWARD * (high - low)
     if rule is None or (rule(low + inward) and rule(high - inward)):
         return ""
-    typed = f"type (0, {high:g})" if low < 0.0 and rule(inward) and rule(high - inward) else f"an ordinary value is {example_of(told)}"
-    return f"allowed is {allowed_in(told)}; {typed}"
+    typed = (
+        f"type (0, {high:g})" if low < 0.0 and rule(inward) and rule(high - inward) else f"an ordinary value is {example_of(description)}"
+    )
+    return f"allowed is {allowed_in(description)}; {typed}"
 
 
 def _of_drive(model: Any, name: str, form: Waveform, known: list[str], problems: Problems) -> Varied | None:
     """The drive at a path."""
     path, part = name.replace("[", ".").replace("]", ""), model
-    for place in path.split("."):
-        part = part[int(place)] if isinstance(part, tuple) and place.isdigit() and int(place) < len(part) else getattr(part, place, None)
+    for step in path.split("."):
+        part = part[int(step)] if isinstance(part, tuple) and step.isdigit() and int(step) < len(part) else getattr(part, step, None)
     if part is None or isinstance(part, tuple) or lacking(part):
         paths = sorted({each.rpartition(".")[0] for each in known if ".drive." in f".{each}"})
-        told = f"over: {name!r} is not a drive of {type(model).__name__}, and a waveform stands for one"
-        problems.add(f"{told}; known: {', '.join(paths) or 'none'}")
+        mistake = f"over: {name!r} is not a drive of {type(model).__name__}, and a waveform stands for one"
+        problems.add(f"{mistake}; known: {', '.join(paths) or 'none'}")
         return None
     return Varied(name, (path,), form=form)
