@@ -188,3 +188,16 @@ def test_a_forced_damped_pendulum_has_the_attractors_of_a_plain_integrator():
             assert found.period[i] == repeats[0] + 1
             apart = found.points[i, :, :2] - plain[-1, i]
             assert np.min(np.max(abs(apart), axis=1)) < 1e-4  # the step of the twin
+
+
+def test_basins_that_were_interrupted_say_so_in_their_notes():
+    starts = dict(x=np.linspace(-2.2, 2.2, 40), v=np.linspace(-2.2, 2.2, 40))
+    found = ss.basins(forced(duffing(0.2)), **starts, settle=60, progress=lambda p: not p.done)
+    assert found.notes and found.notes[0] == found.map.attrs["note"] and found.notes[0].startswith("stopped by progress: ")
+
+
+def test_the_figure_of_a_bifurcation_has_the_share_of_what_has_not_settled():
+    logistic = ss.SwitchingFlow.of_map(LOGISTIC, {"r": 2.8}, ("x",))
+    diagram = ss.bifurcation(logistic, parameter="r", values=[2.8, 2.9, 3.2, 3.5699], start=[0.3], settle=100, follow=False)
+    labels = [text.get_text() for text in ss.plot.bifurcation(diagram).get_legend().get_texts()]
+    assert diagram.motion.values.ravel().tolist()[-1] == "not settled" and "not settled, 25 %" in labels

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -98,7 +99,7 @@ class Basins(Drawn):
     attractors : list of Attractor
         The largest share first.
     notes : tuple of str
-        Why starts have not settled.
+        Whether it was interrupted, and why starts have not settled.
 
     Examples
     --------
@@ -207,7 +208,9 @@ def basins(
     result = _gathered(model, axes, settled, at, "phase" in table)
     if settled.ending.interrupted:
         done = np.count_nonzero(settled.kind != NOT_COMPUTED)
-        result.map.attrs["note"] = settled.ending.note(f"{done} of {len(states)} starts are computed")
+        note = settled.ending.note(f"{done} of {len(states)} starts are computed")
+        result.map.attrs["note"] = note
+        return replace(result, notes=(note, *result.notes))
     return result
 
 

@@ -37,7 +37,8 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     """A brute-force bifurcation diagram; upward and downward sweeps side by side in two colours, so that hysteresis shows.
 
     Both sweeps are drawn over each other: the upward one with open rings, the downward one with dots inside them, so that where both have
-    the same motion a ring has its dot, and where they differ either stands alone. Grey crosses are points of motions that have not settled.
+    the same motion a ring has its dot, and where they differ either stands alone. Grey crosses are points of motions that have not
+    settled; the legend has their share.
 
     Parameters
     ----------
@@ -70,7 +71,8 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     unit = y.attrs.get("units", "1")
     (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)
     ax = axes(ax, height=2.6)
-    size, several, unsettled = dot_size(diagram.sizes[across.name]), diagram.sizes["direction"] > 1, False
+    size, several = dot_size(diagram.sizes[across.name]), diagram.sizes["direction"] > 1
+    unsettled = float((diagram.motion == "not settled").mean())
     for i, direction in enumerate(diagram.direction.values):
         part, late = y.sel(direction=direction), diagram.motion.sel(direction=direction) == "not settled"
         x, values = across.broadcast_like(part).values * right, part.values * up
@@ -79,9 +81,8 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
         ax.plot(x[~still], values[~still], **style, rasterized=True, zorder=2 + i)
         ax.plot([], [], **_sweep_style(i, 4.0, several), label=str(direction))
         ax.plot(x[still], values[still], UNSETTLED_MARK, color=UNSETTLED, markersize=max(size, 2.0), markeredgewidth=0.5, zorder=5)
-        unsettled = unsettled or bool(still.any())
     if unsettled:
-        ax.plot([], [], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label="not settled")
+        ax.plot([], [], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=f"not settled, {100 * unsettled:.2g} %")
     logarithmic(ax, "x", np.sort(across.values) * right)
     ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
     ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
