@@ -126,7 +126,7 @@ async def _export(request: Request) -> Response:
     name, workshop = request.path_params["name"], request.app.state.workshop
     try:
         found = state(_asked_json(request, "state"))
-        missing = [law for law in found.laws if not workshop.kernels.ready(found, law, found.robot(law), False)]
+        missing = [law for law in found.laws if name in EXPORTS and not workshop.kernels.ready(found, law, found.robot(law), False)]
         if missing:
             return PlainTextResponse(f"{', '.join(missing)}: still compiling, once; try again in some seconds\n", 503, {"Retry-After": "5"})
         return await _made(request, EXPORTS.get(name, ("", None))[0], export, name, found)
