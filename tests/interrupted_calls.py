@@ -203,7 +203,7 @@ def _calls() -> dict[str, Callable[[], Call]]:
         "periodic_orbit": lambda: Call(
             lambda: [ss.periodic_orbit(RIG(tilt_deg=1.7, amplitude=5e-4), 1) for _ in range(30)][-1], None, lambda o: o.strobe_state
         ),
-        "limit_cycle": lambda: Call(lambda: [limit_cycle(ss.BlockOnBelt.example()) for _ in range(12)][-1], None, lambda c: [c.duration]),
+        "limit_cycle": lambda: Call(lambda: [limit_cycle(_belt()) for _ in range(12)][-1], None, lambda c: [c.duration]),
         "certify": lambda: Call(
             lambda: [ss.certify(ss.periodic_orbit(RIG(amplitude=6e-4, **COULOMB), 1), digits=400) for _ in range(4)][-1],
             None,
@@ -247,6 +247,10 @@ def _calls() -> dict[str, Callable[[], Call]]:
 def names() -> list[str]:
     """The names of all calls."""
     return list(_calls())
+
+
+def _belt() -> Any:
+    return ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
 
 
 def _curve() -> Call:

@@ -1,12 +1,13 @@
 """Would the tests notice a wrong formula? 300 fixed mutants of laws, drives, mechanisms, forces, robot and tracks, one at a time.
 
-Run: python verification/mutants.py [--count N] [--only WORD] [--again FILE] [--workers N]
+Run: python verification/mutants.py [--count N] [--only WORD] [--again FILE] [--near] [--keep] [--workers N]
 
 A mutant is one formula with one thing changed: a sign, an operation, a factor of ten, forwards for backwards, the two branches of a
 `where`. Tests are collected once, without a compiler; then each mutant is a process of its own, in which the functions of its file get
 their changed code, and which runs the tests that take less than a second: the doctests of the file first, then tests of its kind. Which
 mutants are taken depends on their text alone, so the sample stays the same while other code changes. Those that no test can notice stand
-in mutants.json, each with the reason. Exit code 1 if any other survives.
+in mutants.json, each with the reason. Exit code 1 if any other survives. `--near` runs the nearest tests only, which is quicker and finds
+fewer; `--keep` writes the score to mutation_scores.json: when, of which commit, how many of how many mutants, and which survived.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import inspect
 import json
 import os
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -38,7 +40,7 @@ TESTS = ("formulas", "laws", "drives", "recorded", "mechanisms", "tracks", "plai
 NEAR = {
     "friction": ("formulas", "laws"),
     "drives": ("formulas", "recorded", "drives", "cantilever", "piezo_beam"),
-    "mechanisms": ("mechanisms",),
+    "machines": ("mechanisms",),
 }
 say = functools.partial(print, file=sys.__stderr__, flush=True)  # standard output is the tests'
 SLOWEST, PATIENCE = 1.0, 300  # seconds of processor time of a test and of a mutant; one that runs without end counts as killed
@@ -47,6 +49,11 @@ SLOWEST, PATIENCE = 1.0, 300  # seconds of processor time of a test and of a mut
 def _file_of(name: str) -> str:
     """Where the tests of one thing are."""
     return str(next((ROOT / "tests").rglob(f"test_{name}.py")).relative_to(ROOT))
+
+
+def _near(mutant: Mutant) -> tuple[str, ...]:
+    """The tests of a mutant's kind, by the folder of `models` in which it stands."""
+    return NEAR.get(mutant.file.split("/")[1], ("tracks", "drives"))
 
 
 class NoCompiler(importlib.abc.MetaPathFinder):
@@ -93,6 +100,7 @@ class Mutants:
     def __init__(self, mutants: list[Mutant], known: dict[str, str], workers: int):
         self.mutants, self.known, self.workers = mutants, known, workers
         self.failed, self.seconds, self.ends = "", dict[str, float](), Counter[str]()
+        self.survivors: list[str] = []
         self.folder = Path(tempfile.mkdtemp())
 
     def pytest_runtest_setup(self, item: Any) -> None:
@@ -110,6 +118,7 @@ class Mutants:
         for mutant, answer in self.answers(list(self.mutants), items):
             verdict = "killed" if answer["failed"] else "the same" if mutant.name in self.known else "SURVIVES"
             self.ends[verdict] += 1
+            self.survivors += [mutant.name] if verdict == "SURVIVES" else []
             say(f"{verdict:9} {mutant.name}  {answer['failed'].rpartition('::')[2] or self.known.get(mutant.name, '')}")
         return True
 
@@ -134,7 +143,7 @@ class Mutants:
         if mutant is not None:
             signal.setitimer(signal.ITIMER_PROF, PATIENCE)
             items = items if change(mutant) else []  # what reaches no test survives
-            near = tuple(_file_of(name) for name in NEAR.get(mutant.file.partition("/")[0], ("tracks", "drives")))
+            near = tuple(_file_of(name) for name in _near(mutant))
             items = sorted(items, key=lambda i: 0 if i.nodeid.startswith(f"src/stickslip/{mutant.file}") else 2 - i.nodeid.startswith(near))
         for item, after in pairwise([*items, None]):
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
@@ -144,23 +153,44 @@ class Mutants:
         os._exit(0)
 
 
+def _keep(mutants: Mutants, there_are: int, only: str, tests: str) -> None:
+    """Add the score of a run to those that are kept."""
+    path = ROOT / "verification" / "mutation_scores.json"
+    scores = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT).stdout.strip()
+    run = sum(mutants.ends.values())
+    scores.append({
+        "date": time.strftime("%Y-%m-%d"), "commit": commit, "mutants": there_are, "only": only, "run": run, "tests": tests,
+        "killed": mutants.ends["killed"], "the same": mutants.ends["the same"], "survived": mutants.survivors,
+    })  # fmt: skip
+    path.write_text(json.dumps(scores, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=300, help="mutants (300)")
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", default="", help="mutants whose name contains this")
     parser.add_argument("--again", type=Path, help="mutants that are lines of this file, or survived in it: the output of a run")
+    parser.add_argument("--near", action="store_true", help="run the nearest tests only")
+    parser.add_argument("--keep", action="store_true", help="write the score to mutation_scores.json")
     given = parser.parse_args()
     names = {line.rpartition("SURVIVES ")[2].strip() for line in given.again.read_text().splitlines()} if given.again else None
     os.chdir(ROOT), sys.path.insert(0, str(ROOT / "src")), sys.meta_path.insert(0, NoCompiler())
     os.environ["STICKSLIP_CACHE_DIR"] = tempfile.mkdtemp()
     known = json.loads((ROOT / "verification" / "mutants.json").read_text(encoding="utf-8"))
-    wanted = [m for m in every() if given.only in m.name and (names is None or m.name in names)]
-    mutants = Mutants(wanted[: given.count], known, given.workers)
-    files = [_file_of(name) for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
+    there_are = every()
+    wanted = [m for m in there_are if given.only in m.name and (names is None or m.name in names)][: given.count]
+    mutants = Mutants(wanted, known, given.workers)
+    tests, formulas = TESTS, [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
+    if given.near:
+        tests, formulas = sorted({name for m in wanted for name in _near(m)}), sorted({f"src/stickslip/{m.file}" for m in wanted})
+    files = [_file_of(name) for name in tests] + formulas
     began = time.perf_counter()
     pytest.main([*files, "-q", "-p", "no:cacheprovider", "--tb=no", "--capture=no"], plugins=[mutants])
     say(f"{'; '.join(f'{n} {verdict}' for verdict, n in mutants.ends.items())}, in {time.perf_counter() - began:.0f} s")
+    if given.keep and mutants.ends:
+        _keep(mutants, len(there_are), given.only, "nearest" if given.near else "all")
     return 0 if mutants.ends and not mutants.ends["SURVIVES"] else 1
 
 
