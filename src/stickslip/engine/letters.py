@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from stickslip.basics import maths
+from stickslip.basics.contracts import Numeric
 from stickslip.engine.symbols import FUNCTIONS
 
 Factors = tuple[tuple["Atom", Fraction], ...]
@@ -315,7 +316,7 @@ class Formula:
         return total
 
     # ---- arithmetic ----
-    def __add__(self, other: Any) -> Formula:
+    def __add__(self, other: Numeric) -> Formula:
         terms = dict(self.terms)
         for factors, number in formula(other).terms.items():
             terms[factors] = terms.get(factors, Fraction(0)) + number
@@ -324,26 +325,26 @@ class Formula:
     def __neg__(self) -> Formula:
         return Formula({factors: -number for factors, number in self.terms.items()})
 
-    def __sub__(self, other: Any) -> Formula:
+    def __sub__(self, other: Numeric) -> Formula:
         return self + -formula(other)
 
-    def __rsub__(self, other: Any) -> Formula:
+    def __rsub__(self, other: Numeric) -> Formula:
         return formula(other) - self
 
-    def __mul__(self, other: Any) -> Formula:
+    def __mul__(self, other: Numeric) -> Formula:
         return _product([self, formula(other)])
 
-    def __truediv__(self, other: Any) -> Formula:
+    def __truediv__(self, other: Numeric) -> Formula:
         return self * formula(other) ** -1
 
-    def __rtruediv__(self, other: Any) -> Formula:
+    def __rtruediv__(self, other: Numeric) -> Formula:
         return formula(other) / self
 
-    def __pow__(self, exponent: Any) -> Formula:
+    def __pow__(self, exponent: Numeric) -> Formula:
         power = formula(exponent)
         return _raised(self, power.number) if power.is_number else Formula.of(Power(self, power))
 
-    def __rpow__(self, base: Any) -> Formula:
+    def __rpow__(self, base: Numeric) -> Formula:
         return formula(base) ** self
 
     __radd__, __rmul__ = __add__, __mul__
@@ -352,19 +353,19 @@ class Formula:
         sign = self.sign()
         return self if sign > 0 else -self if sign < 0 else Formula.of(Call("abs", self))
 
-    def __ss_power__(self, exponent: Any) -> Formula:
+    def __ss_power__(self, exponent: Numeric) -> Formula:
         return abs(self) ** exponent
 
-    def __gt__(self, other: Any) -> Comparison:
+    def __gt__(self, other: Numeric) -> Comparison:
         return Comparison(self, ">", formula(other))
 
-    def __ge__(self, other: Any) -> Comparison:
+    def __ge__(self, other: Numeric) -> Comparison:
         return Comparison(self, ">=", formula(other))
 
-    def __lt__(self, other: Any) -> Comparison:
+    def __lt__(self, other: Numeric) -> Comparison:
         return Comparison(self, "<", formula(other))
 
-    def __le__(self, other: Any) -> Comparison:
+    def __le__(self, other: Numeric) -> Comparison:
         return Comparison(self, "<=", formula(other))
 
     def __ss_sqrt__(self) -> Formula:

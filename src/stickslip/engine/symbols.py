@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.basics import maths
+from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import StickslipError
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
@@ -39,33 +40,33 @@ class Sym:
         self.number = len(graph.nodes)
         graph.nodes.append(self)
 
-    def _with(self, other: Any) -> Sym:
+    def _with(self, other: Numeric) -> Sym:
         if not isinstance(other, Sym):
             return self.graph.constant(other)
         if other.graph is not self.graph:
             raise TraceError(_STORED)
         return other
 
-    def __add__(self, other: Any) -> Sym:
+    def __add__(self, other: Numeric) -> Sym:
         return self.graph.add(self, self._with(other))
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Sym:
+    def __sub__(self, other: Numeric) -> Sym:
         return self.graph.subtract(self, self._with(other))
 
-    def __rsub__(self, other: Any) -> Sym:
+    def __rsub__(self, other: Numeric) -> Sym:
         return self.graph.subtract(self._with(other), self)
 
-    def __mul__(self, other: Any) -> Sym:
+    def __mul__(self, other: Numeric) -> Sym:
         return self.graph.multiply(self, self._with(other))
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Sym:
+    def __truediv__(self, other: Numeric) -> Sym:
         return self.graph.divide(self, self._with(other))
 
-    def __rtruediv__(self, other: Any) -> Sym:
+    def __rtruediv__(self, other: Numeric) -> Sym:
         return self.graph.divide(self._with(other), self)
 
     def __neg__(self) -> Sym:
@@ -74,10 +75,10 @@ class Sym:
     def __pos__(self) -> Sym:
         return self
 
-    def __pow__(self, power: Any) -> Sym:
+    def __pow__(self, power: Numeric) -> Sym:
         return self.graph.power(self, power)
 
-    def __rpow__(self, base: Any) -> Sym:
+    def __rpow__(self, base: Numeric) -> Sym:
         return self.graph.call("exp", self * self._with(maths.log(base)))
 
     def __abs__(self) -> Sym:
@@ -85,16 +86,16 @@ class Sym:
             return self.graph.select(self, self, -self)
         return self.graph.sign(self) * self
 
-    def __gt__(self, other: Any) -> Condition:
+    def __gt__(self, other: Numeric) -> Condition:
         return Condition(self - other)
 
-    def __ge__(self, other: Any) -> Condition:
+    def __ge__(self, other: Numeric) -> Condition:
         return Condition(self - other, weak=True)
 
-    def __lt__(self, other: Any) -> Condition:
+    def __lt__(self, other: Numeric) -> Condition:
         return Condition(other - self)
 
-    def __le__(self, other: Any) -> Condition:
+    def __le__(self, other: Numeric) -> Condition:
         return Condition(other - self, weak=True)
 
     def __eq__(self, other: object) -> Any:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.interruption import look
 from stickslip.basics.pool import shared
@@ -105,7 +106,7 @@ def _stepped(fit: Fit, problems: list[Any], workers: int) -> tuple[Any, Any]:
     return places, settled
 
 
-def _residuals(problems: list[Any], places: Any, which: Any, workers: int) -> Any:
+def _residuals(problems: list[Any], places: Array, which: Any, workers: int) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
     if problems[0].batched:
         least, most = problems[0].ends(places[which])
@@ -129,7 +130,7 @@ def _resampled_values(fit: Fit, rng: Any) -> Any:
     return values - fit.problem.sigma * fit.changes[:, rng.integers(fit.changes.shape[1])]  # as if the motion had been another
 
 
-def _with_noise(curve: Any, rest: Any, target: Any, rng: Any) -> Any:
+def _with_noise(curve: Any, rest: Array, target: Any, rng: Any) -> Any:
     """A curve with residuals of its record; what was clipped stays at the end of the range."""
     exact = target.exact
     noisy = np.array(target.y, float)
@@ -137,7 +138,7 @@ def _with_noise(curve: Any, rest: Any, target: Any, rng: Any) -> Any:
     return noisy
 
 
-def _resampled(rest: Any, rng: Any, sigma: float) -> Any:
+def _resampled(rest: Array, rng: Any, sigma: float) -> Any:
     """Residuals in blocks as long as they are correlated; a single number gets noise of the given size."""
     n = len(rest)
     if n == 1:

@@ -39,7 +39,7 @@ def noise_scale(problem: Any, found: Any) -> float:
     return float(np.sqrt(cost / free))
 
 
-def _counted(problem: Any, residuals: Any) -> Any:
+def _counted(problem: Any, residuals: Array) -> Any:
     """Which residuals, those of what is known beforehand included, have the noise that they have, and no end of a range."""
     found = np.ones(len(residuals), bool)
     found[: len(problem.y)] = problem.unclipped(residuals)
@@ -84,7 +84,7 @@ def with_noise_of(problem: Any, found: Any) -> Any:
     return problem.trusting(trust, sizes)
 
 
-def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None, misfit: Any = None) -> Any:
+def spread_of(problem: Any, jacobian: Any, residuals: Array, scale: float, changes: Any = None, misfit: Any = None) -> Any:
     """Covariance of the numbers of a place, infinite variance for those that are undetermined, also by noise of the input."""
     found = information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale, changes, misfit))
     if changes is not None:
@@ -114,7 +114,7 @@ def from_the_input(problem: Any, jacobian: ArrayLike, changes: Any) -> Any:
     return moved @ moved.T / changes.shape[1]
 
 
-def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float, changes: Any = None, misfit: Any = None) -> Any:
+def determined_spread(problem: Any, jacobian: Any, residuals: Array, scale: float, changes: Any = None, misfit: Any = None) -> Any:
     r"""Covariance of the numbers of a place with undetermined directions left out.
 
     With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
@@ -157,7 +157,7 @@ def root_of(covariance: Array) -> Any:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def _coloured(inverse: Any, rest: Any, scale: float) -> Any:
+def _coloured(inverse: Any, rest: Array, scale: float) -> Any:
     """The contribution of correlated residuals of one record to the covariance."""
     n = len(rest)
     if n < 50 or abs(neighbours(rest)) < _WHITE / np.sqrt(n):
@@ -174,7 +174,7 @@ def _coloured(inverse: Any, rest: Any, scale: float) -> Any:
     return scale**2 * (inverse @ moved.T)
 
 
-def neighbours(rest: Any) -> float:
+def neighbours(rest: Array) -> float:
     """Correlation of neighbouring residuals."""
     if len(rest) < 4 or not np.std(rest) > 0:
         return 0.0
@@ -182,7 +182,7 @@ def neighbours(rest: Any) -> float:
     return float((r[1:] @ r[:-1]) / (r @ r))
 
 
-def autocorrelation(rest: Any) -> Any:
+def autocorrelation(rest: Array) -> Any:
     """Correlation of residuals over their distance, 1 at zero: array (n,)."""
     n, r = len(rest), rest - rest.mean()
     lines = np.fft.rfft(r, 2 * n)
@@ -196,7 +196,7 @@ def _memory(rho: Any) -> int:
     return 2 * (int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else len(pairs))
 
 
-def effective(rest: Any) -> float:
+def effective(rest: Array) -> float:
     """How many independent values residuals are worth."""
     n = len(rest)
     if n < 8 or not np.std(rest) > 0:

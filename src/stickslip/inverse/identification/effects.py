@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from stickslip.basics.contracts import Model
@@ -20,7 +21,7 @@ EFFECTS: dict[str, dict[str, float | str]] = {
 }
 
 
-def plainer(model: Model, effects: Any) -> Any:
+def plainer(model: Model, effects: Iterable[str]) -> Any:
     """The same model without some effects of its law.
 
     Examples
@@ -32,7 +33,7 @@ def plainer(model: Model, effects: Any) -> Any:
     return replace_leaf(model, numbers_without(dict(leaves(model)), effects))
 
 
-def numbers_without(numbers: dict[str, Any], effects: Any) -> dict[str, Any]:
+def numbers_without(numbers: dict[str, Any], effects: Iterable[str]) -> dict[str, Any]:
     """The numbers of a model without some effects."""
     plain = {}
     for name in numbers:

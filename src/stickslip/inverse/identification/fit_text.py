@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.fields import leaves
 from stickslip.basics.notebook_display import NOT_DETERMINED, rounded, sure
 from stickslip.basics.quantities import with_unit
@@ -99,7 +100,7 @@ def listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _changes(fit: Fit, members: list[int], direction: Any) -> str:
+def _changes(fit: Fit, members: list[int], direction: Array) -> str:
     """By how much each parameter changes along a direction, the one that changes most by one per cent."""
     values = [fit.values[fit.names[k]] for k in members]
     part = np.array([d * fit.slopes[k] / (abs(v) or 1.0) for d, k, v in zip(direction, members, values, strict=True)])

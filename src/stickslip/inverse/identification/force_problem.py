@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from stickslip.basics.contracts import ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.inverse.identification.motions import Motion
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 
@@ -73,7 +74,7 @@ class DrivenProblem(OverParameters):
             return self
         return dataclasses.replace(self, targets=tuple(m.every(self.thin) for m in self.targets), thin=1)
 
-    def ends(self, places: Any, readings: Any) -> tuple[Any, Any]:
+    def ends(self, places: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
         """The least and the greatest force that the contact may bear, for many places (cases, parameters) and readings of the sensors.
 
         They differ where it is held, and after gaps of the record, in which nobody knows how it moved: it may come from behind or from the
@@ -96,7 +97,7 @@ class DrivenProblem(OverParameters):
                 forces[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
         return forces
 
-    def slopes(self, place: Any, readings: Any) -> tuple[Any, Any]:
+    def slopes(self, place: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
         """Derivatives of both ends by differences, all parameters in one batch."""
         place = np.asarray(place, float)
         allowed = self.parameters.limits.allows

@@ -117,7 +117,7 @@ def _wide(parts: tuple[Any, ...], cases: int) -> Any:
     return np.array([np.broadcast_to(part, cases) for part in parts], float).reshape(len(parts), cases)
 
 
-def _stepped(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nudge: Any, last: Any = None) -> tuple[Any, Any, Any]:
+def _stepped(law: LawAdapter, v: float, N: Any, h: Array, z: Any, mode: Any, nudge: Any, last: Any = None) -> tuple[Any, Any, Any]:
     """Inner states after steps of lengths h (cases,) at constant velocity."""
     f, ahead = (_wide(law.rate(v, tuple(at), N, mode), z.shape[1]) for at in (z, z + nudge))
     slope = (ahead - f) / nudge
@@ -126,7 +126,7 @@ def _stepped(law: LawAdapter, v: float, N: Any, h: Any, z: Any, mode: Any, nudge
     return z + h * f * np.where(small, 1.0, np.expm1(a) / np.where(small, 1.0, a)), mode, last
 
 
-def _remembered(law: LawAdapter, v: float, N: Any, h: Any, z: ArrayLike, mode: Any, nudge: Any, last: Any) -> tuple[Any, Any, Any]:
+def _remembered(law: LawAdapter, v: float, N: Any, h: Array, z: ArrayLike, mode: Any, nudge: Any, last: Any) -> tuple[Any, Any, Any]:
     """The same with a memory that switches where guards fall to zero, one after the other; `last` are the guards after the step before."""
     for n in range(_SWITCHES * law.modes + 1):
         end = _stepped(law, v, N, h, z, mode, nudge)[0]
@@ -147,7 +147,7 @@ def _remembered(law: LawAdapter, v: float, N: Any, h: Any, z: ArrayLike, mode: A
     return end, mode, after
 
 
-def _zero(law: LawAdapter, v: float, N: Any, h: Any, z: ArrayLike, mode: Any, nudge: Any, which: Any) -> Any:
+def _zero(law: LawAdapter, v: float, N: Any, h: Array, z: ArrayLike, mode: Any, nudge: Any, which: Any) -> Any:
     """When a guard of each case is zero on its step, by halving."""
     low, high = np.zeros_like(h), h + 0.0
     for _ in range(_HALVINGS):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Model, Numeric
+from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.distributions import Distribution
 from stickslip.inverse.identification.censored import tail, tail_slope
 from stickslip.inverse.identification.sensor_readings import change_shown, of_records, shown_by_sensor
@@ -120,7 +121,7 @@ class Sensed:
         """Which values sit on the upper end (1) or the lower one (-1) of a sensor's range: array (values,)."""
         return np.concatenate([t.clipped * np.ones(t.count, int) for t in self.targets])
 
-    def unclipped(self, residuals: Any) -> Any:
+    def unclipped(self, residuals: Array) -> Any:
         """Which values are measured themselves and, by the model, would be with any noise; array (values,) of bool.
 
         Of those that are nearly at the end of a range only some noise is seen, so that what is left of them is no sample of it.
@@ -146,7 +147,7 @@ class Sensed:
         """The same fit with some free parameters held."""
         return self._like(self.model.only(fixed))
 
-    def leaving_out(self, effects: Any) -> Sensed:
+    def leaving_out(self, effects: Iterable[str]) -> Sensed:
         """The same fit of a law without some effects."""
         return self._like(self.model.leaving_out(effects))
 
@@ -154,7 +155,7 @@ class Sensed:
         """The same fit for the search, in which drives have no harmonics."""
         return self._like(self.model.rough(), numbers=tuple(n for n in self.numbers if n.searched))
 
-    def whole(self, place: Any) -> Any:
+    def whole(self, place: Array) -> Any:
         """A place of the search with the numbers that it lacks, at those of an ideal drive."""
         own = iter(place[self.first :])
         return np.array([*place[: self.first], *(next(own) if n.searched else n.neutral for n in self.numbers)])
@@ -175,7 +176,7 @@ class Sensed:
         return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
 
     # ---- predictions ----
-    def readings(self, places: Any) -> list[dict[str, Any]]:
+    def readings(self, places: Array) -> list[dict[str, Any]]:
         """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
         readings: list[dict[str, Any]] = [{} for _ in self.targets]
         values = [*zip(self.numbers, places[self.first :], strict=True), *((n, n.value) for n in self.held)]
@@ -184,7 +185,7 @@ class Sensed:
                 readings[i][number.what] = value
         return readings
 
-    def ends(self, places: Any) -> tuple[Any, Any]:
+    def ends(self, places: Array) -> tuple[Any, Any]:
         """The least and the greatest values for many places (cases, numbers): arrays (values, cases); NaN where a place makes no model.
 
         They differ where a contact is held, which bears any force between them.
@@ -193,11 +194,11 @@ class Sensed:
         readings = self.readings(columns)
         return self._shown(self.model.ends(columns[: self.first].T, readings), readings)
 
-    def batch(self, places: Any) -> Any:
+    def batch(self, places: Array) -> Any:
         """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
         return self._met(self.ends(places))
 
-    def predicted(self, place: Any) -> Any:
+    def predicted(self, place: Array) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
         h = self._modelled(place)
         return None if h is None else self._met(self._shown(h, self.readings(place)))
@@ -225,7 +226,7 @@ class Sensed:
         beyond = clipped * (self._met(ends) - self.y) / self.sigma
         return np.where(clipped == 0, 1.0, tail_slope(beyond)) if clipped.any() else np.ones(len(clipped))
 
-    def _modelled(self, place: Any) -> tuple[Any, Any] | None:
+    def _modelled(self, place: Array) -> tuple[Any, Any] | None:
         """Least and greatest values that the model gives before any sensor; the last few places are remembered."""
         place = np.asarray(place, float)
         key = tuple(place.tolist())
@@ -249,7 +250,7 @@ class Sensed:
         """A function of (target, values, readings) for all records."""
         return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
 
-    def input_changes(self, place: Any, times: int = REDRAWS) -> Any:
+    def input_changes(self, place: Array, times: int = REDRAWS) -> Any:
         """By how much other noise of the input (position, load) changes what is met, in standard deviations: array (values, times).
 
         None where the input has no noise.
@@ -261,22 +262,22 @@ class Sensed:
         return np.stack([np.zeros(len(here)) if h is None else (h - here) / self.sigma for h in each], axis=1)
 
     # ---- residuals ----
-    def rest(self, ends: Any, place: Any) -> Any:
+    def rest(self, ends: Any, place: Array) -> Any:
         """(model - measured) / sigma of the least and the greatest values that a place gives, then the rows of what is known."""
         possible = ends is not None and np.isfinite(ends).all()
         values = self.standardised(ends) if possible else np.full(len(self.y), IMPOSSIBLE)
         return np.concatenate([values, self._known_rows(place)])
 
-    def _known_rows(self, place: Any) -> Any:
+    def _known_rows(self, place: Array) -> Any:
         away = np.array([(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known])
         return self.trust * (away - self.shifts * np.ones(len(away)))
 
-    def penalty(self, place: Any) -> float:
+    def penalty(self, place: Array) -> float:
         """Sum of squares of the rows of what is known."""
         rows = self._known_rows(place)
         return float(rows @ rows)
 
-    def residuals(self, place: Any) -> Any:
+    def residuals(self, place: Array) -> Any:
         """(model - measured) / sigma, then the rows of what is known."""
         h = self._modelled(place)
         return self.rest(None if h is None else self._shown(h, self.readings(place)), place)
@@ -292,12 +293,12 @@ class Sensed:
         free = [_Known(k, f.prior, f.name, f) for k, f in enumerate(self.parameters.free) if f.prior]
         return free + [_Known(self.first + k, n.prior, n.name) for k, n in enumerate(self.numbers) if n.prior]
 
-    def against_what_is_known(self, place: Any) -> dict[str, float]:
+    def against_what_is_known(self, place: Array) -> dict[str, float]:
         """By how many standard deviations numbers are off what is known of them, of those that are far off."""
         away = {k.name: abs(k.value(place) - k.prior.mean) / k.prior.sd for k in self._known if k.prior.kind == "normal"}
         return {name: float(size) for name, size in away.items() if size > _FAR_OFF}
 
-    def jacobian(self, place: Any) -> Any:
+    def jacobian(self, place: Array) -> Any:
         """Derivatives of the residuals."""
         place = np.asarray(place, float)
         readings = self.readings(place)
@@ -325,7 +326,7 @@ class Sensed:
         )
         return np.where(upper[:, None], of_most, np.where(lower[:, None], of_least, 0.0))
 
-    def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
+    def _sensor_slopes(self, h: tuple[Any, Any], place: Array, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
         slopes = self._in_proportion(h, readings, [n for n in self.numbers if not n.in_the_model])
         for k, number in enumerate(self.numbers):
@@ -341,7 +342,7 @@ class Sensed:
         columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
         return self._at_the_nearer(columns, self._shown(h, readings))
 
-    def _model_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
+    def _model_slope(self, place: Array, k: int, number: SensorNumber) -> Any:
         """Derivative of the values by a preload, a start or a harmonic of the drive, which act on the model itself."""
         step = _NUDGE * (float(np.mean([self.targets[i].load.mean() for i in number.records])) if number.what == "preload" else 1.0)
         both = np.stack([place, place])
@@ -350,7 +351,7 @@ class Sensed:
         return (up - down) / (2 * step)
 
     # ---- search ----
-    def aligned(self, place: Any) -> Any:
+    def aligned(self, place: Array) -> Any:
         """The place of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
         own = self.model.aligned(place)
         whole = np.concatenate([own, [n.value for n in self.numbers]])
@@ -385,7 +386,7 @@ class Sensed:
         low, high = self.model.bounds()
         return np.append(low, [n.bounds[0] for n in self.numbers]), np.append(high, [n.bounds[1] for n in self.numbers])
 
-    def coarse(self, places: Any) -> Any:
+    def coarse(self, places: Array) -> Any:
         """How badly many places fit, as one batch, the best numbers of the sensors taken. Lower is better."""
         whole = np.array([*np.zeros(self.first), *(n.value for n in self.numbers)])
         if not self.batched:
@@ -405,10 +406,10 @@ class _Known:
     name: str
     free: Any = None
 
-    def value(self, place: Any) -> float:
+    def value(self, place: Array) -> float:
         return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))
 
-    def slope(self, place: Any) -> float:
+    def slope(self, place: Array) -> float:
         return 1.0 if self.free is None else float(self.free.slope(place[self.index]))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.fields import leaves
 from stickslip.inverse.identification.effects import floors
 
@@ -56,11 +56,11 @@ class Limits:
         kept = tuple(f for f in self.free if f.name not in fixed)
         return _that_matter(kept, self.slopes[:, ~held], self.rest + self.slopes @ values)
 
-    def allows(self, place: Any) -> bool:
+    def allows(self, place: Array) -> bool:
         """Whether a place between the bounds is possible."""
         return bool((self.slopes @ self._values(place) + self.rest >= 0).all())
 
-    def _values(self, place: Any) -> Any:
+    def _values(self, place: Array) -> Any:
         return np.array([float(f.outer(p)) for f, p in zip(self.free, place, strict=False)])
 
     def place(self, inner: Any) -> Any:
@@ -71,7 +71,7 @@ class Limits:
         """Derivatives of the place by the coordinates: array (numbers, numbers)."""
         return self._moved(inner)[1]
 
-    def inner(self, place: Any) -> Any:
+    def inner(self, place: Array) -> Any:
         """The coordinates of a place; the nearest ones of one that is not possible."""
         if not len(self.slopes):
             return place
@@ -147,13 +147,13 @@ def limits_of(of: Any) -> Limits:
     return _that_matter(of.free, coefficients[:n, even].T, coefficients[n, even])
 
 
-def _room(of: Any, place: Any) -> Any:
+def _room(of: Any, place: Array) -> Any:
     """How far numbers are above those that they must not fall below, in all records; None where there is no model."""
     models = of.models(place)
     return None if models is None else np.array([room for model in models for room in floors(dict(leaves(model)))])
 
 
-def _that_matter(free: tuple[Any, ...], slopes: Any, rest: Any) -> Limits:
+def _that_matter(free: tuple[Any, ...], slopes: Any, rest: Array) -> Limits:
     """The limits that some values between the bounds would break."""
     least = rest + np.minimum(slopes * [f.low for f in free], slopes * [f.high for f in free]).sum(axis=1)
     size = abs(rest) + abs(slopes * [max(abs(f.low), abs(f.high)) for f in free]).sum(axis=1)

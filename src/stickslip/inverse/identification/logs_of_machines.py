@@ -113,7 +113,7 @@ class Bench(Compared):
         """Time between samples [s]."""
         return float(self.t[1] - self.t[0])
 
-    def delayed(self, h: Any, delay: float) -> Any:
+    def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later: between windows, and beyond the last one before a reversal or a gap, they change evenly."""
         t = self.time
         if len(t) < 3:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import stacked
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.inverse.identification.parameters import OverParameters, Parameters
 from stickslip.inverse.identification.targets import Target, of_body
@@ -80,7 +81,7 @@ class MeansProblem(OverParameters):
         derivatives = np.nan_to_num((up - down) / (high - low))
         return derivatives, derivatives
 
-    def _step_away(self, place: Any, step: float) -> Any:
+    def _step_away(self, place: Array, step: float) -> Any:
         """Each number a step away, or where it was if it cannot be there."""
         moved = np.clip(place + step, 0.0, 1.0)
         allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(place), dtype=bool), moved, place)]

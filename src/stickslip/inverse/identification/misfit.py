@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.identification.covariance import information_of
 from stickslip.inverse.identification.structure import Structure, structures
 
@@ -67,7 +68,7 @@ def _column(one: Structure, rows: Any, count: int, jacobian: Any, inverse: Any) 
     return whole * np.sqrt(one.power / max(float(seen), _LEAST_SEEN))
 
 
-def _too_large(target: Any, rest: Any) -> float:
+def _too_large(target: Any, rest: Array) -> float:
     """How many times the noise that was given for a record is left of it; 1 where that may be noise."""
     if not target.given_sigma or target.kind == "mean" or len(rest) < 2:
         return 1.0
@@ -75,6 +76,6 @@ def _too_large(target: Any, rest: Any) -> float:
     return float(np.sqrt(square)) if square > max(_LARGE**2, 1 + _SURE * np.sqrt(2 / len(rest))) else 1.0
 
 
-def _off_what_is_known(problem: Any, place: Any) -> float:
+def _off_what_is_known(problem: Any, place: Array) -> float:
     """By how many standard deviations a number is off what was known of it, if it is far off; else 1."""
     return max(problem.against_what_is_known(place).values(), default=1.0)

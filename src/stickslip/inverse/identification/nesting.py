@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from stickslip.basics.contracts import Numeric
+from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.interruption import Interrupted
@@ -45,18 +46,18 @@ def _samples(problem: Any) -> Any:
 Numbers = list[dict[str, Any]]  # of the models of all records
 
 
-def _numbers(problem: Any, place: Any) -> Numbers | None:
+def _numbers(problem: Any, place: Array) -> Numbers | None:
     """The numbers of the models at a place; None where there are none."""
     models = problem.parameters.models(place)
     return None if models is None else [dict(leaves(model)) for model in models]
 
 
-def _away(models: Numbers, effects: Any) -> Any:
+def _away(models: Numbers, effects: Iterable[str]) -> Any:
     """How far the numbers of effects are from what they are without these, in all records."""
     return np.array([float(numbers[n] - v) for numbers in models for n, v in numbers_without(numbers, effects).items()])
 
 
-def _differences(known: list[Numbers], effects: Any) -> Any:
+def _differences(known: list[Numbers], effects: Iterable[str]) -> Any:
     """The same at a few places: array (places, numbers)."""
     each = [away for models in known if len(away := _away(models, effects))]
     return np.stack(each) if each else np.empty((0, 0))
@@ -67,7 +68,7 @@ def _changed(differences: Any) -> bool:
     return len(differences) > 1 and bool((np.ptp(differences, axis=0) > 1e-9 * abs(differences).max(axis=0)).any())
 
 
-def _idle(problem: Any, effects: Any) -> list[int]:
+def _idle(problem: Any, effects: Iterable[str]) -> list[int]:
     """Free parameters that change nothing once the effects are left out."""
     of, idle = problem.parameters.leaving_out(effects), []
     base = next((p for p in _samples(problem) if of.models(p) is not None), None)
@@ -86,7 +87,7 @@ def _idle(problem: Any, effects: Any) -> list[int]:
     return idle
 
 
-def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any], starts: int, seed: int) -> Any:
+def _fitted(problem: Any, known: list[Numbers], effects: Iterable[str], inside: list[Any], starts: int, seed: int) -> Any:
     """The best place of the law without some effects, at which the whole law is that one; None if there is none."""
     idle = _idle(problem, effects)
     kept = [k for k in range(len(problem.parameters.free)) if k not in idle]
@@ -110,14 +111,14 @@ def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any],
     return _embedded(problem, place, idle, effects, np.where(scale > 0, scale, 1.0))
 
 
-def _embedded(problem: Any, place: Any, idle: list[int], effects: Any, scale: Numeric) -> Any:
+def _embedded(problem: Any, place: Array, idle: list[int], effects: Iterable[str], scale: Numeric) -> Any:
     """The place with idle parameters where the whole law is as near as can be to the one without the effects."""
     for k in [*idle, *(idle if len(idle) > 1 else [])]:
         place = _nearest(problem, place, k, effects, scale)
     return place
 
 
-def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Numeric) -> Any:
+def _nearest(problem: Any, place: Array, k: int, effects: Iterable[str], scale: Numeric) -> Any:
     """The place with one parameter moved to where the numbers of the effects are nearest to what they are without these."""
     from scipy.optimize import minimize_scalar
 

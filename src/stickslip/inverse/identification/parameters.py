@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.basics.arguments import parameters_of
 from stickslip.basics.batch import made_model, stacked
-from stickslip.basics.contracts import Model
+from stickslip.basics.contracts import Array, Model
 from stickslip.basics.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.fields import leaves
@@ -54,7 +54,7 @@ class Free:
         """The value on the scale of the search, 0 to 1 between the bounds."""
         return self.scale.inner(value)
 
-    def outer(self, place: Any) -> Any:
+    def outer(self, place: Array) -> Any:
         """The value at a place between 0 and 1."""
         return self.scale.outer(np.asarray(place))
 
@@ -111,7 +111,7 @@ class Parameters:
         """Names of the free parameters."""
         return tuple(f.name for f in self.free)
 
-    def values(self, place: Any) -> dict[str, Any]:
+    def values(self, place: Array) -> dict[str, Any]:
         """Free values at a place between the bounds; arrays if `place` has a second axis (parameters, cases)."""
         return {f.name: f.outer(p)[()] for f, p in zip(self.free, place, strict=True)}
 
@@ -135,11 +135,11 @@ class Parameters:
         made = made_model("identify", self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
         return plainer(made, self.left_out) if self.left_out else made
 
-    def leaving_out(self, effects: Any) -> Parameters:
+    def leaving_out(self, effects: Iterable[str]) -> Parameters:
         """The same, of a law without some effects."""
         return replace(self, left_out=tuple(effects), known_limits=self.limits)
 
-    def first_models(self, places: Any) -> list[Any]:
+    def first_models(self, places: Array) -> list[Any]:
         """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
         said = ""
         for place in places:
@@ -151,7 +151,7 @@ class Parameters:
         none = f"none of {len(places)} places between the bounds makes a model"
         raise InputError("identify", [f"{none}: {said}; mend that, or widen or correct the bounds"])
 
-    def models(self, place: Any) -> list[Any] | None:
+    def models(self, place: Array) -> list[Any] | None:
         """The models of all records at a place; None where there is none for one of them."""
         values = self.values(place)
         try:
@@ -159,7 +159,7 @@ class Parameters:
         except InputError:
             return None
 
-    def batches(self, places: Any) -> tuple[Any, list[Any]]:
+    def batches(self, places: Array) -> tuple[Any, list[Any]]:
         """For many places: which of them make models, and for each record a batch of those that do.
 
         A maker need not take arrays: models are made one by one, and their numbers are put together.
@@ -328,11 +328,11 @@ class OverParameters:
         """The same fit with some parameters held."""
         return self._like(parameters=self.parameters.only(fixed))
 
-    def leaving_out(self, effects: Any) -> Self:
+    def leaving_out(self, effects: Iterable[str]) -> Self:
         """The same fit of a law without some effects."""
         return self._like(parameters=self.parameters.leaving_out(effects))
 
-    def aligned(self, place: Any) -> Any:
+    def aligned(self, place: Array) -> Any:
         """Nothing is aligned: there is no phase besides the parameters."""
         return np.asarray(place, float)
 

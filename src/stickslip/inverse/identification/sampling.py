@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, is_whole
 from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.basics.optional import library
@@ -138,7 +139,7 @@ class _Posterior:
         self.given = all(t.given_sigma for t in fit.problem.targets)
         self.independent = float(self.worth.sum())
 
-    def __call__(self, places: Any) -> Any:
+    def __call__(self, places: Array) -> Any:
         places = np.atleast_2d(places)
         logs = np.full(len(places), -np.inf)
         inside = ((places >= self.low) & (places <= self.high)).all(axis=1)
@@ -146,14 +147,14 @@ class _Posterior:
             logs[inside] = self._inside(places[inside])
         return logs
 
-    def _inside(self, places: Any) -> Any:
+    def _inside(self, places: Array) -> Any:
         rests = self.fit.problem.standardised(self.fit.problem.ends(places))
         cost = np.sum(self.worth[:, None] * rests**2, axis=0)
         log_likelihood = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
         known = np.array([self._known(place) for place in places])
         return np.where(np.isfinite(log_likelihood), log_likelihood + known, -np.inf)
 
-    def _known(self, place: Any) -> float:
+    def _known(self, place: Array) -> float:
         """The prior distribution; one that is flat between bounds adds nothing."""
         log_prior = 0.0
         for row in self.fit.problem._known:

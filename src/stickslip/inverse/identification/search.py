@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Interrupted, look, looking, partial_result
@@ -115,7 +116,7 @@ def _ends(
     return ends
 
 
-def _judged(problem: Any, place: Any) -> tuple[float, Any]:
+def _judged(problem: Any, place: Array) -> tuple[float, Any]:
     look()
     whole = problem.aligned(place)
     rest = problem.residuals(whole)
@@ -134,7 +135,7 @@ def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, An
 
 
 @in_one_thread
-def polished(problem: Any, place: Any, rough: bool = False) -> Found:
+def polished(problem: Any, place: Array, rough: bool = False) -> Found:
     """Trust-region steps from a place to the nearest least sum of squares; who interrupts them gets the best place so far."""
     from scipy.optimize import least_squares
 
@@ -155,7 +156,7 @@ def polished(problem: Any, place: Any, rough: bool = False) -> Found:
     return Found(best.limits.place(fit.x), fit.fun, best.slopes, int(fit.nfev))
 
 
-def polished_to_end(problem: Any, place: Any, rough: bool = False) -> Found:
+def polished_to_end(problem: Any, place: Array, rough: bool = False) -> Found:
     """The same for whoever needs the least sum of squares itself: an interruption goes on."""
     end = polished(problem, place, rough)
     if end.stopped:

@@ -26,7 +26,7 @@ def _course(target: Any) -> Any:
     return t - np.average(t, weights=target.weight * np.ones(target.count)) if target.kind == "position" else t
 
 
-def _delayed(target: Any, h: Any, delay: Any) -> Any:
+def _delayed(target: Any, h: Array, delay: Any) -> Any:
     """Values a little later; between samples they change evenly."""
     if delay is None or not np.any(delay) or h.size == 0:
         return h
@@ -35,12 +35,12 @@ def _delayed(target: Any, h: Any, delay: Any) -> Any:
     return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
 
 
-def change_shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+def change_shown(target: Any, h: Array, reading: dict[str, Any]) -> Any:
     """A change after gain and delay."""
     return reading.get("gain", 1.0) * _delayed(target, h, reading.get("delay"))
 
 
-def shown_by_sensor(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+def shown_by_sensor(target: Any, h: Array, reading: dict[str, Any]) -> Any:
     """Sensor readings where the model gives h: array (values,) or (values, cases)."""
     if not reading:
         return h
@@ -61,7 +61,7 @@ def of_records(number: SensorNumber, parts: list[Any]) -> Any:
     return np.concatenate([_column(number.what, t, h, r) if own else np.zeros(t.count) for own, t, h, r in made])
 
 
-def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:
+def _column(what: str, target: Any, h: Array, reading: dict[str, Any]) -> Any:
     """Derivative of what a sensor shows by one of its numbers: array (values,)."""
     if what in _ADDED:
         return _ADDED[what](target)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -72,7 +72,7 @@ class SteadyProblem(OverParameters):
         wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient, "place": lambda t: t.placed}
         return tuple((i, what) for i in self.curves for what, of in wanted.items() if of(self.targets[i]))
 
-    def _phase(self, place: Any, i: int) -> Any:
+    def _phase(self, place: Array, i: int) -> Any:
         """Drive phases of the samples of record i."""
         target, n = self.targets[i], len(self.parameters.free)
         phase = target.phase + place[n + self._timing.index((i, "phase"))]
@@ -85,7 +85,7 @@ class SteadyProblem(OverParameters):
         """The same fit for other measured values, of the same motions."""
         return dataclasses.replace(super().with_values(y), _curves=dict(self._curves))
 
-    def leaving_out(self, effects: Any) -> SteadyProblem:
+    def leaving_out(self, effects: Iterable[str]) -> SteadyProblem:
         """The same fit of a law without some effects, which moves otherwise."""
         return dataclasses.replace(super().leaving_out(effects), _warm={})
 
@@ -110,7 +110,7 @@ class SteadyProblem(OverParameters):
             parts.append(modelled_values(target, motion, self._phase(place, i)))
         return np.concatenate(parts)
 
-    def _starts(self, place: Any) -> dict[int, dict[str, float]]:
+    def _starts(self, place: Array) -> dict[int, dict[str, float]]:
         """Velocities, and positions, at the strobe time before the first sample; at rest at zero where the place does not say."""
         n, found = len(self.parameters.free), dict[int, dict[str, float]]()
         for k, (i, what) in enumerate(self._timing, n):
@@ -172,7 +172,7 @@ class SteadyProblem(OverParameters):
         found = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
         return found, found
 
-    def _slope(self, place: Any, k: int, here: Any, readings: Any) -> Any:
+    def _slope(self, place: Array, k: int, here: Any, readings: Sequence[Mapping[str, Any]]) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
         h, sides = 10 * _STEP if not self.kinked else _STEP, []
         for sign in (1.0, -1.0):
@@ -194,7 +194,7 @@ class SteadyProblem(OverParameters):
             return (once - here) / step if twice is None else (4 * (once - here) - (twice - here)) / (2 * step)
         return np.zeros(len(self.y))
 
-    def _phase_slope(self, place: Any, i: int, readings: Any, h: float = 1e-6) -> Any:
+    def _phase_slope(self, place: Array, i: int, readings: Sequence[Mapping[str, Any]], h: float = 1e-6) -> Any:
         """Derivative of the values of record i by its phase; zero for the others."""
         motions = self._motions(place, readings)
         parts = [np.zeros(t.count) for t in self.targets]
@@ -208,7 +208,7 @@ class SteadyProblem(OverParameters):
         return np.concatenate([t.course if k == i else np.zeros(t.count) for k, t in enumerate(self.targets)])
 
     # ---- search ----
-    def aligned(self, place: Any) -> Any:
+    def aligned(self, place: Array) -> Any:
         """The place of the free parameters with the best phase of each curve behind it."""
         motions = self._motions(place)
         phases = {i: 0.0 if motions is None else self._aligned(place, i, motions[i]) for i in self.curves}
@@ -225,7 +225,7 @@ class SteadyProblem(OverParameters):
         rests = [np.inf if v is None else float(np.sum(((v - self.y) / self.sigma) ** 2)) for v in values]
         return tried[int(np.argmin(rests))]
 
-    def _aligned(self, place: Any, i: int, motion: Any) -> float:
+    def _aligned(self, place: Array, i: int, motion: Any) -> float:
         """The best phase of one curve; that of a transient from its second half, which is taken as steady."""
         target = self.targets[i]
         if not target.transient:
@@ -247,7 +247,7 @@ class SteadyProblem(OverParameters):
         n, m = len(self.parameters.free), len(self._timing)
         return np.concatenate([np.zeros(n), np.full(m, -np.inf)]), np.concatenate([np.ones(n), np.full(m, np.inf)])
 
-    def coarse(self, places: Any, offsets: Any) -> Any:
+    def coarse(self, places: Array, offsets: Any) -> Any:
         """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better.
 
         Of a record whose offset is None, the sensor's zero is not known.
@@ -266,7 +266,7 @@ class SteadyProblem(OverParameters):
         return score
 
 
-def _case(readings: Any, k: int) -> Any:
+def _case(readings: Sequence[Mapping[str, Any]], k: int) -> Any:
     """The readings of one of many cases."""
     return readings and [
         {name: float(value[k] if np.size(value) > 1 else np.ravel(value)[0]) for name, value in r.items()} for r in readings

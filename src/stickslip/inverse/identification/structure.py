@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.inverse.identification.fit_text import OVER_MOTION
 
 _LEVEL = 2e-3  # of all tests of a record together
@@ -47,7 +48,7 @@ class Structure:
     power: float
 
 
-def structures(target: Any, rest: Any, which: Any, inputs: Any = None) -> list[Structure]:
+def structures(target: Any, rest: Array, which: Any, inputs: Any = None) -> list[Structure]:
     """The structure in the residuals of a record, the least likely first; empty where there is none, or no test for it.
 
     Parameters
@@ -78,7 +79,7 @@ def _spread_out(basis: Any, which: Any) -> Any:
     return found
 
 
-def _tested(basis: Any, rest: Any, inputs: Any, said: str) -> Structure:
+def _tested(basis: Any, rest: Array, inputs: Any, said: str) -> Structure:
     """What is left along some directions beside what is left elsewhere."""
     from scipy.stats import f as ratio
 
@@ -91,7 +92,7 @@ def _tested(basis: Any, rest: Any, inputs: Any, said: str) -> Structure:
     return Structure(words, float(ratio.sf(power / usual, d, n - d)), basis, max(power - usual, 0.0))
 
 
-def _colour(rest: Any) -> float:
+def _colour(rest: Array) -> float:
     """By how much colour of the noise makes sums scatter more than those of white noise, 1 or more."""
     from stickslip.inverse.identification.covariance import effective
 
@@ -124,7 +125,7 @@ def _in_phase(phase: Any, period: float) -> Iterator[tuple[Any, str]]:
     yield _unit([side * np.cos(turn), side * np.sin(turn)]), said
 
 
-def _lines(phase: Any, rest: Any) -> list[Structure]:
+def _lines(phase: Any, rest: Array) -> list[Structure]:
     """Amplitudes at multiples of the drive, beside those at frequencies around them (colour of the noise)."""
     from scipy.stats import f as ratio
 
@@ -144,7 +145,7 @@ def _lines(phase: Any, rest: Any) -> list[Structure]:
     return found
 
 
-def _power(phase: Any, rest: Any, n: float) -> float:
+def _power(phase: Any, rest: Array, n: float) -> float:
     return float(abs(np.sum(rest * np.exp(-2j * np.pi * n * phase))) ** 2)
 
 

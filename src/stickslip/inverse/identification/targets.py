@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.distributions import distribution_of
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
@@ -67,11 +68,11 @@ class Compared:
         unit = f"{_MOTION[order]} with a noise of {part * measured.noise[order]:.2g} {_MOTION_UNITS[order]}"
         return f"{self.label}: a sensor of the {unit} or less would do, or one of the velocity beside it"
 
-    def delayed(self, h: Any, delay: float) -> Any:
+    def delayed(self, h: Array, delay: float) -> Any:
         """Values a little later; between samples they change evenly."""
         return np.interp(self.time - delay, self.time, h)
 
-    def mean_square(self, rest: Any, which: Any = slice(None)) -> float:
+    def mean_square(self, rest: Array, which: Any = slice(None)) -> float:
         """Mean square of what is left of all samples, told from what is left of the values, or of some of them."""
         return float(np.average(rest[which] ** 2, weights=(self.weight * np.ones(self.count))[which])) + self.within
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.basics.contracts import Array
 from stickslip.basics.information import Information
 from stickslip.inverse.identification.covariance import effective, spread_of
 from stickslip.inverse.identification.fit_text import OVER_MOTION, listed, undetermined
@@ -362,7 +363,7 @@ def _sides(fit: Fit, along: Any, away: float) -> list[tuple[float, Any]]:
     return [(part, side) for part, side in found if part > _NEAR_BOUND]
 
 
-def _why(fit: Fit, q: Quality, rest: Any) -> str:
+def _why(fit: Fit, q: Quality, rest: Array) -> str:
     """The interpretation of residuals that are not noise."""
     narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
     if q.coloured and not q.structure:

@@ -85,7 +85,7 @@ def robust_weights(weigh: Any, parts: list[Any]) -> Any:
     return np.concatenate([weigh(own / s) if s > 0 and len(own) > 8 else np.ones(len(own)) for own, s in zip(parts, sizes, strict=True)])
 
 
-def robust_scale(weigh: Any, rest: Any, weights: Array, scale: float) -> float:
+def robust_scale(weigh: Any, rest: Array, weights: Array, scale: float) -> float:
     r"""The factor on the noise with which weighted squares give Huber's covariance.
 
     With :math:`\psi = w r` the covariance of an M-estimate is :math:`\overline{\psi^2}/\overline{\psi'}^2\,(X^TX)^{-1}`

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import described_arguments
 from stickslip.basics.errors import InputError, did_you_mean
@@ -14,11 +14,15 @@ from stickslip.show.cli import show
 from stickslip.show.cli.docstrings import about, meanings
 from stickslip.show.cli.outputs import Outcome
 
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
 _LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mechanisms": ("mechanisms", "MECHANISMS")}
 _FEW = 4  # lists of at most this many entries show every argument
 
 
-def listed(asked: Any) -> Outcome:
+def listed(asked: Namespace) -> Outcome:
     """What there is, or those that are named."""
     command, known = asked.command, things(asked.command)
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]

@@ -6,10 +6,14 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 #: File extensions.
 FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
@@ -28,7 +32,7 @@ class Outcome:
     code: int = 0
 
 
-def finish(asked: Any, found: Outcome | int) -> int:
+def finish(asked: Namespace, found: Outcome | int) -> int:
     """Write, print and draw the results, in this order, so that an error in a figure loses no numbers."""
     if isinstance(found, int):
         return found

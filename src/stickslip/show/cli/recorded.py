@@ -7,9 +7,13 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _TYPED = Path(__file__).parent / "templates" / "typed_in_python.toml"
 
@@ -51,7 +55,7 @@ def pairs(words: list[str], what: str) -> dict[str, str]:
     return found
 
 
-def opened(path: str, asked: Any) -> Any:
+def opened(path: str, asked: Namespace) -> Any:
     """The record at a path, read with the options."""
     from stickslip.records import read
 
@@ -76,7 +80,7 @@ def opened(path: str, asked: Any) -> Any:
         raise InputError("--between", [f"{asked.between!r} is not part of the record; type for example --between 20..60"]) from None
 
 
-def settle(asked: Any) -> int | str:
+def settle(asked: Namespace) -> int | str:
     """The number of transient periods to leave out."""
     if asked.settle == "auto":
         return "auto"

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.basics.typed_numbers import has_unit
 from stickslip.show.cli.arguments import named_words, value
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 #: Keys of [optimise] that hold one word or number each.
 NUMBERS = ("maximise", "minimise", "quantile", "starts", "seed")
 _FORMS = ("pieces", "fourier", "spline")
 
 
-def asked_for(asked: Any, table: Any) -> dict[str, Any]:
+def asked_for(asked: Namespace, table: Any) -> dict[str, Any]:
     """Arguments of `optimise`, from a study file's table and the options, which take precedence; all errors are reported together."""
     problems = Problems("optimise")
     table = _checked_table(table, problems)

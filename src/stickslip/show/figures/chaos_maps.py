@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.arguments import Ax, Grid
-from stickslip.basics.contracts import ArrayLike
+from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.show.figures.spacing import cells, edges, logarithmic
 from stickslip.show.figures.special_kinds import name_of
@@ -93,7 +93,7 @@ def _kinds(found: Any) -> Any:
     return np.ma.masked_where(motion == "not computed", kinds)
 
 
-def _exponents(found: Any, ax: Axes, x: Any, y: Any) -> list[Any]:
+def _exponents(found: Any, ax: Axes, x: Array, y: Array) -> list[Any]:
     from matplotlib.colors import TwoSlopeNorm
 
     values = np.ma.masked_invalid(np.where(np.isneginf(found.exponent.values), _LOWEST, found.exponent.values))

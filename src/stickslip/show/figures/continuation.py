@@ -160,7 +160,7 @@ def _strobed(orbit: Any, observable: str) -> Any:
     return found if found.ndim == 1 else found[:, int(observable[len(family) :] or 0)]
 
 
-def _line(ax: Axes, branch: Any, observable: str, values: Any, right: float, up: float, colour: str, name: str) -> None:
+def _line(ax: Axes, branch: Any, observable: str, values: Array, right: float, up: float, colour: str, name: str) -> None:
     x, values, stable = _with_changes(branch, observable, values / up)
     x, values = x * right, values * up
     for column in values.T:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
@@ -12,6 +12,10 @@ from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.commands.sweep import out_file
 from stickslip.show.cli.declaring import FIGURES, ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _ROWS = 40  # of the table of special points, as printed
 
@@ -47,7 +51,7 @@ type-border    0.000361445394863  0.175  …         pattern +0 becomes +0-0
 border: type-border, pattern +0 becomes +0-0, 31 points
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     file = out_file(asked.out)
     if asked.resume and (file is not None or not asked.out):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems
 from stickslip.show.cli import show
@@ -11,6 +11,10 @@ from stickslip.show.cli.arguments import subject, units_of, values
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import found as in_file
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _NAME = re.compile(r"x|v|z\d*|memory\d*|phase")
 _SOLVER = ("settle", "limit", "rtol", "workers")
@@ -34,7 +38,7 @@ attractor  motion    mean velocity [m/s]  share   95 %
 10 starts
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     filed = {name: v for name, v in in_file(asked.robot).arguments.items() if _NAME.fullmatch(name)}
     starts = {**_starts([f"{name}={_text(v)}" for name, v in filed.items()]), **_starts(asked.settings)}
@@ -46,7 +50,7 @@ def act(asked: Any) -> Outcome:
     return _along(asked, study, ranges, starts) if ranges else _one(asked, study, starts)
 
 
-def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
+def _one(asked: Namespace, study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: the attractor of each initial state."""
     from stickslip.dynamics.attractors.basins import basins
 
@@ -65,7 +69,7 @@ def _one(asked: Any, study: Any, starts: dict[str, Any]) -> Outcome:
     return Outcome(record, _told(study, found), ((asked.figure, found.plot),), asked.out, found.map)
 
 
-def _along(asked: Any, study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
+def _along(asked: Namespace, study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
     """Robots along a parameter: the attractors as it changes."""
     from stickslip.dynamics.attractors.attractor_continuation import attractors
     from stickslip.show import figures as plot

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, did_you_mean
 from stickslip.models.friction.law_adapter import is_law
@@ -13,6 +13,10 @@ from stickslip.show.cli.arguments import names_of, settings, subject
 from stickslip.show.cli.declaring import CODE, FIGURES, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import found
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 #: Arguments of the bench itself; all other names are numbers of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
@@ -60,7 +64,7 @@ break-away: Rest is a mode of its own here, not a small velocity: break-away is 
 drift below break-away: the mass starts with a push, to show whether it comes to rest; it does, exactly
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     laws, own = asked_laws(asked.laws)
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.cli.arguments import Subject, several, subject
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -28,7 +31,7 @@ piezo_rig tilt_deg=1.7 amplitude=0.0006
 from start: period 2 from 0.0455 to 0.0465; period 1 from 0.047 to 0.048
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     known = ("settle", "limit", "rtol", "workers", "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)

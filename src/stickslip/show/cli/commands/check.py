@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -32,7 +35,7 @@ energy balance: worst residual 5.8e-15 of the largest energy exchanged in a peri
 The RK4 rows show what fixed steps give; they do not count.
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     study = subject(asked.robot, asked.settings, solver=("periods", "duration", "rtol", "start.x", "start.v", "start.z"), strict=False)
     robot = study.robot()

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import inspect
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import recorded, show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import FIGURES, RECORDS, ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -41,7 +44,7 @@ note: the record is synthetic
 note: the record's type is IV, LuGre I: a record counts as at rest below a speed, a law with inner states below a part of its sliding force, so one motion may get two types; judge by rms and R²
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     _check_robot(asked.robot)
     study = subject(asked.robot, asked.settings, solver=())

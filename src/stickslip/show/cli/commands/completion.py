@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.show.cli.arguments import parser
 from stickslip.show.cli.declaring import argument, command, summary
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -26,7 +30,7 @@ _stickslip() {
 complete -F _stickslip stickslip
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     if asked.shell not in SHELLS:
         raise InputError("completion", [f"{asked.shell!r} is not a known shell; {did_you_mean(asked.shell, SHELLS)}"])

@@ -7,11 +7,15 @@ import os
 import platform
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.cli import show
 from stickslip.show.cli.declaring import command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "matplotlib")
 
@@ -30,7 +34,7 @@ $ stickslip doctor
 all is in order
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     record = _findings()
     cache = record["cache"]

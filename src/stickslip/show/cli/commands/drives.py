@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.lists import listed
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -23,6 +26,6 @@ twophase: Relative velocity +u_1 for L/u_1, then -u_2 for L/u_2; it begins with 
   t2              s     optional  Durations of the phases. Give any three of stroke, u1, u2, t1, t2 that determine the rest; more must agree with stroke = u1 t1 = u2 t2.
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     return listed(asked)

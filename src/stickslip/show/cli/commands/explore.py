@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import CODE, argument, command
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -34,7 +37,7 @@ $ stickslip explore --port 8765 --no-browser
 http://127.0.0.1:8765/?token=…
 """,
 )
-def act(asked: Any) -> int:
+def act(asked: Namespace) -> int:
     """Do the command."""
     port = _whole("--port", asked.port, 0, 65535, "8765")
     workers = None if asked.workers is None else _whole("--workers", asked.workers, 1, 64, "2")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.basics.errors import as_path
 from stickslip.show.cli import show
 from stickslip.show.cli.commands.run import DATA, written_to
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.outputs import FILES, Outcome, is_run, study_written
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -30,7 +33,7 @@ $ stickslip export study grid.csv
 coulomb_robot: alpha_plus 4; written to grid.csv
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     source = as_path(asked.results, "study")
     if source.is_file() and is_run(source, asked.command):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli.arguments import ends
 from stickslip.show.cli.commands.bench import asked_laws
 from stickslip.show.cli.declaring import CODE, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -46,7 +49,7 @@ sigma2 = 0.04
 v_s = 0.002
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     from stickslip.show.export import export_law
 

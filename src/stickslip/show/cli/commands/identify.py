@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.progress import Line
@@ -12,6 +12,10 @@ from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import ends, settings
 from stickslip.show.cli.declaring import CODE, RECORDS, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _OPTIONS = ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor", "harmonics")
 
@@ -85,7 +89,7 @@ Coulomb fitted to 2 records, 2 values; 1 parameter free
   search: 64 starting points, 3 of the refined ones ended here
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     if not 0 < asked.level < 1:
         raise InputError("--level", [f"{asked.level:g}; allowed is above 0 and below 1; type for example --level 0.95"])
@@ -104,7 +108,7 @@ def act(asked: Any) -> Outcome:
     return Outcome(lambda: _numbers(fit, intervals, asked.level, method), lambda: _text(fit, intervals, asked))
 
 
-def _text(fit: Any, intervals: dict[str, Any], asked: Any) -> str:
+def _text(fit: Any, intervals: dict[str, Any], asked: Namespace) -> str:
     """The report, with the requested intervals."""
     from stickslip.inverse.identification.fit_text import NOT_DETERMINED
 
@@ -155,7 +159,7 @@ def _is_study(name: str) -> bool:
     return path.suffix.lower() == ".toml" and path.is_file() and "[identify" in path.read_text(encoding="utf-8", errors="replace")
 
 
-def _typed(asked: Any) -> dict[str, Any]:
+def _typed(asked: Namespace) -> dict[str, Any]:
     """The task, from the command line."""
     problems = Problems("identify")
     arguments = settings(asked.settings, True, problems)
@@ -214,7 +218,7 @@ _SHAPES: dict[str, tuple[type, str]] = {
 _KEYS = tuple(dict.fromkeys((*_SHAPES, *_OPTIONS)))
 
 
-def _study(asked: Any) -> dict[str, Any]:
+def _study(asked: Namespace) -> dict[str, Any]:
     """The task, from a study file; paths are relative to its folder."""
     path = as_path(asked.robot, "identify")
     table = _table(path)

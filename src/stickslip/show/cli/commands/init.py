@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.quantities import with_unit
@@ -15,6 +15,9 @@ from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.docstrings import about, meanings
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import found
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -44,7 +47,7 @@ study.toml drive.amplitude=0.0006
   made by            stickslip 0.1.0.dev0, exact
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     target = None if asked.file is None else as_path(asked.file, "init", "study.toml")
     if target is not None and target.exists() and not asked.force:
@@ -57,7 +60,7 @@ def act(asked: Any) -> Outcome:
     return Outcome({"written": str(target), "text": text}, f"written to {target}; try: stickslip run {typed}")
 
 
-def _robot(asked: Any) -> Any:
+def _robot(asked: Namespace) -> Any:
     """The requested robot; all unknown names are reported together."""
     from stickslip.show.cli.lists import things
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.lists import listed
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -22,6 +25,6 @@ coulomb: Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
   f_minus   f₋      -     optional  static friction coefficient backwards. Static (break-away) coefficients; None means the kinetic ones, which is Eq. 2.4 to the letter.
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     return listed(asked)

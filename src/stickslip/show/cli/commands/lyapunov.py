@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject, value
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import found as in_file
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -34,12 +37,12 @@ piezo_rig tilt_deg=1.7 amplitude=0.0006 mu0=0.04
   evidence     the strobe point returns after 2 and the largest multiplier is 0.3934; the last 96 strobe points repeat after 2 within 1.6e-12 of their scales
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     return (_map if _several(asked) else _one)(asked)
 
 
-def _several(asked: Any) -> bool:
+def _several(asked: Namespace) -> bool:
     """Whether a number of the robot has several values, on the command line or in its study file."""
     filed = in_file(asked.robot).arguments.values()
     texts = [word.partition("=")[2] for word in asked.settings] + [v for v in filed if isinstance(v, str)]
@@ -47,7 +50,7 @@ def _several(asked: Any) -> bool:
 
 
 # ---- one motion ----
-def _one(asked: Any) -> Outcome:
+def _one(asked: Namespace) -> Outcome:
     from stickslip.dynamics.exponents.motion_verdict import verdict
     from stickslip.show.figures import convergence
 
@@ -99,7 +102,7 @@ def _convergence(found: Any, title: str) -> Any:
 
 
 # ---- a map ----
-def _map(asked: Any) -> Outcome:
+def _map(asked: Namespace) -> Outcome:
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.show.figures import chaos_map as draw
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, as_path, did_you_mean
 from stickslip.show.cli import show
@@ -12,6 +12,9 @@ from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.commands.sweep import axes_of, out_file, run_options, unsettled
 from stickslip.show.cli.declaring import ROBOT, STUDIES, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -44,7 +47,7 @@ that is on the edge of alpha_plus: a wider range may have a faster one
 written to types.png
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     file = out_file(asked.out)
     with remembered(asked, file):
@@ -70,7 +73,7 @@ def _contacts(grid: Any) -> list[str]:
     return [str(name) for name in grid["contact"].values] if "contact" in grid.dims else []
 
 
-def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
+def _grid(asked: Namespace, file: Path | None) -> tuple[Any, str]:
     """The map, computed or read from a folder."""
     from stickslip.studies import export, map, open_study
 

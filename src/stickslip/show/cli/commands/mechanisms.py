@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.lists import listed
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -24,6 +27,6 @@ pulled_mass: A mass pulled by a spring: the experiment in which stick-slip was f
   damping    c       N s/m  0        Damping c of the spring.
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     return listed(asked)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.outputs import Outcome, study_written
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -34,7 +37,7 @@ $ stickslip merge part1 part2 --out whole
 coulomb_robot: alpha_plus 4; written to whole
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     from stickslip.studies import merge
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
@@ -13,6 +13,10 @@ from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.recorded import in_words_of_the_shell
 from stickslip.show.cli.searches import asked_for, table_of
 from stickslip.show.cli.study_files import found as in_file
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _TOLD = (
     ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
@@ -77,7 +81,7 @@ $ stickslip run best.toml periods=40
 …
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     files = [asked.out, asked.search, asked.report]
     study = subject(asked.robot, asked.settings, solver=("workers",), strict=False)

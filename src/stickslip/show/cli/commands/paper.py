@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.basics.errors import InputError, as_path
 from stickslip.show.cli import show
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -43,7 +46,7 @@ Printed, computed and why, a screen for each figure: the-paper/side-by-side.html
 Numbers: the-paper/numbers.json
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     folder = as_path(asked.out, "paper")
     _check(folder)

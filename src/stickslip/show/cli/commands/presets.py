@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.lists import listed
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -20,6 +23,6 @@ coulomb_robot: The dimensionless Coulomb robot: w' = sinτ - r with r = alpha_pl
   alpha_minus  α₋      -     needed   sliding friction backwards over drive force. Sliding friction over drive force, forwards and backwards: μ_± g/(Aμω^2).
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     return listed(asked)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import recorded, show
 from stickslip.show.cli.declaring import FIGURES, RECORDS, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _FREQUENCY = "; if it is, type frequency=... [Hz]"  # advice for the Python functions; this command measures without a frequency
 
@@ -48,7 +52,7 @@ mean velocity: 0.1941386 m/s
 motion type: I (pattern +0-0; slower than 0.00745 m/s counts as rest, shorter than 0.03 drive periods does not)
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     with recorded.in_words_of_the_shell():
         rec = recorded.opened(asked.file, asked)

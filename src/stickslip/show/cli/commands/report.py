@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stickslip.basics.errors import InputError, as_path
 from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome, is_run
+
+if TYPE_CHECKING:
+    from argparse import Namespace
 
 
 @command(
@@ -29,7 +32,7 @@ $ stickslip report study --out study.html
 a report on 22 cases in study, … kB; written to study.html
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     text, what = _page(asked, " ".join(["stickslip report", asked.robot, *asked.settings]))
 
@@ -41,7 +44,7 @@ def act(asked: Any) -> Outcome:
     return Outcome(record, f"a report on {what}, {size / 1e3:.0f} kB; written to {asked.out}")
 
 
-def _page(asked: Any, typed: str) -> tuple[str, str]:
+def _page(asked: Namespace, typed: str) -> tuple[str, str]:
     """The text of the page, and its subject."""
     path = as_path(asked.robot, "report")
     if (path / "manifest.json").exists() or path.suffix.lower() == ".nc":

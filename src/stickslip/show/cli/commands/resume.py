@@ -7,10 +7,14 @@ import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, as_path, is_one_of
 from stickslip.show.cli.declaring import CODE, argument, command
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _BEGINS = ("sweep", "map", "atlas")
 #: Options that may differ between runs of a study or, like permission to run code, must not come from its folder.
@@ -43,7 +47,7 @@ alpha_plus  mean velocity  type  pattern  period [drive periods]  margin
 coulomb_robot: 4 cases: 4 settled; written to …
 """,
 )
-def act(asked: Any) -> int:
+def act(asked: Namespace) -> int:
     """Do the command."""
     folder = as_path(asked.folder, "resume", "study").resolve()
     begun, added = _begun(folder), [*asked.words]
@@ -84,7 +88,7 @@ def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def remembered(asked: Any, file: Path | None) -> Iterator[None]:
+def remembered(asked: Namespace, file: Path | None) -> Iterator[None]:
     """Store the command line in the study folder; if no study results, a new folder is removed again."""
     if not asked.out or file is not None:
         yield

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.interruption import complete_before
 from stickslip.show.cli import aperiodic_runs as timed, bodies, show
 from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import FIGURES, ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 DATA = (".nc", ".mat", ".csv", ".xlsx")
 
@@ -41,7 +45,7 @@ piezo_rig tilt_deg=1.7 amplitude=0.000556
   made by            stickslip 0.1.0.dev0, Taylor12 at rtol 1e-06
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     study = subject(asked.robot, asked.settings)
     robot = study.robot()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, as_path
 from stickslip.basics.interruption import ended_early
@@ -15,6 +15,10 @@ from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.declaring import ROBOT, STUDIES, argument, command
 from stickslip.show.cli.outputs import FILES, Outcome
 from stickslip.show.cli.study_files import found
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
 
 _SHOWN = 60  # rows of the printed table
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
@@ -56,7 +60,7 @@ tilt_deg [degrees]  amplitude [m]  mean velocity [m/s]  type  pattern  period [d
 piezo_rig: 6 cases: 6 settled
 """,
 )
-def act(asked: Any) -> Outcome:
+def act(asked: Namespace) -> Outcome:
     """Do the command."""
     file = out_file(asked.out)
     study, designs = axes_of(asked)
@@ -83,7 +87,7 @@ def out_file(out: str | None) -> Path | None:
     return show.writable("--out", out, FILES)
 
 
-def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
+def axes_of(asked: Namespace) -> tuple[Subject, list[Any]]:
     """The robot with its axes, and the designs."""
     from stickslip.studies import designs
 
@@ -125,7 +129,7 @@ def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str,
     return ranges, rest
 
 
-def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
+def run_options(asked: Namespace, file: Path | None) -> dict[str, Any]:
     """Arguments of `sweep` from the options; results for a single file are computed in memory."""
     if file is not None and (asked.resume or asked.shard):
         raise InputError("--out", [f"{str(file)!r} is a file; --resume and --shard are for a study folder; type for example --out study"])
