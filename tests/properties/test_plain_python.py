@@ -545,3 +545,44 @@ def test_a_prescribed_motion_that_contradicts_itself_is_refused():
 
     with pytest.raises(ss.InputError, match="is not the rate of its velocity"):
         ss.solve(Carried(ss.Coulomb(0.1, 0.1), Slipped(1e-3, omega=20.0)), periods=2)
+
+
+@record
+class AsksForTheType:
+    """A law that does something else with symbols than with numbers."""
+
+    stiffness: float
+
+    def rate(self, v, z, load):
+        return v - abs(v) * z * self.stiffness * (2.0 if isinstance(v, float) else 1.0)
+
+    def force(self, v, z, zdot, load):
+        return self.stiffness * z
+
+
+@record
+class Draws:
+    """A law that draws a number whenever it is called."""
+
+    mu: float
+
+    def sliding(self, v, load):
+        return where(v > 0, 1.0, -1.0) * self.mu * load * (1.0 + 0.1 * np.random.default_rng().normal())
+
+    def breakaway(self, load):
+        return self.mu * load, self.mu * load
+
+
+@pytest.mark.parametrize("language", ["c", "matlab"])
+@pytest.mark.parametrize(("law", "why"), [(AsksForTheType(100.0), "rate gives .* no isinstance"), (Draws(0.2), "no random draw")])
+def test_a_law_is_exported_as_its_plain_python_or_not_at_all(law, why, language):
+    with pytest.raises(ss.InputError, match=why):
+        ss.export_law(law, language, name="own")
+
+
+def test_steps_of_force_records_are_those_of_plain_python_or_are_not_compiled():
+    from stickslip.engine.law_steps import law_steps
+    from stickslip.models.friction.law_adapter import adapted
+
+    assert law_steps(adapted(AsksForTheType(100.0))) is None
+    assert law_steps(adapted(ss.Dahl(np.array([0.3, 0.4]), 0.3, sigma0=1e5))) is not None

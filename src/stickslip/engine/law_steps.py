@@ -12,6 +12,7 @@ from stickslip.engine import cache
 from stickslip.engine.kernel_text import function, header, kernel_text, written
 from stickslip.engine.kinds import kind_of
 from stickslip.engine.lanes import plain_name
+from stickslip.engine.law_as_written import traced_as_written
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.traced_law import TracedLaw
@@ -33,7 +34,7 @@ def _compiled(law: LawAdapter) -> LawSteps | None:
     if not (law.dynamic and law.compiles) or law.random:
         return None
     try:
-        traced = TracedLaw(law.law)
+        traced = traced_as_written(law.law)
         return LawSteps(traced) if traced.alone else None
     except (InputError, TraceError, TypeError, ValueError):  # it does with its arguments what only numbers can do
         return None

@@ -176,10 +176,10 @@ def _load_of(model: Any) -> float:
 
 def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     from stickslip import __version__
-    from stickslip.engine.traced_law import TracedLaw
+    from stickslip.engine.law_as_written import traced_as_written
     from stickslip.show.export.written import MATLAB, C, written
 
-    return ExportedLaw(language, name, written(TracedLaw(own), name, C if language == "c" else MATLAB, __version__))
+    return ExportedLaw(language, name, written(traced_as_written(own), name, C if language == "c" else MATLAB, __version__))
 
 
 def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
