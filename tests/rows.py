@@ -1,20 +1,21 @@
-"""A table of one claim is one test: its rows are subtests, each of which is run and told by itself, whatever became of those before it."""
+"""A table of one claim is one test: its rows are subtests, each run and reported by itself, whatever became of those before it."""
 
 from __future__ import annotations
 
 import functools
 import inspect
+from contextlib import ExitStack
 
 
 def short(value):
-    """What a value is told by."""
+    """The text that names a value in a report."""
     return value if isinstance(value, str) and len(value) < 40 else getattr(value, "__name__", None) or repr(value)[:40]
 
 
 def each_row(names, rows, ids=None):
-    """Like pytest.mark.parametrize, with one item for the whole table: for rows that take milliseconds and share what fixtures give.
+    """Like pytest.mark.parametrize, with one item for the whole table; for cheap rows that may share what fixtures give.
 
-    Of `monkeypatch` and `tmp_path` each row has its own.
+    Of `monkeypatch` and `tmp_path` each row has its own. Numerical cases that take time stay items of their own.
     """
     names = [name.strip() for name in names.split(",")] if isinstance(names, str) else list(names)
     rows = [row if len(names) > 1 else (row,) for row in rows]
@@ -27,21 +28,19 @@ def each_row(names, rows, ids=None):
 
         @functools.wraps(test)
         def whole(subtests, **given):
-            given |= {"subtests": subtests} if "subtests" in asked else {}
             for number, (word, row) in enumerate(zip(words, rows, strict=True)):
-                with subtests.test(word):
-                    own = dict(given)
+                with subtests.test(word), ExitStack() as stack:
+                    own = given | dict(zip(names, row, strict=True))
                     if "tmp_path" in given:
                         own["tmp_path"] = given["tmp_path"] / f"row{number}"
                         own["tmp_path"].mkdir()
                     if "monkeypatch" in given:
-                        with given["monkeypatch"].context() as own["monkeypatch"]:
-                            test(**own, **dict(zip(names, row, strict=True)))
-                    else:
-                        test(**own, **dict(zip(names, row, strict=True)))
+                        own["monkeypatch"] = stack.enter_context(given["monkeypatch"].context())
+                    test(**own)
 
-        kept = [p for name, p in asked.items() if name not in (*names, "subtests")]
-        whole.__signature__ = inspect.Signature([inspect.Parameter("subtests", inspect.Parameter.POSITIONAL_OR_KEYWORD), *kept])
+        fixtures = [inspect.Parameter("subtests", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+        fixtures += [parameter for name, parameter in asked.items() if name not in names]
+        whole.__signature__ = inspect.Signature(fixtures)
         return whole
 
     return decorated
