@@ -1,4 +1,4 @@
-"""Velocity-step tests: rate-and-state friction from a force over a motion whose speed jumps."""
+"""Friction that falls with the speed, from forces over a motion: rate and state after jumps of the speed, a negative viscous part."""
 
 import numpy as np
 import pytest
@@ -38,3 +38,16 @@ def test_rate_and_state_is_found_from_velocity_steps(first):
     for name, truth in TRUTH.items():
         assert abs(fit.values[name] - truth) < 4 * fit.errors[name] < 0.02 * truth
     assert (fit.sensor["start[0]"][0] > 0) == (first > 10.0)
+
+
+def test_friction_that_falls_with_the_speed_is_found_and_said_to_push_in_the_end():
+    t = np.arange(0.0, 4.0, 2e-3)
+    v = 4e-3 * np.pi * np.cos(np.pi * t)
+    F = 0.25 * 40.0 * np.sign(v) - 150.0 * v + np.random.default_rng(0).normal(0, 0.05, len(t))
+    rec = ss.Record.of(t, {"x [m]": 4e-3 * np.sin(np.pi * t), "F [N]": F}, roles={"F": "force"})
+    free, both = {"mu_plus": (0.05, 0.6), "viscous": (-500.0, 500.0)}, {"mu_minus": "mu_plus"}
+    fit = ss.identify(rec, ss.CoulombViscous, free=free, tied=both, load=40.0, starts=4, sensor={})
+    for name, truth in {"mu_plus": 0.25, "viscous": -150.0}.items():
+        assert abs(fit.values[name] - truth) < 4 * fit.errors[name] < 0.02 * abs(truth)
+    (note,) = ss.CoulombViscous(0.25, 0.3, viscous=-150.0).notes(40.0)
+    assert "would push beyond 0.0667 m/s" in note and not ss.CoulombViscous(0.25, 0.25, viscous=1.0).notes(40.0)
