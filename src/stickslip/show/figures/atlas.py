@@ -93,8 +93,8 @@ def _regions(ax: Axes, across: Any, up: Any, codes: Any, fills: dict[str, str]) 
     """Fill the cells; returns the names that were written into their regions."""
     cells(ax, across.values, up.values, codes, [*fills.values(), "#FFFFFF"])
     (x, columns), (y, rows) = places(across.values, _FINE), places(up.values, _FINE)
-    seen = codes[np.ix_(rows, columns)]
-    return [n for i, n in enumerate(fills) if (len(n) <= _LETTERS or n in TYPE_COLOURS) and name_region(ax, x, y, seen, i, n)]
+    nearest_codes = codes[np.ix_(rows, columns)]
+    return [n for i, n in enumerate(fills) if (len(n) <= _LETTERS or n in TYPE_COLOURS) and name_region(ax, x, y, nearest_codes, i, n)]
 
 
 def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:

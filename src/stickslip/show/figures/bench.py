@@ -96,8 +96,8 @@ def _draw(ax: Any, experiment: Any, small: bool = False) -> None:
     if len(experiment.curves) > 1:
         if experiment.key == "stick_slip":  # room above the peaks
             ax.set_ylim(top=ax.get_ylim()[0] + 1.25 * (ax.get_ylim()[1] - ax.get_ylim()[0]))
-        place = {"stick_slip": "upper right", "steady": "lower left"}.get(experiment.key, "best")
-        ax.legend(loc=place, fontsize=6, handlelength=1.9, borderaxespad=0.2, ncols=2 if experiment.key == "stick_slip" else 1)
+        corner = {"stick_slip": "upper right", "steady": "lower left"}.get(experiment.key, "best")
+        ax.legend(loc=corner, fontsize=6, handlelength=1.9, borderaxespad=0.2, ncols=2 if experiment.key == "stick_slip" else 1)
 
 
 def _finite(y: ArrayLike) -> Any:
@@ -133,8 +133,8 @@ def _no_noise(ax: Axes) -> None:
 def _numbers(ax: Axes, found: Bench) -> None:
     """Names and values in two columns of text."""
     ax.set_axis_off()
-    told = [q for q in found.quantities if q.key in _TOLD]
-    for i, quantity in enumerate(told):
+    quantities = [q for q in found.quantities if q.key in _TOLD]
+    for i, quantity in enumerate(quantities):
         y = 0.98 - i * 0.97 / len(_TOLD)
         ax.text(-0.02, y, quantity.label, transform=ax.transAxes, fontsize=6.3, va="center")
         ax.text(1.04, y, _short(quantity), transform=ax.transAxes, fontsize=6.3, va="center", ha="right")
@@ -192,7 +192,7 @@ def _sparse(ax: Axes, experiment: Any) -> None:
 def _in_units(formatter: Any, factor: float) -> Any:
     from matplotlib.ticker import FuncFormatter
 
-    return FuncFormatter(lambda value, place: formatter(value / factor))
+    return FuncFormatter(lambda value, position: formatter(value / factor))
 
 
 def _heading(experiment: Any) -> str:

@@ -113,26 +113,26 @@ def _bars(ax: Axes, rows: list[str], bars: dict[str, list[Any]], start: float, t
     """Draw the bars; returns handles for the legend."""
     from matplotlib.patches import Patch
 
-    seen = set()
+    kinds = set()
     for row, name in enumerate(rows):
         for kind, (_, colour, hatch) in MODES.items():
             of = [((a - start) * time, (b - a) * time) for a, b, sign in bars.get(name, []) if sign == kind]
             if of:
-                seen.add(kind)
+                kinds.add(kind)
                 ax.broken_barh(of, (row - 0.36, 0.72), facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0)
     return [
         Patch(facecolor=colour, hatch=hatch * 2, edgecolor="white" if hatch else INK, linewidth=0.0 if hatch else 0.3, label=word)
         for kind, (word, colour, hatch) in MODES.items()
-        if kind in seen
+        if kind in kinds
     ]
 
 
 def _marks(ax: Any, rows: list[str], times: tuple[Any, Any, Any], start: float, time: float) -> list[Any]:
     """Draw hits, landings and lost contacts; returns handles for the legend."""
-    found = []
+    handles = []
     for (word, marker), of in zip((("hit", "v"), ("landing", "v"), ("contact lost", "X")), times, strict=True):
         at = [((t - start) * time, rows.index(name)) for name, times in of.items() for t in times]
         if at:
             style = {"linestyle": "", "marker": marker, "color": INK, "markersize": 4.5, "clip_on": False}
-            found += ax.plot(*zip(*at, strict=True), label=word, zorder=3, **style)
-    return found
+            handles += ax.plot(*zip(*at, strict=True), label=word, zorder=3, **style)
+    return handles

@@ -76,8 +76,8 @@ def continuation(
     cycles = branches[0].orbits[0].model.period is None
     observable = observable or _usual(branches[0], diagram, cycles)
     shown = [_values(b, observable) for b in branches]
-    told = branches[0].points[observable].attrs
-    unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
+    attributes = branches[0].points[observable].attrs
+    unit = attributes.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
     up, mark = scaled(np.concatenate([s.ravel() for s in shown]), unit)
     right, side = scaled(across.values, across.attrs["units"])
     ax = axes(ax, height=2.6)
@@ -93,7 +93,7 @@ def continuation(
     if special:
         _marks(ax, branches, observable, right, up)
     ax.set_xlabel(labelled(across, side))
-    ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, told.get("long_name", observable)), unit, mark))
+    ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, attributes.get("long_name", observable)), unit, mark))
     handles, texts = ax.get_legend_handles_labels()
     order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
     legend_above(
@@ -156,8 +156,8 @@ def _strobed(orbit: Any, observable: str) -> Any:
     if observable in ("x", "v"):
         return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
     family = observable.rstrip("0123456789")
-    found = np.asarray(run.strobe_memory if family == "memory" else run.strobe_z)[: orbit.period]
-    return found if found.ndim == 1 else found[:, int(observable[len(family) :] or 0)]
+    states = np.asarray(run.strobe_memory if family == "memory" else run.strobe_z)[: orbit.period]
+    return states if states.ndim == 1 else states[:, int(observable[len(family) :] or 0)]
 
 
 def _line(ax: Axes, branch: Any, observable: str, values: Array, right: float, up: float, colour: str, name: str) -> None:
@@ -203,7 +203,7 @@ def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float,
 
 
 def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:
-    told: set[str] = set()
+    labelled_kinds: set[str] = set()
     for b in branches:
         for s in b.special:
             if s.kind == "type-border" and machine_of(s.orbit.model).has_inner_states:
@@ -213,7 +213,7 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
             face = COLOURS[6] if marker == "|" else "white"
             style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
             x = np.full(len(values), s.value * right)
-            ax.plot(x, np.asarray(values) * up, marker=marker, linestyle="", label=name_once(s.kind, told), **style)
+            ax.plot(x, np.asarray(values) * up, marker=marker, linestyle="", label=name_once(s.kind, labelled_kinds), **style)
 
 
 def _of_orbit(orbit: Any, observable: str) -> float:

@@ -43,14 +43,14 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     """
     if not isinstance(edge, EdgeState):
         raise InputError("plot", [f"{type(edge).__name__} is no edge state; allowed is what ss.edge_state gives"])
-    told = [state_attrs(name, "on the strobe", is_flow(edge.model)) for name in edge.names]
+    attributes = [state_attrs(name, "on the strobe", is_flow(edge.model)) for name in edge.names]
     places = [i for i, name in enumerate(edge.names) if not name.startswith(("mode", "memory"))][:2]
-    sizes = [scaled(edge.track[:, i], told[i]["units"]) for i in places]
+    sizes = [scaled(edge.track[:, i], attributes[i]["units"]) for i in places]
     drawn = _over_two if len(places) > 1 else _over_periods
     ax = axes(ax, height=2.6)
     drawn(ax, edge, places, [factor for factor, _ in sizes])
     for label, i, (_, mark) in zip((ax.set_xlabel, ax.set_ylabel)[-len(places) :], places, sizes, strict=True):
-        label(named(told[i]["long_name"], told[i]["units"], mark))
+        label(named(attributes[i]["long_name"], attributes[i]["units"], mark))
     legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 

@@ -67,9 +67,9 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
     named = (x or run.names[0], y or run.names[1])
     _check(run, named)
     columns = [run.names.index(name) for name in named]
-    t, found = _sampled(run, duration)
+    t, columns_at = _sampled(run, duration)
     ax = axes(ax, height=2.5)
-    ax.plot(*found[:, columns].T, color=COLOURS[0])
+    ax.plot(*columns_at[:, columns].T, color=COLOURS[0])
     if run.model.period is not None:
         points = run.strobe[run.strobe_times >= t[0]][:, columns]
         ax.plot(*points.T, "o", markersize=4, color="white", markeredgecolor=COLOURS[0], markeredgewidth=1.1, zorder=9)
@@ -96,5 +96,5 @@ def _sampled(run: Any, duration: float | None) -> tuple[Any, Any]:
     events = np.array([event.t for event in run.events if begin < event.t < end])
     just = 1e-12 * (end - begin)
     t = np.clip(np.sort(np.concatenate([np.linspace(begin, end, _POINTS), events - just, events])), begin, end)
-    found = run.at(t)
-    return t, np.column_stack([found[name] for name in run.names])
+    columns_at = run.at(t)
+    return t, np.column_stack([columns_at[name] for name in run.names])

@@ -201,10 +201,10 @@ def _mapped(grid: xr.Dataset) -> str:
     """The law and the fixed numbers of a map, as far as its dataset contains them."""
     law = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {}).get("law", "")
     fixed = json.loads(grid.attrs.get("fixed", "{}"))
-    told = [f"{n} = {v:.6g}" for n, v in fixed.items() if n not in grid.coords and isinstance(v, (int, float)) and not isinstance(v, bool)]
-    told += [_stays(grid[n], str(n)) for n in grid.coords if grid[n].ndim == 0 and grid[n].dtype.kind in "iuf"]
+    facts = [f"{n} = {v:.6g}" for n, v in fixed.items() if n not in grid.coords and isinstance(v, (int, float)) and not isinstance(v, bool)]
+    facts += [_stays(grid[n], str(n)) for n in grid.coords if grid[n].ndim == 0 and grid[n].dtype.kind in "iuf"]
     lines, width = [""], 70
-    for part in [law, *told] if law else told:
+    for part in [law, *facts] if law else facts:
         lines = [*lines[:-1], f"{lines[-1]}, {part}" if lines[-1] else part] if len(lines[-1]) + len(part) < width else [*lines, part]
     return "\n".join(lines)
 
@@ -316,8 +316,8 @@ def _rounded(codes: Any, count: int, cells: tuple[int, ...]) -> Any:
     shares = np.array([gaussian_filter((codes == k).astype(float), width, mode="nearest") for k in range(count)])
     least = _FINE**2 * max(_SPECK[0] / np.prod([max(n - 1, 1) for n in cells]), _SPECK[1])
     for k in 2 * list(range(count)):  # twice: a former speck may have joined a neighbour
-        parts, found = label(shares.argmax(axis=0) == k)
-        sizes = np.bincount(parts.ravel(), minlength=found + 1)
+        parts, pieces = label(shares.argmax(axis=0) == k)
+        sizes = np.bincount(parts.ravel(), minlength=pieces + 1)
         shares[k][np.isin(parts, 1 + np.flatnonzero(sizes[1:] < least))] = -1.0
     return shares
 

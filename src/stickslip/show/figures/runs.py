@@ -55,12 +55,12 @@ def _parts(run: Trajectory, dim: str) -> list[str]:
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:
     """The curves as (name, number of the run, index of its columns): one for each run, or for each part of a run's machine."""
-    found: list[tuple[str, int, Any]] = []
+    curves: list[tuple[str, int, Any]] = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         parts = _parts(run, dim)
-        found += [(part if len(runs) == 1 else f"{name}, {part}", i, (..., k)) for k, part in enumerate(parts)]
-        found += [] if parts else [(name, i, ...)]
-    return found
+        curves += [(part if len(runs) == 1 else f"{name}, {part}", i, (..., k)) for k, part in enumerate(parts)]
+        curves += [] if parts else [(name, i, ...)]
+    return curves
 
 
 def _sampled(runs: list[Any], names: list[str], spans: list[tuple[float, float]], column: str, dim: str) -> list[tuple[str, int, Any, Any]]:
@@ -299,12 +299,12 @@ def _orbit(run: Trajectory, span: tuple[float, float], own: Any) -> tuple[Any, A
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
-    found, ends = run.at(t), run.at(np.array([start, end]))
+    columns, ends = run.at(t), run.at(np.array([start, end]))
     drift = (ends["x"][1] - ends["x"][0])[own] / (end - start)
     strobe = run.at(np.clip(run.strobe_times[-count - 1 :], start, end))
-    s = found["x"][own] - drift * (t - start)
+    s = columns["x"][own] - drift * (t - start)
     middle = 0.5 * (s.max() + s.min())
-    return s - middle, found["v"][own], strobe["x"][own] - drift * (strobe["t"] - start) - middle, strobe["v"][own]
+    return s - middle, columns["v"][own], strobe["x"][own] - drift * (strobe["t"] - start) - middle, strobe["v"][own]
 
 
 @drawing

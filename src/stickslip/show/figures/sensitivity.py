@@ -87,9 +87,9 @@ def indices(found: Indices, ax: Ax = None) -> Any:
     ax = axes(ax, 0.8 + 0.28 * len(order))
     for (word, values, ends), colour, marker, aside in zip(kinds, COLOURS, "os", (0.14, -0.14), strict=False):
         x, span = np.array([values[n] for n in order]), np.array([ends[n] for n in order])
-        beside = np.maximum([x - span[:, 0], span[:, 1] - x], 0.0)
+        errors = np.maximum([x - span[:, 0], span[:, 1] - x], 0.0)
         style: Any = {"fmt": marker, "color": colour, "markersize": 4, "elinewidth": 1.0, "capsize": 2}
-        ax.errorbar(x, np.arange(len(order)) + aside, xerr=beside, label=word, zorder=3, **style)
+        ax.errorbar(x, np.arange(len(order)) + aside, xerr=errors, label=word, zorder=3, **style)
     for end in (0.0, 1.0):
         ax.axvline(end, color=INK, linewidth=0.5, zorder=1)
     name_rows(ax, order, 0.6)

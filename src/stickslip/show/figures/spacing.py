@@ -56,7 +56,7 @@ def logarithmic(ax: Axes, letter: str, values: ArrayLike) -> None:
 def places(values: ArrayLike, count: int) -> tuple[Any, Any]:
     """`count` points over the range of the values, uniform on their axis, and the index of the nearest value at each."""
     values = np.asarray(values, float)
-    seen = np.log(values) if geometric(np.sort(values)) else values
-    fine = np.linspace(seen.min(), seen.max(), count)
-    nearest = abs(fine[:, None] - seen).argmin(axis=1)
-    return (np.exp(fine) if seen is not values else fine), nearest
+    on_axis = np.log(values) if geometric(np.sort(values)) else values
+    fine = np.linspace(on_axis.min(), on_axis.max(), count)
+    nearest = abs(fine[:, None] - on_axis).argmin(axis=1)
+    return (np.exp(fine) if on_axis is not values else fine), nearest

@@ -53,13 +53,13 @@ def special_curve(curves: Any, ax: Ax = None) -> Any:
     sides = {name: scaled([v for each in points for v in each[name].values], points[0][name].attrs["units"]) for name in (across, up)}
     ax = axes(ax, 2.4)
     kinds = list(dict.fromkeys(curve.kind for curve in several))
-    told: set[str] = set()  # each kind has one colour and one line in the legend
+    labelled_kinds: set[str] = set()  # each kind has one colour and one line in the legend
     for curve, each in zip(several, points, strict=True):
         x, y = (each[name].values * sides[name][0] for name in (across, up))
-        ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, told))
+        ax.plot(x, y, color=COLOURS[kinds.index(curve.kind) % len(COLOURS)], linewidth=1.1, label=name_once(curve.kind, labelled_kinds))
         for met in curve.special:
             at = [value * sides[name][0] for name, value in zip((across, up), met.values, strict=True)]
-            ax.plot(*at, marker=marker_of(met.kind), linestyle="", color=INK, markersize=4, label=name_once(met.kind, told))
+            ax.plot(*at, marker=marker_of(met.kind), linestyle="", color=INK, markersize=4, label=name_once(met.kind, labelled_kinds))
     for name, side in ((across, "x"), (up, "y")):
         getattr(ax, f"set_{side}label")(labelled(points[0][name], sides[name][1]))
         logarithmic(ax, side, points[0][name].values)

@@ -51,13 +51,13 @@ def atlas_page(found: Any, title: str, command: str = "") -> str:
 
 def _axes(found: Any) -> list[tuple[str, str]]:
     """Both axes with their ranges, and the fixed numbers."""
-    told = []
+    rows = []
     for name in found.parameters:
         axis = found.map[name]
         unit = "" if axis.attrs["units"] in ("", "1") else f" {axis.attrs['units']}"
-        told.append((name, f"{axis.size} values, {float(axis[0]):.6g} to {float(axis[-1]):.6g}{unit}"))
-    told.append(("starts", f"{found.plane.count} at each point"))
-    return [*told, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
+        rows.append((name, f"{axis.size} values, {float(axis[0]):.6g} to {float(axis[-1]):.6g}{unit}"))
+    rows.append(("starts", f"{found.plane.count} at each point"))
+    return [*rows, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
 
 
 def _regions(found: Any) -> Table:

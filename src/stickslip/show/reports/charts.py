@@ -16,9 +16,9 @@ _DASHES = ((), (7, 3), (2, 3), (8, 3, 2, 3), (5, 5), (1, 4))
 Table = tuple[str, Any, list[Any]]
 
 
-def tables_of(found: Iterable[Table], most: int | None = None) -> list[dict[str, Any]]:
+def tables_of(tables: Iterable[Table], most: int | None = None) -> list[dict[str, Any]]:
     """Tables with a caption, a head and rows, in the form that pages take; tables without rows are left out."""
-    return [{"caption": caption, "head": head, "rows": rows[:most]} for caption, head, rows in found if rows]
+    return [{"caption": caption, "head": head, "rows": rows[:most]} for caption, head, rows in tables if rows]
 
 
 class Figure(NamedTuple):

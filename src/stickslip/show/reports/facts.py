@@ -42,10 +42,10 @@ def mean_of(run: Trajectory, body: str | None = None) -> float:
     """Mean velocity of the machine or of a body [m/s]; values within rounding count as 0."""
     from stickslip.analysis.steady import mean_velocity
 
-    return _told(run, float(mean_velocity(run, body=body)))
+    return _rounded(run, float(mean_velocity(run, body=body)))
 
 
-def _told(run: Trajectory, v: float) -> float:
+def _rounded(run: Trajectory, v: float) -> float:
     """A velocity; 0 if it is rounding."""
     return v if abs(v) > 1e-11 * float(machine_of(run.model).velocity_scale) else 0.0
 
@@ -107,18 +107,18 @@ def _of_machine(run: Trajectory) -> list[tuple[str, str]]:
     from stickslip.analysis.motion import motion
 
     law = machine_of(run.model).law_names
-    found = [
+    facts = [
         ("machine", f"{type(run.model).__name__} with {run.pieces.layout.description}" + (f", {law} friction" if law else "")),
         (f"mean velocity of {_whose(run.model)}", millimetres(mean_of(run), model=run.model)),
     ]
     if run.model.period is not None:
         m: Any = motion(run)
-        found += [
+        facts += [
             ("repeats after [drive periods]", _repeats(m.period)),
             ("contacts that never move", ", ".join(m.anchored) or "none"),
             ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ]
-    return [*found, *_balance(run), ("status", _status(run))]
+    return [*facts, *_balance(run), ("status", _status(run))]
 
 
 def _whose(model: Model) -> str:
@@ -159,7 +159,7 @@ def _bodies(run: Trajectory) -> Table:
     for name, body in run.bodies.items():
         v = body.v[run.t >= start]
         mass = f"{float(parts[name].mass):.6g} {'kg m²' if turns else 'kg'}"
-        ends = (_told(run, float(end)) for end in (v.min(), v.max()))
+        ends = (_rounded(run, float(end)) for end in (v.min(), v.max()))
         rows.append((name, mass, millimetres(mean_of(run, name), model=run.model), millimetres(*ends, model=run.model)))
     return "The bodies.", ("body", "inertia" if turns else "mass", "mean velocity", "velocity"), rows
 
@@ -186,8 +186,8 @@ def _motions(run: Trajectory) -> dict[str, Row]:
 
     if run.model.period is None:
         return {}
-    found: Any = motion(run)
-    return {name: (m.type, m.pattern.replace("-", "−")) for name, m in found.contacts.items()}
+    motions: Any = motion(run)
+    return {name: (m.type, m.pattern.replace("-", "−")) for name, m in motions.contacts.items()}
 
 
 def _losses(run: Trajectory, which: str) -> dict[str, str]:
@@ -213,7 +213,7 @@ def _links(run: Trajectory) -> Table:
     losses = _losses(run, "damping_of")
     for name in dict.fromkeys([*losses, *struck]):
         fastest = max((-rate for _, rate in struck.get(name, [])), default=None)
-        told = (str(len(struck.get(name, []))), "–" if fastest is None else millimetres(fastest, model=run.model)) if struck else ()
-        rows.append((name, losses.get(name, "–"), *told))
+        struck_here = (str(len(struck.get(name, []))), "–" if fastest is None else millimetres(fastest, model=run.model)) if struck else ()
+        rows.append((name, losses.get(name, "–"), *struck_here))
     head = ("between", "takes", *(("hits", "fastest hit") if struck else ()))
     return "Links and stops, by the bodies that they join.", head, rows

@@ -34,7 +34,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
         title="Friction from measured records" if fits else "Record and friction laws",
         synthetic=any("synthetic" in note for fit in fits for note in fit.notes)
         or bool(comparison and any("synthetic" in n for n in comparison.notes)),
-        fits=[_told(fit) for fit in fits],
+        fits=[_facts(fit) for fit in fits],
         comparison=None
         if comparison is None
         else {
@@ -53,7 +53,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
     return report.write(path, made)
 
 
-def _told(fit: Fit) -> dict[str, Any]:
+def _facts(fit: Fit) -> dict[str, Any]:
     from stickslip.inverse.identification.fit_text import cost_lines, input_lines, known_line, parameter_rows, sensor_lines
     from stickslip.show import figures as plot
 
@@ -83,10 +83,10 @@ def _sources(fits: list[Any], comparison: Any) -> list[dict[str, Any]]:
 
 
 def _source(number: int, rec: Record) -> dict[str, Any]:
-    told = {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")}
+    source = {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")}
     if "between" in rec.source:
-        told["part"] = "{:g} to {:g} s".format(*rec.source["between"])
-    return {"number": number, "summary": str(rec.summary), "source": told}
+        source["part"] = "{:g} to {:g} s".format(*rec.source["between"])
+    return {"number": number, "summary": str(rec.summary), "source": source}
 
 
 def _drawn(draw: Callable[[Any], Any], salt: str) -> str:

@@ -98,10 +98,10 @@ def outside_addresses(text: str) -> list[str]:
     >>> outside_addresses('<img src="data:,"><a href="#top">up</a>'), outside_addresses('<img src="https://a.example/b.png">')
     ([], ['https://a.example/b.png'])
     """
-    found = re.findall(r"""(?:src|href|srcset|action|poster)\s*=\s*["']([^"']*)["']""", text) + re.findall(
+    addresses = re.findall(r"""(?:src|href|srcset|action|poster)\s*=\s*["']([^"']*)["']""", text) + re.findall(
         r"url\(\s*[\"']?([^)\"']*)", text
     )
-    return [address for address in found if not address.startswith(("#", "data:"))]
+    return [address for address in addresses if not address.startswith(("#", "data:"))]
 
 
 def write(path: str | Path, text: str) -> Path:

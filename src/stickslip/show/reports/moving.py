@@ -93,13 +93,13 @@ def stage(model: Model) -> list[dict[str, Any]]:
     under = _standing_on(mechanics)
     order = sorted((name for name in mechanics.bodies if under[name] is None), key=lambda n: _start(mechanics, n))
     storeys: dict[str, int] = {}
-    found = []
+    stage_bodies = []
     for name in mechanics.bodies:
         base = under[name] or name
         storeys[base] = storeys.get(base, 0) + (base != name)
         place = [order.index(base), storeys[base] if base != name else 0]
-        found.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": place})
-    return found
+        stage_bodies.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": place})
+    return stage_bodies
 
 
 def _start(mechanics: Any, name: str) -> tuple[float, int]:
@@ -112,13 +112,13 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
     on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
     joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.prescribed]] + [stop.ends for stop in mechanics.stops]
     joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
-    found: dict[str, str | None] = dict.fromkeys(on_track)
+    bases: dict[str, str | None] = dict.fromkeys(on_track)
     for _ in mechanics.bodies:
         for a, b in joined:
             for upper, lower in ((a, b), (b, a)):
-                if upper is not None and upper not in found and lower in found:
-                    found[upper] = found[lower] or lower
-    return {name: found.get(name) for name in mechanics.bodies}
+                if upper is not None and upper not in bases and lower in bases:
+                    bases[upper] = bases[lower] or lower
+    return {name: bases.get(name) for name in mechanics.bodies}
 
 
 def _columns(run: Trajectory, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
@@ -161,13 +161,13 @@ def _rows(run: Trajectory, start: float, end: float, factor: float) -> list[dict
     from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 
     modes, landed = contact_modes(run, start, end), landings(run, start, end)
-    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, landed.get(name, [])) for name, of in modes.items()}
-    found |= stop_rows(run, start, end)
+    rows: dict[str, tuple[list[Any], list[float]]] = {name: (of, landed.get(name, [])) for name, of in modes.items()}
+    rows |= stop_rows(run, start, end)
     return [
         {
             "name": name,
             "stretches": [[*_plain((factor * (a - start), factor * (b - start))), sign] for a, b, sign in stretches],
             "hits": _plain(factor * (t - start) for t in struck),
         }
-        for name, (stretches, struck) in found.items()
+        for name, (stretches, struck) in rows.items()
     ]

@@ -130,14 +130,14 @@ def _uncertain(best: Any) -> Table:
 
 def _slopes(best: Any) -> Table:
     """Derivatives, the largest effect first."""
-    own, found, unit = dict(leaves(best.model)), best.sensitivities, unit_of_result(best.of, best.model)
-    effects = {name: slope * own[name] / 100 for name, slope in found.items() if name in own and isfinite(slope)}
+    own, slopes, unit = dict(leaves(best.model)), best.sensitivities, unit_of_result(best.of, best.model)
+    effects = {name: slope * own[name] / 100 for name, slope in slopes.items() if name in own and isfinite(slope)}
     order = sorted(effects, key=lambda name: -abs(effects[name]))[:_SLOPES]
-    one_sided = {note.partition(":")[0] for note in found.notes}
+    one_sided = {note.partition(":")[0] for note in slopes.notes}
     rows = []
     for name in order:
         of = unit_in(name, best.model)
-        numbers = (_text(own[name], of), _text(found[name], _per(unit, of)), _text(effects[name], unit))
+        numbers = (_text(own[name], of), _text(slopes[name], _per(unit, of)), _text(effects[name], unit))
         rows.append((name, *numbers, "one side, see the remarks" if name in one_sided else ""))
     head = ("number", "value", "derivative", "for 1 % more", "")
     return f"Effect of each number on the {_words(best.of)}, with the others held.", head, rows

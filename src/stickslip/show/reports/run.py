@@ -82,18 +82,18 @@ def _figures(run: Trajectory) -> list[Figure]:
     over = "three drive periods" if driven else "the run"
     shaded = "" if several else "; shaded where the contact sticks"
     kind = "Drive force and friction" if machine_of(run.model).drive is not None else "Friction"
-    found = [Figure(f"Velocity over {over}{shaded}.", svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run))]
+    figures = [Figure(f"Velocity over {over}{shaded}.", svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run))]
     if several and run.contacts:
         rows = len(run.contacts) + len(machine_of(run.model).mechanics.stops)
         bars = svg(lambda ax: plot.contacts(run, ax=ax), height=max(2.6, 0.9 + 0.27 * rows))
-        found.append(Figure(f"State of each contact over {over}.", bars))
-        found.append(Figure("Friction force of each contact.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)))
+        figures.append(Figure(f"State of each contact over {over}.", bars))
+        figures.append(Figure("Friction force of each contact.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)))
     elif not several:
-        found.append(
+        figures.append(
             Figure(f"{kind} force, with the forces of break-away.", svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run))
         )
     phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
-    return [*found, Figure(phase, svg(lambda ax: plot.phase(run, ax=ax)))]
+    return [*figures, Figure(phase, svg(lambda ax: plot.phase(run, ax=ax)))]
 
 
 def _equations(model: Model) -> str:
@@ -108,12 +108,12 @@ def _equations(model: Model) -> str:
 
 def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: bool = True) -> list[tuple[str, str, str]]:
     """Name, value with its unit, and meaning of numbers, given with (meaning, unit) or None."""
-    found = []
+    rows = []
     for name, value, axis in named:
         meaning, unit = axis or ("", "")
         shown = pretty_unit(unit) if units and unit != "1" else ""
-        found.append((name, f"{float(value):.10g} {shown}".rstrip(), meaning))
-    return found
+        rows.append((name, f"{float(value):.10g} {shown}".rstrip(), meaning))
+    return rows
 
 
 def numbers_of(model: Model) -> list[tuple[str, str, str]]:
@@ -133,8 +133,8 @@ def _toml(run: Trajectory) -> str:
 
 def _provenance(run: Trajectory) -> list[tuple[str, str]]:
     made = run.provenance
-    told = [*made.get("versions", {}).items(), *made.get("settings", {}).items()]
-    return [(name, "-" if value is None else str(value)) for name, value in told]
+    settings = [*made.get("versions", {}).items(), *made.get("settings", {}).items()]
+    return [(name, "-" if value is None else str(value)) for name, value in settings]
 
 
 def sources(model: Model) -> list[str]:
@@ -142,8 +142,8 @@ def sources(model: Model) -> list[str]:
     import inspect
     import re
 
-    found: dict[str, None] = {}
+    references: dict[str, None] = {}
     for cls in dict.fromkeys(value for name, value in leaves(model, kinds=True) if name.endswith("__class__")):
         text = re.search(r"^References\n-+\n(.*?)(?=\n\n\w|\Z)", inspect.getdoc(cls) or "", re.M | re.S)
-        found |= {" ".join(text[1].split()): None} if text else {}
-    return list(found)
+        references |= {" ".join(text[1].split()): None} if text else {}
+    return list(references)

@@ -38,13 +38,13 @@ def _by_part(names: Any, columns: Any) -> list[Any]:
 def forces(run: Trajectory) -> dict[str, Any]:
     """Drive force, if any, and friction force over two drive periods [mN over ms]; over the whole run [s] without a drive."""
     names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
-    t, found, shade, across = _columns(run, 2, names)
+    t, columns, shade, across = _columns(run, 2, names)
     shown = "over two drive periods" if run.model.period is not None else "over the run"
-    parts = _by_part(run.contacts, 1e3 * found[0])
+    parts = _by_part(run.contacts, 1e3 * columns[0])
     if parts:
         return chart(f"friction force of each contact {shown}", t, across, ("force", f"m{unit_of('load', run.model)}"), parts)
     words = ("friction force R", "drive force −m d²ξ/dt²")
-    curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, found, strict=False))]
+    curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, columns, strict=False))]
     borders = limits(run, _shown(run, 2)[0] + t / _clock(run)[0])
     curves += [curve(f"break-away {side}", 1e3 * y, number=2, emphasis=True) for side, y in zip(("−", "+"), borders, strict=False)]
     return chart(f"{'drive force and ' * (len(names) - 1)}friction force {shown}", t, across, ("force", "mN"), curves, shade)
@@ -62,7 +62,7 @@ def _shown(run: Trajectory, periods: float) -> tuple[float, float]:
 def _columns(run: Trajectory, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
     """Times from the start of the span, columns, intervals of sticking, and the label of the time axis."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
-    found = [sampled(run.parted, start, end, name) for name in names]
+    columns = [sampled(run.parted, start, end, name) for name in names]
     rested = rests(run, start, end) if machine_of(run.model).is_single else []
     shade = [(factor * (a - start), factor * (b - start)) for a, b in rested]
-    return factor * (found[0][0] - start), [y for _, y in found], shade, ("time t", unit)
+    return factor * (columns[0][0] - start), [y for _, y in columns], shade, ("time t", unit)
