@@ -112,7 +112,7 @@ class Results:
     limit: Any  # displacement in a drive period that the motion approaches [m]; NaN of a case that ended before its time
     wide_max: Any  # extremes of v over the window, at the ends of steps
     wide_min: Any
-    ended: Any  # how far into its period a case ended before its time [s]; NaN of others
+    ended: Any  # how far into its period a case ended before its time [s], NaN of others; None where none did
     parts: Parts | None = None  # of a machine that lists its bodies
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
@@ -422,10 +422,11 @@ def run(
     last = 6 + n + k.modes
     wide_max, wide_min = noted[:, signals:, 1:].transpose(2, 0, 1)
     early = (count[:, 0] > Status.REPEATS) & (count[:, 0] != Status.NOT_COMPUTED)
+    limit, ended = (np.where(early, np.nan, out[:, last]), np.where(early, out[:, last], np.nan)) if early.any() else (out[:, last], None)
     several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: noted[:, i] for name, i in k.signals.items()}) if signals else None
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
         seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last],
-        np.where(early, np.nan, out[:, last]), out[:, last + 1], out[:, last + 2], np.where(early, out[:, last], np.nan),
+        limit, out[:, last + 1], out[:, last + 2], ended,
         several, None if not keep_pieces else kept[0] if len(kept) == 1 else np.concatenate(kept),
     )  # fmt: skip

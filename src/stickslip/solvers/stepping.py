@@ -73,6 +73,8 @@ def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table:
 
 def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> dict[int, str]:
     """The messages of the first cases of a table that could not be finished."""
+    if results.ended is None:
+        return {}
     early = np.flatnonzero(np.isfinite(results.ended))[: stopped.FAILURES].tolist()
     times = {i: float(results.periods_run[i] * table.span[i] + results.ended[i]) for i in early}
     return {i: _stopped(todo, results, kernel, table, i, t, None) for i, t in times.items()}
