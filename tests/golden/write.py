@@ -7,6 +7,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.dynamics.atlas.atlas_study import _FORMAT as ATLAS
+from stickslip.engine.equation_identity import equation_hash
 from stickslip.results.storage import FORMAT
 from stickslip.studies.manifest import FORMAT as STUDY
 
@@ -44,7 +45,8 @@ def main():
     if not (folder := HERE / f"atlas-format-{ATLAS}").exists():
         made = ss.atlas(ss.presets.piezo_rig, out=folder, **PLANE)
         (folder / "plane.json").write_text(json.dumps(PLANE) + "\n")
-        numbers[folder.name] = {"regions": made.regions}
+        robot = ss.presets.piezo_rig(tilt_deg=1.0, amplitude=4e-4, law=PLANE["law"])
+        numbers[folder.name] = {"regions": made.regions, "equations": equation_hash(robot)}
     if not (HERE / "run.csv").exists():
         run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=1, settle=0, samples=20)
         for name in ("run.csv", "run.mat", "run.xlsx"):
