@@ -18,10 +18,10 @@ import tempfile
 import time
 
 import numpy as np
-from stickslip.maths import pi
 
 import stickslip as ss
 from stickslip.engine import lanes, tableaux
+from stickslip.maths import pi
 
 CASES, PERIODS, REPEATS = 512, 60, 7
 OMEGA = 65.4 * pi

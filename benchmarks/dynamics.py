@@ -15,11 +15,11 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from stickslip.maths import pi, sin
 
 import stickslip as ss
 from dynamics_peers import peers
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
+from stickslip.maths import pi, sin
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 SCIPY_POINTS, SETTLE, POINTS = 4, 100, 32

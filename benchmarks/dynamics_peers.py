@@ -17,9 +17,9 @@ from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
-from stickslip.maths import cos
 
 import stickslip as ss
+from stickslip.maths import cos
 
 Array = Any
 START, SETTLE, TIME = [1.0, 1.0, 1.0], 100.0, 1000.0

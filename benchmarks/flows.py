@@ -15,9 +15,8 @@ from statistics import median
 from time import process_time
 from typing import Any
 
-from stickslip.maths import cos
-
 import stickslip as ss
+from stickslip.maths import cos
 
 
 def den_hartog(F: float, r: float = 0.7) -> ss.SwitchingFlow:

@@ -14,10 +14,10 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
-from stickslip.maths import exp, where
 
 import ours
 import stickslip as ss
+from stickslip.maths import exp, where
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import sync_playwright
-from stickslip.maths import pi, sin
 
 import stickslip as ss
+from stickslip.maths import pi, sin
 from stickslip.show.reports import run_page, study_page, write
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"

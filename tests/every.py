@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from stickslip.maths import cos, pi, sin
 
 import stickslip as ss
+from stickslip.maths import cos, pi, sin
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from stickslip.maths import cos, sin, where, within
-
 import stickslip as ss
+from stickslip.maths import cos, sin, where, within
 
 #: LuGre runs of the paper's rig from rest, mean velocity over periods 100 to 200 [m/s]: name -> (preset arguments, V).
 #: P5 never slides. P10 is the true incline with isotropic LuGre.

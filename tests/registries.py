@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
-from stickslip.mechanisms import MECHANISMS
 
 import stickslip as ss
 from house import ROOT
 from stickslip import drives, friction, machines
 from stickslip.basics.field_types import field_types
+from stickslip.mechanisms import MECHANISMS
 from stickslip.models.drives.drive import Drive
 from stickslip.models.friction.law import Law
 from stickslip.models.machines.mechanism import Mechanism

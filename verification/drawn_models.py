@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from stickslip.mechanisms import MECHANISMS
 
 import stickslip as ss
 from stickslip.basics.fields import replace_leaf
+from stickslip.mechanisms import MECHANISMS
 from stickslip.models.mechanics import lists_parts
 
 Array = Any  # numpy.ndarray

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 from published_systems import EDGE, LEINE, PECK, bent, crossing, every_other, fallen, woodpecker
-from stickslip.maths import atan, cos, where
 
 import stickslip as ss
+from stickslip.maths import atan, cos, where
 
 
 class Row(NamedTuple):

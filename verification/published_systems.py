@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from stickslip.maths import cos, where
 
 import stickslip as ss
+from stickslip.maths import cos, where
 
 Array = Any
 Force = Callable[[Any, Any], Any]

@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.maths import sin
-
 import stickslip as ss
+from stickslip.maths import sin
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from stickslip.presets import coulomb_robot
 
 import stickslip as ss
 from stickslip.analysis.closed_form import (
@@ -16,6 +15,7 @@ from stickslip.analysis.closed_form import (
     periodic,
     rests,
 )
+from stickslip.presets import coulomb_robot
 
 # A root of order 1 found to the last bit carries a few rounding errors of 1e-16; TRUTH's tolerance of 1e-12 leaves room for its last digit.
 DIGITS = 1e-12

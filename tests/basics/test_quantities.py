@@ -5,11 +5,11 @@ import sys
 from dataclasses import dataclass, field
 
 import pytest
-from stickslip.friction import LAWS
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.quantities import positive
+from stickslip.friction import LAWS
 from stickslip.show.explorer.machines import numbers_of
 
 GRIP = ss.quantity("grip of the pad", "1", r"\gamma_{p}", example=0.2, rule=positive, range=(0.05, 0.5))

@@ -8,18 +8,18 @@ from itertools import chain as joined
 
 import numpy as np
 import pytest
-from stickslip.drives import DRIVES
-from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS
-from stickslip.presets import PRESETS
-from stickslip.tracks import TRACKS
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.arguments import described_arguments
 from stickslip.basics.typed_numbers import in_unit
+from stickslip.drives import DRIVES
+from stickslip.friction import LAWS
+from stickslip.mechanisms import MECHANISMS
 from stickslip.models.machine_adapter import machine_of
+from stickslip.presets import PRESETS
 from stickslip.show.cli.arguments import subject
+from stickslip.tracks import TRACKS
 
 TYPED = dict(tilt_deg="1.7 deg", amplitude="0.5525 mm", omega="32.7 Hz", mu0="18 %", body_mass="62.59 g")
 PLAIN = dict(tilt_deg=1.7, amplitude=5.525e-4, omega=65.4 * math.pi, mu0=0.18, body_mass=62.59e-3)

@@ -25,11 +25,10 @@ def rows():
 
 def parts():
     """(prefix, class) of every record that a study file or `replace` can reach into."""
+    import stickslip as ss
     from stickslip.drives import DRIVES
     from stickslip.friction import LAWS
     from stickslip.tracks import TRACKS
-
-    import stickslip as ss
 
     yield "", ss.Robot
     for prefix, registry in (("drive.", DRIVES), ("friction.", LAWS), ("track.", TRACKS)):

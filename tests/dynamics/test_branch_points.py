@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from stickslip.maths import cos, pi
 
 import stickslip as ss
+from stickslip.maths import cos, pi
 
 of_map = ss.SwitchingFlow.of_map
 PITCHFORK = of_map(lambda y, n: ((1 + n.p) * y[0] - y[0] ** 3,), {"p": -0.1}, ("x",))

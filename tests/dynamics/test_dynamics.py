@@ -12,7 +12,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from stickslip.maths import where, within
 
 import kinds
 import stickslip as ss
@@ -25,6 +24,7 @@ from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, strobe_map
+from stickslip.maths import where, within
 from stickslip.show.cli import main
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, exp, sin, sqrt, tanh, where
 
 import stickslip as ss
 from stickslip.dynamics.derivatives.forward_ad import variables
+from stickslip.maths import cos, exp, sin, sqrt, tanh, where
 
 # exponents of maps and smooth flows --------------------------------------------------------------------------------
 

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import pi, sin
 
 import stickslip as ss
 from problems import CAPSULE_1, CAPSULE_3, CAPSULE_7, Worm, chain, module
@@ -28,6 +27,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import (
     strobe_orbit,
     strobe_states,
 )
+from stickslip.maths import pi, sin
 
 #: Central differences with steps of 1e-6 of the scales: their error is some 1e-12 of curvature and 1e-16/1e-6 of rounding.
 DIFFERENCES = 2e-8

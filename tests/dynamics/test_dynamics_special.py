@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from stickslip.maths import sin
 
 import stickslip as ss
+from stickslip.maths import sin
 
 W, CUBIC = 0.6, 0.1
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, pi
 
 import stickslip as ss
+from stickslip.maths import cos, pi
 
 CUBIC = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3 + n.h,), {"r": 1.5, "h": 0.0}, ("x",))
 FOLD = 2 * (0.5 / 3) ** 1.5  # of h: where h + (r - 1) x - x^3 has a double root

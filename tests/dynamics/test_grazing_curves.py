@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, pi
 
 import stickslip as ss
 from every import DEN_HARTOG
+from stickslip.maths import cos, pi
 
 RIG = {"tilt_deg": 1.7, "law": "coulomb"}
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, sin
 
 import stickslip as ss
 from stickslip.dynamics.attractors.basins import wilson
 from stickslip.dynamics.attractors.motion_features import features_of, numbered
 from stickslip.dynamics.attractors.settled_motions import settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
+from stickslip.maths import cos, sin
 
 LOGISTIC = lambda y, n: (n.r * y[0] * (1 - y[0]),)  # noqa: E731
 HENON = ss.SwitchingFlow.of_map(lambda y, n: (1 - 1.4 * y[0] ** 2 + y[1], 0.3 * y[0]), {"a": 1.4}, ("x", "y"))

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.maths import atan, cos, sqrt
 
 import stickslip as ss
 from rows import each_row
+from stickslip.maths import atan, cos, sqrt
 
 
 def ball(restitution=0.8):

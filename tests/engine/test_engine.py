@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stickslip.maths import exp, sqrt, where
 
 import stickslip as ss
 from problems import paper_batch
 from rows import each_row
 from stickslip.engine import lanes, tableaux, trace
+from stickslip.maths import exp, sqrt, where
 
 
 @dataclass(frozen=True)

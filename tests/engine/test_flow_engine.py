@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, exp, pi, sin, sqrt, where, within
 
 import stickslip as ss
 from every import DEN_HARTOG, den_hartog
 from pairs import each_once
+from stickslip.maths import cos, exp, pi, sin, sqrt, where, within
 from stickslip.solvers import flow_engine as flows
 
 R, X = 0.7, 1.88569985041425  # Den Hartog 1930: frequency over the natural one, and the amplitude at friction 0.3

@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 from matplotlib.mathtext import MathTextParser
-from stickslip.friction import LAWS
-from stickslip.maths import sin
 
 import stickslip as ss
 from every import DRY, SHAKEN, with_bodies
@@ -20,6 +18,8 @@ from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.letters import formula, spread, symbol
 from stickslip.engine.tex import indices, letters_of, text_of
+from stickslip.friction import LAWS
+from stickslip.maths import sin
 from stickslip.models.friction.law_adapter import adapted
 from stickslip.models.machine_adapter import machine_of
 from stickslip.show.reports.mathml import mathml

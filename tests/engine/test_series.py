@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stickslip.maths import exp, where
 
 import stickslip as ss
 from problems import LUGRE
 from stickslip.engine import lanes, slaved, tableaux
 from stickslip.engine.slaving import slaving
 from stickslip.engine.trace import trace
+from stickslip.maths import exp, where
 from stickslip.solvers import series
 from stickslip.solvers.lane_tables import CaseTable
 from stickslip.solvers.request import request

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stickslip.maths import sin
 
 import problems
 import stickslip as ss
@@ -24,6 +23,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, fl
 from stickslip.engine import taylor
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
+from stickslip.maths import sin
 
 slow = pytest.mark.slow
 STEP = 2e-5

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import exp, sqrt, tanh, where
 
 import drawn
 import series_twin
 import stickslip as ss
+from stickslip.maths import exp, sqrt, tanh, where
 from stickslip.solvers import stepping
 
 TOLERATED = 1e-10  # of A mu, after six periods: the twin's own steps leave 1e-13 in each of a few hundred

@@ -9,9 +9,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from stickslip.mechanisms import MECHANISMS
-from stickslip.tracks import TRACKS
-from stickslip.variables import VARIABLES
 
 import stickslip as ss
 from every import every_machine, without_line
@@ -39,6 +36,7 @@ from rows import each_row
 from stickslip import presets, records
 from stickslip.engine import tableaux
 from stickslip.engine.tableaux import TABLEAUX
+from stickslip.mechanisms import MECHANISMS
 from stickslip.models.machines import parts
 from stickslip.models.machines.parts import LINKS
 from stickslip.records import formats
@@ -50,6 +48,8 @@ from stickslip.solvers.methods import METHODS
 from stickslip.solvers.part_results import OF_SEVERAL
 from stickslip.studies import solving
 from stickslip.studies.result_columns import COLUMNS, END, filled
+from stickslip.tracks import TRACKS
+from stickslip.variables import VARIABLES
 
 RIG = {"amplitude": [6e-4], "tilt_deg": 1.7, "law": "coulomb"}
 OF_ONE_BODY = "compute it in columns_of in src/stickslip/studies/solving.py"

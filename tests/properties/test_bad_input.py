@@ -11,11 +11,11 @@ from multiprocessing.reduction import ForkingPickler
 import numpy as np
 import pytest
 import xarray as xr
-from stickslip.maths import where
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.fields import number
+from stickslip.maths import where
 
 RIG = {"tilt_deg": 1.7, "amplitude": 5.525e-4}
 

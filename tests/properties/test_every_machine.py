@@ -7,13 +7,13 @@ import warnings
 from pathlib import Path
 
 import pytest
-from stickslip.mechanisms import MECHANISMS
 
 import stickslip as ss
 from every import Case, door_of, every_door, every_machine, not_on_page, without_line, wrong_line
 from registries import tell
 from rows import each_row
 from stickslip.analysis.works import lost_at_hits
+from stickslip.mechanisms import MECHANISMS
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
 sys.path.insert(0, str(PAGE.parent / "_ext"))

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from stickslip.maths import exp, where
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.progress import Line
+from stickslip.maths import exp, where
 from stickslip.models.tables import document_of
 from stickslip.studies import folder
 

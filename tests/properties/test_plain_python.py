@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from stickslip.maths import cos, maximum, pi, sin, sqrt, where
 
 import stickslip as ss
 from rows import each_row
+from stickslip.maths import cos, maximum, pi, sin, sqrt, where
 from stickslip.models.tables import to_toml
 
 record = dataclasses.dataclass(frozen=True, eq=False)

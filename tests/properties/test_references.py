@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from stickslip.maths import sin
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.references import References
 from stickslip.engine import kinds
+from stickslip.maths import sin
 
 OWN = types.ModuleType("helper_of_a_user")
 exec("K = 2.0\ndef scaled(x):\n    return K * x\n", vars(OWN))

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
-from stickslip.maths import cos, pi, sin, where
 
 import stickslip as ss
 from rows import each_row
 from stickslip import maths
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
+from stickslip.maths import cos, pi, sin, where
 from stickslip.models.position_dependence import knows_position
 from stickslip.solvers.closed_arcs import handles, reduced
 

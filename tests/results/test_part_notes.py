@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from stickslip.maths import cos, pi
 
 import stickslip as ss
+from stickslip.maths import cos, pi
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from stickslip.variables import VARIABLES
 
 import stickslip as ss
 from runs import coulomb_run, unit_robot
@@ -15,6 +14,7 @@ from stickslip.results.datasets import COLUMNS
 from stickslip.results.dense_output import HarmonicArcs, PolynomialPieces, pieces_from_arrays
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
+from stickslip.variables import VARIABLES
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import maximum, minimum, where
 
 import stickslip as ss
 from pairs import each_once
 from stickslip.basics.status import STATUS, Status
+from stickslip.maths import maximum, minimum, where
 from stickslip.solvers import stepping
 from stickslip.solvers.stopped import location
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from stickslip.maths import where
 
 import stickslip as ss
 from rows import each_row
+from stickslip.maths import where
 from stickslip.results.segments import type_of
 from stickslip.solvers import set_valued as exact
 from stickslip.solvers.closed_arcs import handles, reduced

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from stickslip.maths import where
 
 import stickslip as ss
 from rows import each_row
+from stickslip.maths import where
 
 COULOMB = ss.Coulomb(0.2, 0.2)
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from stickslip.maths import sin, where
 
 import every
 import stickslip as ss
 from parts_of_runs import solved
 from rows import each_row
+from stickslip.maths import sin, where
 
 PERIODS = 60
 ROBOT = every.SHAKEN

@@ -382,7 +382,6 @@ def test_progress_counts_and_may_stop(every_report):
 def test_every_number_of_every_preset_can_be_an_axis():
     """None has the name of a result or of an option, under which a dataset could not hold both."""
     from stickslip.presets import PRESETS
-
     from stickslip.studies.planning import _ARGUMENTS
     from stickslip.studies.result_columns import COLUMNS
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from drawn_models import Draw
-from stickslip.maths import pi, sin
 
 import stickslip as ss
 from machine_draws.drawing import asks, friction, has_states, sized
+from stickslip.maths import pi, sin
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.drives import DRIVES
 
 import stickslip as ss
 from rows import each_row
 from stickslip.basics.errors import Problems
+from stickslip.drives import DRIVES
 from stickslip.inverse.optimisation.candidates import Candidates
 from stickslip.inverse.optimisation.coexisting_motions import continued
 from stickslip.inverse.optimisation.constraints import checked_limits

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.maths import within
 
 import stickslip as ss
 from coasting import Coasting
@@ -16,6 +15,7 @@ from stickslip.analysis.closed_form import three_phase, two_phase
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import Graph
 from stickslip.engine.values import values_of
+from stickslip.maths import within
 
 G = 9.81
 MU, PLUS, MINUS = 0.1315, 0.15, 0.25

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import where
 
 import stickslip as ss
 from stickslip.engine.law_steps import law_steps
 from stickslip.inverse.identification.law_forces import Stepped, _step_by_step
+from stickslip.maths import where
 from stickslip.models.friction.law_adapter import adapted
 
 

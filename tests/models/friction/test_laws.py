@@ -9,8 +9,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from stickslip.maths import asinh, exp, log, where
-from stickslip.testing import Claim, LawReport, check_law
 
 import stickslip as ss
 from registries import examples
@@ -25,8 +23,10 @@ from stickslip.dynamics.periodic.periodic_orbits import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import Motion
+from stickslip.maths import asinh, exp, log, where
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import adapted, mirrored
+from stickslip.testing import Claim, LawReport, check_law
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
 EVERY = examples(ss.LAWS) | {

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from stickslip.tracks import TRACKS, fold
 
 import stickslip as ss
 from pairs import each_once
@@ -13,6 +12,7 @@ from registries import examples
 from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.symbols import Graph, Sym
+from stickslip.tracks import TRACKS, fold
 
 EVERY = {
     "level": ss.Level(),

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stickslip.maths import pi
 
 import every
 import problems
 import stickslip as ss
 from parts_of_runs import columns_of, solved
 from stickslip.basics.coded_words import CodedWords
+from stickslip.maths import pi
 from stickslip.models.machine_adapter import machine_of
 
 EXTREMES = ("velocity_max", "velocity_min", "slip_max", "slip_min")

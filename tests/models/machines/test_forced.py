@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stickslip.maths import pi, sin
 
 import stickslip as ss
 from pairs import each_once
 from rows import each_row
+from stickslip.maths import pi, sin
 from stickslip.models.machine_adapter import machine_of
 
 OMEGA = 2 * pi / 0.06

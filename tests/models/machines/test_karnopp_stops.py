@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import sin
 
 import stickslip as ss
+from stickslip.maths import sin
 from stickslip.models.friction.law_adapter import adapted
 
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import cos, pi, sin
 
 import stickslip as ss
 from every import DRY, SHAKEN, STICTION, Capsule, every_machine, with_bodies
 from rows import each_row
+from stickslip.maths import cos, pi, sin
 from stickslip.models.mirroring import _unmirrored
 
 LINKS = (ss.Spring(900.0, 0.3, 0.02), ss.Spring(1200.0, 0.4))

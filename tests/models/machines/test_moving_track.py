@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.maths import sin, where
 
 import stickslip as ss
+from stickslip.maths import sin, where
 from stickslip.models.drives.shifted import Shifted
 
 DRY = ss.Coulomb(mu_plus=0.1, mu_minus=0.1)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from stickslip.maths import maximum, sin, where, within
 
 import problems
 import stickslip as ss
+from stickslip.maths import maximum, sin, where, within
 from stickslip.solvers.plain.deciding import decide
 from stickslip.solvers.plain.marching import marched
 from stickslip.solvers.request import request

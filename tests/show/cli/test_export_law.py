@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stickslip.friction import LAWS
-from stickslip.maths import tanh, where
 
 import stickslip as ss
 from compiled import CC, OCTAVE, compiled_laws, octave_steps
@@ -18,6 +16,8 @@ from rows import each_row
 from stickslip.analysis.bench.contact import MovedContact, steady
 from stickslip.analysis.bench.probe import Probe
 from stickslip.engine.traced_law import TracedLaw
+from stickslip.friction import LAWS
+from stickslip.maths import tanh, where
 from stickslip.models.friction.law_adapter import adapted
 
 LOAD = 0.7
