@@ -6,6 +6,7 @@ import errno
 import gc
 import io
 import os
+import random
 import resource
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import pytest
 import stickslip as ss
 from house import ROOT
 from rows import each_row
+from stickslip.basics.whole_files import Deferred
 
 SOURCES = sorted((ROOT / "src" / "stickslip").rglob("*.py"))
 DOOR = "whole_files.py"
@@ -315,3 +317,26 @@ def test_a_write_that_fails_leaves_the_old_file_whichever_it_is(name, tmp_path, 
             path.write_bytes(kept[name])
         gc.collect()
     assert not capfd.readouterr().err
+
+
+@each_row("fails", [0, 1, 5, 20])
+def test_what_is_read_after_a_failed_write_is_what_was_written(fails, tmp_path):
+    """As HDF5 needs it: against a file in memory, for writes, holes and cuts at random places."""
+    rng, memory = random.Random(fails), io.BytesIO()
+    OneFails.left = fails
+    with io.BufferedRandom(OneFails(tmp_path / "x", "w+")) as file:
+        deferred = Deferred(file)
+        for _ in range(300):
+            place, data = rng.randrange(300_000), rng.randbytes(rng.choice([1, 50, 90_000]))
+            for each in (memory, deferred):
+                each.seek(place)
+                each.write(data)
+            place = rng.randrange(300_000)
+            for each in (memory, deferred):
+                each.seek(place)
+            assert deferred.read(70_000) == memory.read(70_000) and deferred.tell() == memory.tell()
+        if fails:
+            with pytest.raises(OSError, match="No space"):
+                deferred.check()
+        else:
+            assert (tmp_path / "x").read_bytes() == memory.getvalue()

@@ -125,29 +125,27 @@ def _move(part: Path, target: Path, new: bool) -> None:
     os.replace(part, target)
 
 
+_PAGE = 1 << 16  # bytes that are kept together
+
+
 class Deferred(io.RawIOBase):
     """A binary file whose first failed write is kept for later, for a library that cannot end well after one, such as HDF5.
 
-    After a failure everything is accepted and nothing is written; `check` raises the error.
+    After a failure nothing more is written to the disk: what the library writes then is kept in memory, so that it reads what it wrote.
+    `check` raises the error.
     """
 
     def __init__(self, file: BinaryIO):
         super().__init__()
-        self._file = file
+        self._raw = getattr(file, "raw", file)  # without a buffer a write succeeds or fails when it is made
         self._error: OSError | None = None
+        self._place = self._size = 0
+        self._pages: dict[int, bytearray] = {}  # of what is not on the disk
 
     def check(self) -> None:
         """Raise the first error, if there was one."""
         if self._error is not None:
             raise self._error
-
-    def _tried(self, act: Callable[[], Any], otherwise: Any) -> Any:
-        if self._error is None:
-            try:
-                return act()
-            except OSError as error:
-                self._error = error
-        return otherwise
 
     def readable(self) -> bool:
         """Yes."""
@@ -163,27 +161,72 @@ class Deferred(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         """Read bytes into a buffer."""
-        return int(self._tried(lambda: self._file.readinto(buffer), len(buffer)))  # type: ignore[attr-defined]
+        view = memoryview(buffer).cast("B")
+        count = max(0, min(len(view), self._size - self._place))
+        view[:count] = self._on_disk(self._place, count)
+        for page, within, part in _pages_of(self._place, count):
+            if page in self._pages:
+                view[part] = self._pages[page][within]
+        self._place += count
+        return count
 
     def write(self, data: Any) -> int:
         """Write bytes."""
-        return int(self._tried(lambda: self._file.write(data), len(data)))
+        view = memoryview(data).cast("B")
+        if self._error is None:
+            try:
+                self._raw.seek(self._place)
+                done = 0
+                while done < len(view):
+                    done += self._raw.write(view[done:]) or 0
+            except OSError as error:
+                self._error = error
+        if self._error is not None:
+            for page, within, part in _pages_of(self._place, len(view)):
+                if page not in self._pages:
+                    self._pages[page] = bytearray(self._on_disk(page * _PAGE, _PAGE))
+                self._pages[page][within] = view[part]
+        self._place += len(view)
+        self._size = max(self._size, self._place)
+        return len(view)
 
     def seek(self, offset: int, whence: int = 0) -> int:
         """Go to a place."""
-        return int(self._tried(lambda: self._file.seek(offset, whence), offset))
+        self._place = offset + (0, self._place, self._size)[whence]
+        return self._place
 
     def tell(self) -> int:
         """The place."""
-        return int(self._tried(self._file.tell, 0))
+        return self._place
 
     def truncate(self, size: int | None = None) -> int:
         """Set the length."""
-        return int(self._tried(lambda: self._file.truncate(size), size or 0))
+        self._size = self._place if size is None else size
+        if self._error is None:
+            try:
+                self._raw.truncate(self._size)
+            except OSError as error:
+                self._error = error
+        return self._size
 
-    def flush(self) -> None:
-        """Write what is buffered."""
-        self._tried(self._file.flush, None)
+    def _on_disk(self, place: int, count: int) -> bytes:
+        """Bytes of the file on the disk, with zeros for what it does not have."""
+        data = b""
+        with contextlib.suppress(OSError):
+            self._raw.seek(place)
+            while len(data) < count and (more := self._raw.read(count - len(data))):
+                data += more
+        return data.ljust(count, b"\0")
+
+
+def _pages_of(place: int, count: int) -> Iterator[tuple[int, slice, slice]]:
+    """The pages that some bytes lie on: the number of each, the part of the page, and the part of the bytes."""
+    done = 0
+    while done < count:
+        page, first = divmod(place + done, _PAGE)
+        size = min(_PAGE - first, count - done)
+        yield page, slice(first, first + size), slice(done, done + size)
+        done += size
 
 
 @contextlib.contextmanager
@@ -195,5 +238,4 @@ def for_hdf5(file: BinaryIO) -> Iterator[Deferred]:
     except Exception:
         deferred.check()  # what the library says after a failed write follows from it
         raise
-    deferred.flush()
     deferred.check()
