@@ -200,6 +200,17 @@ def test_a_strip_shows_period_two_where_the_paper_does(explorer):
     strobes = arrays["strobes"].reshape(2, header["kept"])
     spread = [np.unique(np.round(row / abs(strobes).max(), 2)).size for row in strobes]
     assert spread == [2, 1]  # Fig. 23: period two at 0.04; one strobe point at 0.18
+    assert arrays["settled"].tolist() == [1, 1] and header["said"] == ""
+
+
+def test_a_strip_runs_on_what_does_not_repeat_and_says_what_still_moves(explorer):
+    """At mu0 = 0.03, nearly without friction downhill, the motion needs far more than 64 periods."""
+    with explorer.page() as socket:
+        socket.send(plane("strip", axis("mu0", 0.03, 0.18, 2), values={"amplitude": 6e-4}))
+        header, arrays = answer(socket, "strip")
+    moving = arrays["settled"] == 0
+    assert moving.tolist() == [True, False] and arrays["run"].tolist() == [256, 64]
+    assert header["said"].startswith("1 of 2 values, drawn pale, do not repeat after 256 drive periods")
 
 
 @pytest.mark.parametrize("law", ["lugre", "coulomb", pytest.param("gms", marks=pytest.mark.slow)])
@@ -209,9 +220,9 @@ def test_a_strip_is_what_a_run_for_each_value_gives(explorer, law):
         header, arrays = answer(socket, "strip")
     strobes = arrays["strobes"].reshape(6, header["kept"])
     assert np.isnan(strobes[0]).all() and np.isnan(arrays["means"][0])  # mu0 = 0.01 is below tan 1.7 deg: no such robot
-    for mu, points, mean in zip(arrays["values"][1:], strobes[1:], arrays["means"][1:], strict=True):
+    for mu, points, mean, periods in zip(arrays["values"][1:], strobes[1:], arrays["means"][1:], arrays["run"][1:], strict=True):
         values = {**VALUES, "amplitude": 6e-4, "mu0": float(mu)}
-        run = ss.solve(State(law=law, values=values).robot(), periods=64, rtol=1e-4)
+        run = ss.solve(State(law=law, values=values).robot(), periods=int(periods), rtol=1e-4)
         size = 6e-4 * VALUES["omega"] * 9.48 / (9.48 + 62.59)  # of v where nothing holds the body
         assert points == pytest.approx(run.strobe_v[-16:], abs=3e-3 * size)  # rtol 1e-4 on both sides, over 64 periods
         way = (run.strobe_x[-1] - run.strobe_x[-17]) / (run.strobe_times[-1] - run.strobe_times[-17])

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.basics.batch import some_of
 from stickslip.basics.errors import InputError
+from stickslip.dynamics.attractors.period_numbers import periods_of, return_tolerance
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, strobe_map
 from stickslip.show.explorer.effort import RTOL, effort, too_much
 from stickslip.show.explorer.kernels import Kernels, compiling
@@ -22,9 +24,10 @@ Stop = Callable[[], bool]
 TYPES = ("rest", "presliding", "I", "II", "III", "IV", "other")
 #: Time limit of a map or a strip [s].
 PATIENCE = 8.0
-#: Largest number of drive periods of a map; periods of a strip before its points, and number of its points.
-FINE, SETTLE, KEPT = 200, 48, 16
-#: Loose enough for the fast method, tight enough for four digits.
+#: Largest number of drive periods of a map.
+FINE = 200
+#: Periods of a strip before its points, number of its points, and periods after which a value that does not repeat is not run on.
+SETTLE, KEPT, LIMIT = 48, 16, 256
 
 
 class Stopped(Exception):
@@ -95,7 +98,7 @@ def watch(stop: Stop) -> Callable[[int, int], None]:
 
 # ---- the strip ----
 def strip_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Velocities at the start of some drive periods, and the mean velocity, along one parameter."""
+    """Velocities at the start of some drive periods, the mean velocity, and whether they repeat, along one parameter."""
     state, plane = asked.state, asked.plane
     assert plane is not None
     header = {**vars(plane), "kind": "strip", "law": state.law}
@@ -104,25 +107,72 @@ def strip_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, An
     if not kernels.ready(state, state.law, state.robot(), True):
         return header | {"kind": "waits", "waits": compiling(state, state.law)}, {}
     values = np.linspace(*span, count)
-    strobes, means = np.full((count, KEPT), np.nan), np.full(count, np.nan)
     robots, good = _batch(state, plane.names, [values])
-    strobes[good], means[good] = _strobed(robots, int(good.sum()), tell)
-    return header | {"kept": KEPT, "label": PARAMETERS[name].label}, {"values": values, "strobes": strobes, "means": means}
+    run = _Strip(robots, int(good.sum()), tell)
+    run.settle()
+    arrays = {"values": values}
+    for key, column in (("strobes", run.strobes), ("means", run.means), ("run", run.total), ("settled", run.settled)):
+        arrays[key] = np.full((count, *column.shape[1:]), np.nan)
+        arrays[key][good] = column
+    moving = int(np.count_nonzero(run.wanted & ~run.settled))
+    limit = int(run.total.max())
+    said = f"{moving} of {count} values, drawn pale, do not repeat after {limit} drive periods: not settled, or without a period"
+    return header | {"kept": KEPT, "label": PARAMETERS[name].label, "said": said if moving else ""}, arrays
 
 
-def _strobed(robots: Any, count: int, tell: Callable[[int, int], None]) -> tuple[Any, Any]:
-    """The strobed velocities and the mean velocities of robots that start from rest, solved together."""
-    swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
-    wanted = ~too_much(swings, decays)
-    stride = int(np.clip(2000 / max(swings[wanted].max(initial=0.0), 1.0), 1, 8))  # short enough for prompt cancellation
-    state = np.resize(at_rest(robots), (count, len(coordinates(robots).names)))
-    ways, strobes = np.zeros(count), np.full((count, KEPT), np.nan)
-    periods = [stride] * (SETTLE // stride) + [1] * KEPT
-    for i, step in enumerate(periods):
-        tell(i, len(periods))
-        ends = strobe_map(robots, state, step, RTOL)
-        wanted &= np.all(np.isfinite(ends.state), axis=1)
-        state = np.where(wanted[:, None], ends.state, 0.0)
-        if (point := i - (len(periods) - KEPT)) >= 0:
-            strobes[:, point], ways = np.where(wanted, state[:, coordinates(robots).names.index("v")], np.nan), ways + ends.displacement
-    return strobes, np.where(wanted, ways / (KEPT * np.broadcast_to(robots.period, count)), np.nan)
+class _Strip:
+    """Robots that start from rest and are run together until their states at the start of drive periods repeat, up to a limit.
+
+    Attributes
+    ----------
+    strobes : array (robots, `KEPT`)
+        Velocities at the start of the last drive periods [m/s]; NaN of what is not solved.
+    means : array (robots,)
+        Mean velocities over these [m/s].
+    total : array (robots,)
+        Drive periods that were run.
+    settled : array of bool (robots,)
+        Whether the states at the start of these periods repeat.
+    wanted : array of bool (robots,)
+        Whether a robot is solved.
+    """
+
+    def __init__(self, robots: Any, count: int, tell: Callable[[int, int], None]):
+        self._robots, self._tell, self._began = robots, tell, time.perf_counter()
+        self._swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
+        self.wanted, self._at = ~too_much(self._swings, decays), coordinates(robots)
+        self._state = np.resize(at_rest(robots), (count, len(self._at.names)))
+        self.strobes, self.means = np.full((count, KEPT), np.nan), np.full(count, np.nan)
+        self.total, self.settled = np.zeros(count), np.zeros(count, bool)
+
+    def settle(self) -> None:
+        """Run all to the first look, and what does not repeat then twice as long each time, while there is time."""
+        rows, periods = np.arange(len(self.total)), SETTLE
+        while True:
+            self._look(rows, periods)
+            rows = np.flatnonzero(self.wanted & ~self.settled)
+            total, spent = int(self.total.max()), time.perf_counter() - self._began
+            if not len(rows) or 2 * total > LIMIT or spent > PATIENCE / 3:  # the next look takes as long again
+                return
+            periods = total - KEPT
+
+    def _look(self, rows: Any, periods: int) -> None:
+        """Run robots on by some drive periods, and look at the next `KEPT` ones."""
+        robots, wanted, state = some_of(self._robots, rows), self.wanted[rows], self._state[rows]
+        most = max(self._swings[rows][wanted].max(initial=0.0), 1.0)
+        stride = int(np.clip(2000 / most, 1, 8))  # short enough for prompt cancellation
+        steps, ways, points = [stride] * (periods // stride) + [1] * KEPT, np.zeros(len(rows)), []
+        for i, step in enumerate(steps):
+            self._tell(i, len(steps))
+            ends = strobe_map(robots, state, step, RTOL)
+            wanted = wanted & np.all(np.isfinite(ends.state), axis=1)
+            state = np.where(wanted[:, None], ends.state, 0.0)
+            if i >= len(steps) - KEPT:
+                points.append(state)
+                ways = ways + ends.displacement
+        self.wanted[rows], self._state[rows] = wanted, state
+        self.total[rows] += sum(steps)
+        kept, T = np.stack(points, axis=1), np.broadcast_to(robots.period, len(rows))
+        self.settled[rows] = wanted & (periods_of(kept, self._at.scales, return_tolerance(RTOL)) > 0)
+        self.strobes[rows] = np.where(wanted[:, None], kept[:, :, self._at.names.index("v")], np.nan)
+        self.means[rows] = np.where(wanted, ways / (KEPT * T), np.nan)

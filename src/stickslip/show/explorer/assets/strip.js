@@ -11,7 +11,7 @@ export const axesOf = (s) => { const [from, to] = span(s.vary, s); return [{ nam
 export function listen(action) { go = action; }
 export function place(s) { state = s; draw(); }
 export function show({ header, arrays }) {
-  document.getElementById("strip-said").textContent = header.kind === "strip" ? "" : header.waits ?? header.problems.join("; ");
+  document.getElementById("strip-said").textContent = header.kind === "strip" ? header.said : header.waits ?? header.problems.join("; ");
   if (header.kind === "strip") found = { ...header, ...arrays };
   draw();
 }
@@ -30,10 +30,12 @@ function draw() {
     const size = Math.max(1.6, plane.size / 6);
     mine.strobes.forEach((v, k) => {
       const x = plane.x(mine.values[Math.floor(k / mine.kept)] * p.factor), y = plane.y(speed.factor * v);
+      pen.globalAlpha = mine.settled[Math.floor(k / mine.kept)] === 0 ? 0.25 : 1;
       if (y === y) pen.fillRect(x - size / 2, y - size / 2, size, size);
     });
+    pen.globalAlpha = 1;
     const most = Math.max(...mine.values.map((_, i) => new Set(Array.from(mine.strobes.slice(i * mine.kept, (i + 1) * mine.kept), (v) => digits(v, 3))).size));
-    canvas.setAttribute("aria-label", `velocities at the start of drive periods along ${p.label}, from ${shown(p, a)} to ${shown(p, b)}: between ${digits(1e3 * low, 3)} and ${digits(1e3 * high, 3)} mm/s, at most ${most} different ones at one value; dashed: mean velocity`);
+    canvas.setAttribute("aria-label", `velocities at the start of drive periods along ${p.label}, from ${shown(p, a)} to ${shown(p, b)}: between ${digits(1e3 * low, 3)} and ${digits(1e3 * high, 3)} mm/s, at most ${most} different ones at one value; dashed: mean velocity${mine.said && ". " + mine.said}`);
   }
   const x = plane.x(state.values[state.vary] * p.factor);
   plane.stroke([[x, plane.top], [x, plane.bottom]], colour("ink"), 1.5);
