@@ -16,7 +16,7 @@ import pytest
 import stickslip as ss
 from problems import CAPSULE_1, CAPSULE_3, CAPSULE_7, Worm, chain, module
 from rows import each_row
-from stickslip.dynamics.attractors import settled_motions as rule
+from stickslip.dynamics.attractors import settled_motions as rule, starts_run_on
 from stickslip.dynamics.derivatives.tangents import jacobian_of, orders_differ
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     at_rest,
@@ -462,7 +462,7 @@ def test_a_state_that_the_strobe_map_does_not_change_by_a_bit_is_not_run_on_and_
     end = strobe_map(alone, states, settle, 1e-9)
     points, ways = strobe_orbit(alone, end.state, 64, 1e-9)
     asked = []
-    monkeypatch.setattr(rule, "strobe_orbit", lambda *rest: asked.append(rest) or strobe_orbit(*rest))
+    monkeypatch.setattr(starts_run_on, "strobe_orbit", lambda *rest: asked.append(rest) or strobe_orbit(*rest))
     found = rule.settled_motions(alone, states, coordinates(alone), settle, settle, 1e-9)
     assert np.array_equal(found.points, np.moveaxis(points, 0, 1)) and np.array_equal(found.ways, ways.T)
     assert (found.kind == "periodic").all()
