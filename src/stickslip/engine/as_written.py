@@ -6,7 +6,7 @@ than numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from stickslip.models.declaration import NOT_REPEATABLE, Arguments, answers, cal
 from stickslip.models.machine_adapter import fresh_mechanics
 from stickslip.models.mechanics import Mechanics
 
+Expressions = tuple[Sym, ...] | str  #: of a function, or the name of the error that it raises
 _POINTS = 6
 _SAME, _ASIDE, _HUGE = 1e-9, 1e-12, 1e250  # of a value; of the arguments, to see what rounding does; where functions end
 _checked: Remembered[bool] = Remembered()
@@ -68,9 +69,7 @@ def _check(model: Model) -> bool:
     case = cases_of(model, slice(1))[0]
     m = fresh_mechanics(case)
     one, other = _Traced(model, m), _Traced(model, m)
-    for name, expressions in one.expressions.items():
-        if shape_of(expressions) != shape_of(other.expressions[name]):
-            raise InputError(what, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
+    check_traces(what, one.expressions, other.expressions)
     points = instants(case, m, _POINTS)
     plain = [answers(calls(m, at)) for at in points]
     traced, aside = _values(one, case, points, 0.0), _values(one, case, points, _ASIDE)
@@ -83,7 +82,20 @@ def _check(model: Model) -> bool:
     return True
 
 
-def shape_of(roots: tuple[Sym, ...] | str) -> Any:
+def check_traces(what: str, one: Mapping[str, Expressions], other: Mapping[str, Expressions]) -> None:
+    """`InputError` where two traces of the same functions, by name, are not the same expressions."""
+    for name, roots in one.items():
+        if _shape_of(roots) != _shape_of(other[name]):
+            raise InputError(what, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
+
+
+def values_by_name(graph: Graph, known: dict[str, Any], roots: Mapping[str, tuple[Sym, ...]], count: int) -> dict[str, list[Any]]:
+    """Values of expressions by name at `count` points, from what is known of their symbols: an array (count,) of each."""
+    values = values_of(graph, known, [node for nodes in roots.values() for node in nodes])
+    return {name: [np.broadcast_to(values[node.number], (count,)) for node in nodes] for name, nodes in roots.items()}
+
+
+def _shape_of(roots: Expressions) -> Any:
     """Expressions as a list of operations, the same for the same expressions of another graph."""
     if isinstance(roots, str):
         return roots
@@ -101,8 +113,7 @@ def _values(traced: _Traced, case: Any, points: Sequence[Arguments], aside: floa
     for symbol, *numbers in zip(_flat(traced.names), *map(_flat, points), strict=True):
         values = np.array(numbers, float)
         known[symbol.name] = values if symbol.op == "flag" else values * (1 + aside * moved.uniform(-1, 1, len(points)))
-    computed = values_of(traced.graph, known, [node for nodes in roots.values() for node in nodes])
-    return {name: [np.broadcast_to(computed[node.number], (len(points),)) for node in nodes] for name, nodes in roots.items()}
+    return values_by_name(traced.graph, known, roots, len(points))
 
 
 def _flat(at: Arguments) -> list[Any]:

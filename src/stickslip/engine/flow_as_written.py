@@ -10,12 +10,11 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import is_array
-from stickslip.engine.as_written import compare, shape_of
+from stickslip.engine.as_written import check_traces, compare, values_by_name
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, TracedFlow
 from stickslip.engine.kinds import First
 from stickslip.engine.symbolic import SPAN
-from stickslip.engine.values import values_of
-from stickslip.models.declaration import NOT_REPEATABLE, Calls, answers, check_repeatable
+from stickslip.models.declaration import Calls, answers, check_repeatable
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -79,9 +78,7 @@ def first_of(flow: SwitchingFlow, n: int) -> First:
 def check_flow_as_written(flow: SwitchingFlow, n: int) -> None:
     """`InputError` where traced functions of a flow differ from trace to trace, or from what plain Python gives."""
     one, other = TracedFlow(flow, n), TracedFlow(flow, n)
-    for name, expressions in one.expressions.items():
-        if shape_of(expressions) != shape_of(other.expressions[name]):
-            raise InputError(_WHAT, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
+    check_traces(_WHAT, one.expressions, other.expressions)
     points = _points(flow, n)
     traced, aside = _values(one, flow, points, 0.0), _values(one, flow, points, _ASIDE)
     plain = _plain(flow)
@@ -106,5 +103,4 @@ def _values(traced: TracedFlow, flow: SwitchingFlow, points: list[tuple[float, l
     columns = {"t": [t for t, _ in points]} | {f"y{i}": [y[i] for _, y in points] for i in range(traced.n)}
     known |= {name: np.array(column) * (1 + aside * moved.uniform(-1, 1, count)) for name, column in columns.items()}
     known |= {BEGIN: 0.0, MOST: 1e4, SPAN: 1.0} | {f"{SIZE}{i}": 1.0 for i in range(traced.n)} | {f"mode{k}": 1.0 for k in range(4)}
-    computed = values_of(traced.graph, known, [node for nodes in traced.expressions.values() for node in nodes])
-    return {name: [np.broadcast_to(computed[node.number], (count,)) for node in nodes] for name, nodes in traced.expressions.items()}
+    return values_by_name(traced.graph, known, traced.expressions, count)

@@ -8,13 +8,10 @@ import numpy as np
 
 from stickslip.basics.batch import cases_of
 from stickslip.basics.contracts import Law
-from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
-from stickslip.engine.as_written import compare, shape_of
+from stickslip.engine.as_written import check_traces, compare, values_by_name
 from stickslip.engine.symbols import Sym
 from stickslip.engine.traced_law import TracedLaw
-from stickslip.engine.values import values_of
-from stickslip.models.declaration import NOT_REPEATABLE
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
 _POINTS = 6
@@ -34,10 +31,8 @@ def traced_as_written(law: Law) -> TracedLaw:
     """
     traced, again, case = TracedLaw(law), TracedLaw(law), cases_of(law, slice(1))[0]
     plain, numbers_of_case = adapted(case), {name: float(value) for name, value in leaves(case) if value is not None}
-    roots, others = _roots(traced), _roots(again)
-    for name, expressions in roots.items():
-        if shape_of(expressions) != shape_of(others[name]):
-            raise InputError(plain.name, [f"{name} is another expression each time it is called with the same symbols; {NOT_REPEATABLE}"])
+    roots = _roots(traced)
+    check_traces(plain.name, roots, _roots(again))
     draw = np.random.default_rng(0)
     for _ in range(_POINTS):
         v = float(draw.choice([-1.0, 1.0]) * np.exp(draw.uniform(*np.log(_SPEEDS))))
@@ -80,5 +75,4 @@ def _values(
     known |= {symbol.name: value * (1 + aside) for symbol, value in zip(traced.z, z, strict=True)} | {
         mode.name: 0.0 for mode in traced.mode
     }
-    computed = values_of(traced.graph, known, [node for nodes in roots.values() for node in nodes])
-    return {name: [float(np.ravel(computed[node.number])[0]) for node in nodes] for name, nodes in roots.items()}
+    return {name: [float(value[0]) for value in values] for name, values in values_by_name(traced.graph, known, roots, 1).items()}
