@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.basics.errors import Problems
-from stickslip.basics.fields import is_record
 from stickslip.basics.quantities import quantity
-from stickslip.models.drives.drive_adapter import drive_of, lacking
+from stickslip.models.drives.drive_adapter import drive_of
 from stickslip.models.drives.fourier import series
 from stickslip.models.drives.harmonic import Harmonic
+from stickslip.models.drives.within import with_drives
 from stickslip.models.drives.wrapper import Around
 
 _SAMPLES = 64  # instants of a period at which a drive that does not name its stroke is asked for its position
@@ -69,23 +68,12 @@ def with_ripple(record: Any, sines: tuple[float, ...], cosines: tuple[float, ...
     >>> with_ripple(rig, sines=(0.02,), cosines=(0.0,)).drive.sines
     (1e-05,)
     """
-    if isinstance(record, tuple):
-        return tuple(with_ripple(part, sines, cosines) for part in record)
-    if not isinstance(record, type) and not lacking(record):
-        size = _amplitude(record)
-        return Rippled(record, tuple(size * s for s in sines), tuple(size * c for c in cosines))
-    if not is_record(record):
-        return record
-    parts = {f.name: getattr(record, f.name) for f in dataclasses.fields(record) if f.init}
-    changed = {name: made for name, part in parts.items() if _differs(part, made := with_ripple(part, sines, cosines))}
-    return dataclasses.replace(record, **changed) if changed else record
 
+    def rippled(drive: Any) -> Rippled:
+        size = _amplitude(drive)
+        return Rippled(drive, tuple(size * s for s in sines), tuple(size * c for c in cosines))
 
-def _differs(part: Any, made: Any) -> bool:
-    """Whether something in a part was replaced."""
-    if isinstance(part, tuple):
-        return any(_differs(one, other) for one, other in zip(part, made, strict=True))
-    return made is not part
+    return with_drives(record, rippled)
 
 
 def _amplitude(drive: Any) -> float:
