@@ -9,7 +9,7 @@ from stickslip.basics.contracts import Array
 _LINES = 4  # of the spectrum of each number of the state, from the strongest on, that may be the winding
 _LONGEST = 32  # periods of motions that repeat: a winding is not a multiple of one part of them
 _SMOOTH = 0.02  # of the variance: half the mean square of what neighbours on the curve differ by
-_HALVINGS = 40
+_EXACT = 1e-9  # of the distance between two lines of a spectrum: how well the place of a maximum is known
 
 
 def winding_number(points: Array) -> float | None:
@@ -69,21 +69,13 @@ def _lines(x: Array) -> list[float]:
 
 
 def _refined(x: Array, low: float, high: float) -> float:
-    """The frequency of the maximum of a line between two others, by golden sections."""
-    k, golden = np.arange(len(x)), 0.5 * (5**0.5 - 1)
+    """The frequency of the maximum of a line between two others."""
+    from scipy.optimize import minimize_scalar
 
-    def strength(turns: float) -> float:
-        return float(abs(np.exp(-2j * np.pi * turns * k) @ x))
+    k = np.arange(len(x))
 
-    a, b = high - golden * (high - low), low + golden * (high - low)
-    of_a, of_b = strength(a), strength(b)
-    for _ in range(_HALVINGS):
-        if of_a > of_b:
-            high, b, of_b = b, a, of_a
-            a = high - golden * (high - low)
-            of_a = strength(a)
-        else:
-            low, a, of_a = a, b, of_b
-            b = low + golden * (high - low)
-            of_b = strength(b)
-    return 0.5 * (low + high)
+    def weakness(turns: float) -> float:
+        return -float(abs(np.exp(-2j * np.pi * turns * k) @ x))
+
+    exact = {"xatol": _EXACT * (high - low)}
+    return float(minimize_scalar(weakness, bounds=(low, high), method="bounded", options=exact).x)
