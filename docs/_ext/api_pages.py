@@ -14,9 +14,10 @@ import re
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:  # the list is completed, and tested, without Sphinx
+    from sphinx.application import Sphinx
 
 AFTER_NAPOLEON = 600
 #: Package -> the section of ``api.md`` for its public names that are not listed.
