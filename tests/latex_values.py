@@ -41,6 +41,8 @@ class _Reader:
         while self.peek() and self.peek() not in "+-}&,=<>" and self.peek() not in (
             r"\right)", r"\right|", r"\\", r"\end{cases}", r"\geq", r"\leq", r"\wedge", r"\vee", r"\text{for}\:",
         ):  # fmt: skip
+            if self.peek() == r"\cdot":  # before a power of ten
+                self.take()
             value *= self.factor()
         return value
 

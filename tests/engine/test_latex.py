@@ -1,5 +1,6 @@
 """Equations as LaTeX: those of a textbook, derived by hand, for machines of one body and of several; and they can be drawn."""
 
+import math
 import random
 import re
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ from registries import examples
 from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_motion import _Parts
-from stickslip.engine.letters import formula, spread, symbol
+from stickslip.engine.letters import expression_of, spread, symbol
 from stickslip.engine.tex import indices, letters_of, text_of
 from stickslip.friction import LAWS
 from stickslip.maths import sin
@@ -125,7 +126,7 @@ def test_what_is_written_is_what_is_solved(name):
     wanted = model.mechanics.accelerations(0.004, q, u, R)
     found = parts.accelerations(symbol("t", 0), parts.x, parts.v, R)
     for mass, a, expected in zip(parts.masses, found, wanted, strict=True):
-        told = value(text_of(spread(formula(a), mass)), numbers) / value(text_of(mass), numbers)
+        told = value(text_of(spread(expression_of(a), expression_of(mass))), numbers) / value(text_of(mass), numbers)
         assert told == pytest.approx(float(expected), rel=1e-10, abs=1e-12)
 
 
@@ -206,3 +207,19 @@ def test_lugre_friction_is_written_in_the_order_in_which_it_is_published():
     g = r"\left(\mu_{+} + \left(f_{+} - \mu_{+}\right) e^{- \frac{v^{2}}{v_{s}^{2}}}\right)"
     assert forward == rf"\dot z &= v - \frac{{\sigma_{{0}} v z}}{{N {g}}}, && v > 0"
     assert backward == rf"\dot z &= v + \frac{{\sigma_{{0}} v z}}{{N {g.replace('+}', '-}')}}}, && v < 0"
+
+
+@each_row(
+    ("number", "text"),
+    [
+        (0.1, "0.1 x"),
+        (1 / 3, r"\frac{x}{3}"),
+        (1 / 7, r"\frac{x}{7}"),
+        (0.6867000000000001, "0.6867 x"),  # rounding errors of a product are no digits
+        (2.5e-12, r"2.5 \cdot 10^{-12} x"),
+        (0.75 * math.pi, r"0.75 \pi x"),
+    ],
+)
+def test_numbers_are_short(number, text):
+    written = text_of(number * symbol("x"))
+    assert written == text and value(written, {"x": 3.0}) == pytest.approx(3.0 * number, rel=1e-15)

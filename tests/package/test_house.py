@@ -13,7 +13,7 @@ import pytest
 from house import PAGES, ROOT, blocks
 
 SOURCES = sorted(p for p in (ROOT / "src" / "stickslip").rglob("*.py") if p.parent.name != "kernels")  # kernel texts are not modules
-HEAVY = ("numba", "llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2")
+HEAVY = ("numba", "llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2", "sympy")
 
 
 def id_of(path):

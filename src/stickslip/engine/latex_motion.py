@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import sympy
+
 from stickslip.basics.contracts import Law, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.engine.latex_laws import lines_of_law
-from stickslip.engine.letters import Cases, Extreme, Formula, Letter, formula, spread, symbol
+from stickslip.engine.letters import Formula, expression_of, spread, symbol
 from stickslip.engine.tex import Letters, indices, letters_of, subscripted, text_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import Numbers, OneBody
@@ -90,12 +92,12 @@ def _of_bodies(mechanics: Any) -> list[str]:
     q, u = _of_coordinates(mechanics, x), _of_coordinates(mechanics, v)
     moved = mechanics.accelerations(t, q, u, R, _held(mechanics))
     for c, (mass, acceleration) in enumerate(zip(mechanics.masses, moved, strict=True)):
-        lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(formula(acceleration), mass))}")
+        lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(expression_of(acceleration), expression_of(mass)))}")
     for instant, jumps in mechanics.jumps:
         lines += [
             rf"\Delta {subscripted('v', index)} &= {text_of(jumps[mechanics.coordinate_of(name)])}, && t = {text_of(instant)}"
             for name, index in zip(mechanics.bodies, own, strict=True)
-            if formula(jumps[mechanics.coordinate_of(name)]) != 0
+            if expression_of(jumps[mechanics.coordinate_of(name)]) != 0
         ]
     return lines
 
@@ -114,7 +116,7 @@ def _of_controllers(mechanics: _Parts) -> list[str]:
     """Rates of what controllers hold, and what a sample makes of it; of one that samples, what is held has no rate."""
     z, t, q, u = _held(mechanics), symbol("t", 0), mechanics.x, mechanics.v
     rates = zip(z, mechanics.control_rates(t, q, u, z), strict=True)
-    lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if formula(rate) != 0]
+    lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if expression_of(rate) != 0]
     if mechanics.controllers.sample is None:
         return lines
     when = rf"t = k \, {text_of(mechanics.controllers.sample)}"
@@ -134,12 +136,12 @@ def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
     terms = []
     for name, index in zip(mechanics.bodies, own, strict=True):
         if mechanics.coordinate_of(name) == c:
-            mass = formula(mechanics.masses[c] if parts is None else parts[name].mass)
+            mass = expression_of(mechanics.masses[c] if parts is None else parts[name].mass)
             factor = (
                 ""
                 if mass == 1
                 else rf"\left({text_of(mass)}\right) "
-                if mass.is_sum
+                if mass.is_Add
                 else text_of(mass) + (r" \, " if "mathrm" in text_of(mass) else " ")
             )
             terms.append(rf"{factor}\ddot {subscripted('x', index)}")
@@ -162,15 +164,15 @@ def _of_links(mechanics: _Parts) -> list[str]:
             " - ".join(rf"{subscripted('v', mechanics.index[end])}^{sign}" for end in stop.ends if end is not None) for sign in ("+", "-")
         )
         given = before if stop.ends[1] is None else rf"\left({before}\right)"
-        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * formula(stop.part.gap))}"
+        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * expression_of(stop.part.gap))}"
         lines.append(f"{after} &= - {text_of(stop.restitution)} {given}, && {where}")
     return lines
 
 
 def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
     """The formula of a tension; where it distinguishes cases, in the distance d, which has a line of its own."""
-    force = formula(part.force(distance, rate))
-    if not any(isinstance(atom, (Cases, Extreme)) for atom in force.atoms):
+    force = expression_of(part.force(distance, rate))
+    if not force.has(sympy.Piecewise, sympy.Max, sympy.Min):
         return [f"{letter} &= {text_of(force)}"]
     marks = letter[1:].lstrip("'")
     d, moving = (symbol(own + marks, 0) for own in ("d", r"\dot d"))
@@ -186,7 +188,7 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         by_text = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
-            alone = lines_of(law.law, formula(slip), formula(load), index, v)
+            alone = lines_of(law.law, Formula(expression_of(slip)), Formula(expression_of(load)), index, v)
             turned = _states(["i" if each == index else each for each in bodies])[1]
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             by_text.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
@@ -221,9 +223,12 @@ def _renumbered(letters: Letters, law: Law, slip: Any, load: Any, index: str) ->
     """Law, slip and load of a contact, with i for its index and for the number that its symbols share."""
     numbers = dict(leaves(law))
     new = letters.renumbered([load, slip, *numbers.values()], "i")
-    new |= {Letter(subscripted("v", index), 0): symbol(subscripted("v", "i"), 0)}
-    turned = replace_leaf(law, {name: formula(value).at(new) for name, value in numbers.items()})
-    return turned, formula(slip).at(new), formula(load).at(new), "i"
+    new |= {symbol(subscripted("v", index), 0).expression: symbol(subscripted("v", "i"), 0).expression}
+
+    def turned(value: Any) -> Formula:
+        return Formula(expression_of(value).xreplace(new))
+
+    return replace_leaf(law, {name: turned(value) for name, value in numbers.items()}), turned(slip), turned(load), "i"
 
 
 def _velocity_letter(slip: Any, index: str, v: tuple[Formula, ...]) -> str:

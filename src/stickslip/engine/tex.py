@@ -5,26 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
+import sympy
+from sympy.printing.latex import LatexPrinter
+
 from stickslip.basics.fields import field_description
-from stickslip.engine.letters import (
-    Atom,
-    Both,
-    Bracket,
-    Call,
-    Cases,
-    Extreme,
-    Factors,
-    Formula,
-    Letter,
-    Power,
-    expanded,
-    formula,
-    order_of,
-    symbol,
-)
+from stickslip.engine.letters import Formula, Letter, expression_of, symbol
 
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
 _GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")
@@ -36,9 +23,8 @@ _LETTERS = {
     "cosines": "a", "sines": "b",
 }  # fmt: skip
 _TAKEN = ("t", "x", "v", "R", "w", "F")  # the letters of an equation of motion
-_SIGNS = {">": ">", "<": "<", ">=": r"\geq", "<=": r"\leq"}
-_FRACTIONS = (2, 3)  # denominators that stay; others are decimals where these are short
-_NAMED = ("sin", "cos", "tan", "sinh", "cosh", "tanh", "log")
+_FRACTIONS = (1, 2, 3)  # denominators that stay; others are decimals where these are short, and fractions where both are
+_SHORT = 1000
 
 
 # ---- formulas ----
@@ -51,113 +37,46 @@ def text_of(value: Any) -> str:
     >>> print(text_of(N * v / (v + 1.2) - 0.8 * v**2))
     \frac{N v}{v + 1.2} - 0.8 v^{2}
     """
-    text = _sum(formula(value))
+    text = _Printer().doprint(expression_of(value))
     text = re.sub(r"(\\mathrm\{[^{}]*\}(?:_\{(?:[^{}]|\{[^{}]*\})*\})?) (?=[\\A-Za-z])(?!\\le|\\ge)", r"\1 \\, ", text)
     return re.sub(r"(?<=[\w}]) (?=\\mathrm)", r" \\, ", text)
 
 
-def _sum(value: Formula) -> str:
-    """Terms by their letters, then numbers, then terms with brackets; a sum does not begin with a minus if it has a positive term."""
-    terms = sorted(
-        (_rank(factors), [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
-    )
-    texts = [term for *_, term in terms]
-    first = next((term for term in texts if not term.startswith("-")), None)
-    if first is not None:
-        texts.remove(first)
-        texts.insert(0, first)
-    text = " + ".join(texts).replace("+ -", "-")
-    return (text.replace("- ", "-", 1) or "0") if value.is_number else text
+class _Printer(LatexPrinter):
+    """SymPy's printer with terms in the order of the literature, and short decimals."""
+
+    def _as_ordered_terms(self, expr: sympy.Add, order: Any = None) -> list[sympy.Expr]:
+        """Terms by their letters, then numbers, then terms with brackets; no minus in front of a sum that has a positive term."""
+        terms = sorted(expr.args, key=_rank)
+        first = next((term for term in terms if term.as_coeff_Mul()[0] > 0), terms[0])
+        return [first, *(term for term in terms if term is not first)]
+
+    def _print_Mul(self, expr: sympy.Mul) -> str:
+        number, rest = expr.as_coeff_Mul()
+        factors = list(sympy.Mul.make_args(rest))
+        for sine in [f for f in factors if isinstance(f, sympy.sin)]:
+            if (below := 1 / sympy.cos(sine.args[0], evaluate=False)) in factors:
+                factors = [f for f in factors if f not in (sine, below)] + [sympy.tan(sine.args[0], evaluate=False)]
+        shown = sympy.Float(number) if _is_decimal(number) else number
+        return super()._print_Mul(sympy.Mul(*([] if number == 1 else [shown]), *factors, evaluate=False))
+
+    def _needs_mul_brackets(self, expr: sympy.Expr, first: bool = False, last: bool = False) -> bool:
+        return not isinstance(expr, sympy.Piecewise) and super()._needs_mul_brackets(expr, first, last)
+
+    def _print_Rational(self, expr: sympy.Rational) -> str:
+        return self._print(sympy.Float(expr)) if _is_decimal(expr) else super()._print_Rational(expr)
 
 
-def _rank(factors: Factors) -> int:
-    """Where a term stands in a sum: 0 for letters and functions, 1 for a number, 2 for a term with a bracket."""
-    return 1 if not factors else 2 if any(isinstance(atom, Bracket) for atom, _ in factors) else 0
+def _rank(term: sympy.Expr) -> Any:
+    """Where a term stands in a sum: 0 for letters and functions, 1 for a number, 2 for a term with a bracket; and its factors."""
+    factors = term.as_coeff_Mul()[1].as_ordered_factors()
+    rank = 1 if term.is_Number else 2 if any(f.as_base_exp()[0].is_Add for f in factors) else 0
+    return rank, [f.sort_key() for f in factors]
 
 
-def _term(factors: Factors, number: Fraction) -> str:
-    above, below = _decimal(abs(number))
-    over, under = ([pair for pair in factors if (pair[1] > 0) is up] for up in (True, False))
-    top = _joined(above, over)
-    if under or below != "1":
-        top = rf"\frac{{{top}}}{{{_joined(below, [(atom, -e) for atom, e in under])}}}"
-    return f"- {top}" if number < 0 else top
-
-
-def _decimal(number: Fraction) -> tuple[str, str]:
-    """A number as what stands above and below a line."""
-    if number.denominator in (1, *_FRACTIONS) or 10**12 % number.denominator:
-        return str(number.numerator), str(number.denominator)
-    return repr(float(number)), "1"
-
-
-def _joined(number: str, factors: Iterable[tuple[Atom, Fraction]]) -> str:
-    """Factors side by side; a bracket alone needs no brackets."""
-    atoms = list(factors)
-    if number == "1" and len(atoms) == 1 and isinstance(atoms[0][0], Bracket) and atoms[0][1] == 1:
-        return _sum(atoms[0][0].sum)
-    return " ".join([number] * (number != "1" or not atoms) + [_text(atom, exponent) for atom, exponent in atoms])
-
-
-def _text(atom: Atom, exponent: Fraction) -> str:
-    """A factor with its power."""
-    if exponent == Fraction(1, 2):
-        return rf"\sqrt{{{_sum(atom.sum) if isinstance(atom, Bracket) else _text(atom, Fraction(1))}}}"
-    raised = "" if exponent == 1 else f"^{{{_sum(formula(exponent))}}}"
-    if isinstance(atom, Letter):
-        return atom.text if not raised else f"{{{atom.text}}}{raised}" if "^" in atom.text else atom.text + raised
-    if isinstance(atom, Bracket):
-        return _bracketed(atom.sum) + raised
-    if isinstance(atom, Call):
-        return _called(atom, raised, exponent)
-    if isinstance(atom, Power):
-        return f"{_based(atom.base)}^{{{_sum(atom.exponent if exponent == 1 else atom.exponent * exponent)}}}"
-    return (_extreme(atom) if isinstance(atom, Extreme) else _cases(atom)) + raised
-
-
-def _bracketed(value: Formula) -> str:
-    return rf"\left({_sum(value)}\right)"
-
-
-def _based(base: Formula) -> str:
-    """The base of a power: a letter or a number as it stands, anything else in brackets."""
-    text = _sum(base)
-    return text if not base.is_sum and re.fullmatch(r"\\?\w+(_\{.*\})?|\\left\|.*\\right\|", text) else rf"\left({text}\right)"
-
-
-def _called(call: Call, raised: str, exponent: Fraction) -> str:
-    inner = _sum(expanded(call.argument) if call.name in ("sin", "cos") else call.argument)
-    if call.name == "exp":
-        return f"e^{{{_sum(call.argument * exponent)}}}"
-    if call.name == "abs":
-        return rf"\left|{{{inner}}}\right|{raised}"
-    name = rf"\{call.name}" if call.name in _NAMED else rf"\operatorname{{{call.name}}}"
-    return rf"{name}{raised}{{\left({inner} \right)}}"
-
-
-def _extreme(atom: Any) -> str:
-    two = sorted((atom.one, atom.other), key=lambda value: not value.is_number)
-    return rf"\{atom.name}\left({_sum(two[0])}, {_sum(two[1])}\right)"
-
-
-def _cases(atom: Any) -> str:
-    lines, rest = [], formula(1) * Formula.of(atom)
-    while (cases := _only_cases(rest)) is not None:
-        lines.append(rf"{_sum(cases.yes)} & \text{{for}}\: {_condition(cases.condition)}")
-        rest = cases.no
-    return r"\begin{cases} " + r" \\".join([*lines, rf"{_sum(rest)} & \text{{otherwise}}"]) + r" \end{cases}"
-
-
-def _only_cases(value: Formula) -> Cases | None:
-    """The case distinction that a formula is, if it is one."""
-    (atom,) = atoms if len(atoms := [a for factors in value.terms for a, _ in factors]) == 1 else [None]
-    return atom if isinstance(atom, Cases) and value == Formula.of(atom) else None
-
-
-def _condition(condition: Any) -> str:
-    if isinstance(condition, Both):
-        return rf"{_condition(condition.one)} {condition.joined} {_condition(condition.other)}"
-    return f"{_sum(condition.left)} {_SIGNS[condition.sign]} {_sum(condition.right)}"
+def _is_decimal(number: sympy.Rational) -> bool:
+    """Whether a number is written as a decimal."""
+    return number.q not in _FRACTIONS and (10**12 % number.q == 0 or number.q > _SHORT)
 
 
 # ---- letters ----
@@ -210,14 +129,14 @@ class Letters:
     """The symbols of a record's numbers by their dotted names, and those that are one of several by their number."""
 
     symbols: dict[str, Formula]
-    numbered: dict[Atom, tuple[str, str]]  # of a symbol: how it prints with %s for its number, and its number
+    numbered: dict[Letter, tuple[str, str]]  # of a symbol: how it prints with %s for its number, and its number
 
     def renumbered(self, expressions: Iterable[Any], index: str) -> dict[Any, Any]:
-        """A function that replaces the number common to all numbered symbols by an index; nothing if there is none."""
-        symbols = {s for expression in expressions for s in formula(expression).atoms if s in self.numbered}
+        """What replaces the number common to all numbered symbols by an index; nothing if there is none."""
+        symbols = {s for value in expressions for s in expression_of(value).free_symbols if s in self.numbered}
         if len({self.numbered[s][1] for s in symbols}) != 1:
             return {}
-        return {s: symbol(self.numbered[s][0].replace("%s", index)) for s in symbols}
+        return {s: symbol(self.numbered[s][0].replace("%s", index)).expression for s in symbols}
 
 
 def letters_of(record: Any, names: Iterable[str]) -> Letters:
@@ -233,9 +152,8 @@ def letters_of(record: Any, names: Iterable[str]) -> Letters:
             is_own = list(tried.values()).count(text) == 1 and text not in _TAKEN and text not in _printed(chosen, ways)
             if name not in chosen and (is_own or length == 2):
                 chosen[name] = ways[name][0][length]
-    texts = {name: form.replace("%s", ways[name][1]) for name, form in chosen.items()}
-    symbols = {name: symbol(text) for name, text in texts.items()}
-    numbered = {Letter(texts[name]): (chosen[name], number) for name, (_, number) in ways.items() if number}
+    symbols = {name: symbol(form.replace("%s", ways[name][1])) for name, form in chosen.items()}
+    numbered = {symbols[name].expression: (chosen[name], number) for name, (_, number) in ways.items() if number}
     return Letters(symbols, numbered)
 
 
