@@ -61,7 +61,7 @@ def read_study(path):
     """What the commands do with a study file before they solve."""
     if "[identify" in path.read_text(encoding="utf-8", errors="replace"):
         identify._table(path)
-    study_files.found(str(path))
+    study_files.study_named(str(path))
 
 
 def read_many(count, seed, folder):

@@ -105,5 +105,5 @@ def done(name: str, words: list[str]) -> int:
     from stickslip.show.cli.arguments import asked
     from stickslip.show.cli.outputs import finish
 
-    found = asked(name, words)
-    return finish(found, declaration(name).act(found))
+    arguments = asked(name, words)
+    return finish(arguments, declaration(name).act(arguments))

@@ -16,7 +16,7 @@ from stickslip.models.naming import axis_of, example_for
 from stickslip.show.cli.declaring import commands_in, declaration
 from stickslip.show.cli.probing import probe, probe_axes
 from stickslip.show.cli.show import writable
-from stickslip.show.cli.study_files import ALLOW_CODE, SOLVER, found
+from stickslip.show.cli.study_files import ALLOW_CODE, SOLVER, study_named
 
 
 class _Allow(argparse.Action):
@@ -40,20 +40,20 @@ class Parser(argparse.ArgumentParser):
 
     def _in_our_words(self, message: str) -> str:
         """Translate a message of argparse into the given value, the allowed ones and what to type."""
-        if found := re.search(r"unrecognized arguments: (\S+)", message):
+        if match := re.search(r"unrecognized arguments: (\S+)", message):
             options = [option for option in self._option_string_actions if option.startswith("--")]
-            if found[1].startswith("-"):
-                return f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
-            return f"{found[1]!r} is an unexpected argument; options are {', '.join(options)}"
-        if found := re.search(r"arguments are required: (.+)", message):
-            missing = found[1].split(", ")
+            if match[1].startswith("-"):
+                return f"{match[1]} is not an option; {did_you_mean(match[1], options)}"
+            return f"{match[1]!r} is an unexpected argument; options are {', '.join(options)}"
+        if match := re.search(r"arguments are required: (.+)", message):
+            missing = match[1].split(", ")
             robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.56e-4"
             verb = "is" if len(missing) == 1 else "are"
             return f"{' and '.join(missing)} {verb} missing; {robot if 'ROBOT' in missing else f'type for example {self._example()}'}"
-        if found := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
-            return f"{found[1]} needs a value: {found[1]} {self._metavar(found[1])}"
-        if found := re.search(r"argument (\S+?)(?:/\S+)?: invalid (int|float) value: (.+)", message):
-            return f"{found[1]} {found[3]}; allowed is a {'whole number' if found[2] == 'int' else 'number'}"
+        if match := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
+            return f"{match[1]} needs a value: {match[1]} {self._metavar(match[1])}"
+        if match := re.search(r"argument (\S+?)(?:/\S+)?: invalid (int|float) value: (.+)", message):
+            return f"{match[1]} {match[3]}; allowed is a {'whole number' if match[2] == 'int' else 'number'}"
         return message
 
     def _example(self) -> str:
@@ -90,14 +90,14 @@ def asked(command: str, words: list[str]) -> Any:
     made, declared = parser(command), declaration(command)
     mixed = any(action.nargs == "*" for action in made._actions)  # positional words of two kinds, with options between them
     read = made.parse_intermixed_args if mixed else made.parse_args
-    found: Any = made.parse_known_args(words)[0] if declared.open_ended else read(words)
+    parsed: Any = made.parse_known_args(words)[0] if declared.open_ended else read(words)
     if declared.driven:
-        check_driven(command, found.robot)
+        check_driven(command, parsed.robot)
     for name, (option, ends) in made.files.items():
-        setattr(found, name, writable(option, getattr(found, name), ends))
-    found.command, found.typed = command, " ".join(["stickslip", command, *words])
-    found.words = words
-    return found
+        setattr(parsed, name, writable(option, getattr(parsed, name), ends))
+    parsed.command, parsed.typed = command, " ".join(["stickslip", command, *words])
+    parsed.words = words
+    return parsed
 
 
 def value(text: str, unit: str = "") -> Any:
@@ -171,31 +171,31 @@ def units_of(make: Any) -> Callable[[str], str]:
 
 def named_words(words: list[str], problems: Problems, wanted: str, before: str = "") -> Iterator[tuple[str, str]]:
     """The names and texts of NAME=TEXT words; other words, and names given twice, are noted as problems."""
-    seen = set()
+    names = set()
     for word in words:
         name, _, text = word.partition("=")
         if not name or not text:
             problems.add(f"{before}{word!r} is not {wanted}")
-        elif name in seen:
+        elif name in names:
             problems.add(f"{before}{name} is given twice")
         else:
-            seen.add(name)
+            names.add(name)
             yield name, text
 
 
 def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
     """NAME=VALUE words as a dict, with numbers converted to the units of their names; errors are noted."""
-    found: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.56e-4"):
         if not many and (".." in text or ("," in text)):
             example = f"{name}={example_for(name):.6g}"
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
         else:
             try:
-                found[name] = values(text, units(name)) if many else value(text, units(name))
+                given[name] = values(text, units(name)) if many else value(text, units(name))
             except ValueError as error:
                 problems.add(f"{name}: {error}")
-    return found
+    return given
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ def subject(
     that it knows from the file's [solve]; the others are for other commands.
     """
     problems = Problems("arguments")
-    study = found(name)
+    study = study_named(name)
     if own or not strict:
         kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
         study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
@@ -297,9 +297,9 @@ def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems
     """The [arguments] of a study file that the command line does not set itself."""
     typed = {word.partition("=")[0] for word in words}
     rest = {name: v for name, v in arguments.items() if name not in typed}
-    found = {name: v for name, v in rest.items() if not isinstance(v, (str, list)) or (many and isinstance(v, list))}
-    several = [f"{name}={','.join(map(str, v))}" if isinstance(v, list) else f"{name}={v}" for name, v in rest.items() if name not in found]
-    return {**found, **settings(several, many, problems, units)}
+    plain = {name: v for name, v in rest.items() if not isinstance(v, (str, list)) or (many and isinstance(v, list))}
+    several = [f"{name}={','.join(map(str, v))}" if isinstance(v, list) else f"{name}={v}" for name, v in rest.items() if name not in plain]
+    return {**plain, **settings(several, many, problems, units)}
 
 
 def names_of(make: Any) -> tuple[list[str], list[str]]:
@@ -314,7 +314,7 @@ def names_of(make: Any) -> tuple[list[str], list[str]]:
 
 def check_driven(command: str, name: str) -> None:
     """Raise an `InputError` if a study file holds an autonomous system and the command counts drive periods."""
-    model = found(name).make
+    model = study_named(name).make
     if callable(model) or model.period is not None:
         return
     kind = type(model).__name__

@@ -40,11 +40,11 @@ def meanings(thing: Any) -> dict[str, dict[str, str]]:
     {'type': 'float or array', 'unit': 'N s/m', 'meaning': 'LuGre numbers (Eq. 5.3).'}
     """
     text = re.search(r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n-+\n|\Z)", inspect.getdoc(thing) or "", re.M | re.S)
-    found: dict[str, dict[str, str]] = {}
+    described: dict[str, dict[str, str]] = {}
     for entry in re.finditer(r"^(\S[^\n]*)\n((?:[ ]+[^\n]*\n?|\n)*)", text[1] if text else "", re.M):
         names, _, kind = entry[1].partition(" : ")
-        found |= _entries([n.strip().lstrip("*") for n in names.split(",")], kind.strip(), entry[2])
-    return found
+        described |= _entries([n.strip().lstrip("*") for n in names.split(",")], kind.strip(), entry[2])
+    return described
 
 
 def _entries(names: list[str], kind: str, text: str) -> dict[str, dict[str, str]]:

@@ -28,11 +28,11 @@ def listed(asked: Namespace) -> Outcome:
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
     if unknown:
         raise InputError(command, unknown)
-    found = {name: _entry(known[name]) for name in asked.names or known}
-    if asked.names or len(found) <= _FEW:
-        return Outcome({command: found}, lambda: "\n".join(_text(name, entry) for name, entry in found.items()))
-    brief = show.facts((name, entry["about"]) for name, entry in found.items())
-    return Outcome({command: found}, f"{brief}\nstickslip {command} NAME explains one of them, --json all.")
+    entries = {name: _entry(known[name]) for name in asked.names or known}
+    if asked.names or len(entries) <= _FEW:
+        return Outcome({command: entries}, lambda: "\n".join(_text(name, entry) for name, entry in entries.items()))
+    brief = show.facts((name, entry["about"]) for name, entry in entries.items())
+    return Outcome({command: entries}, f"{brief}\nstickslip {command} NAME explains one of them, --json all.")
 
 
 def _text(name: str, entry: dict[str, Any]) -> str:
@@ -53,15 +53,15 @@ def things(command: str) -> dict[str, Any]:
 
 def _entry(thing: Any) -> dict[str, Any]:
     """First line of the docstring; and for each argument its default, symbol, unit and meaning."""
-    told, described = meanings(thing), described_arguments(thing)
+    documented, described = meanings(thing), described_arguments(thing)
     arguments = {}
     for p in inspect.signature(thing).parameters.values():
-        words = told.get(p.name, {"type": "", "unit": "", "meaning": ""})
+        words = documented.get(p.name, {"type": "", "unit": "", "meaning": ""})
         same = re.fullmatch(r"As for (\w+)\.", words["meaning"])
         if same:
             words = meanings(things("presets")[same[1]])[p.name]
         of_field = described.get(p.name, {})
-        if "label" in of_field and [t["meaning"] for t in told.values()].count(told.get(p.name, {}).get("meaning", "")) > 1:
+        if "label" in of_field and [t["meaning"] for t in documented.values()].count(documented.get(p.name, {}).get("meaning", "")) > 1:
             words = {**words, "meaning": f"{of_field['label']}. {words['meaning']}"}  # described together with others: add its own name
         needed = p.default is p.empty
         arguments[p.name] = {

@@ -32,25 +32,25 @@ class Outcome:
     code: int = 0
 
 
-def finish(asked: Namespace, found: Outcome | int) -> int:
+def finish(asked: Namespace, outcome: Outcome | int) -> int:
     """Write, print and draw the results, in this order, so that an error in a figure loses no numbers."""
-    if isinstance(found, int):
-        return found
-    if found.out is not None and found.data is not None:
+    if isinstance(outcome, int):
+        return outcome
+    if outcome.out is not None and outcome.data is not None:
         from stickslip.studies import export
 
-        export(found.data, found.out)
+        export(outcome.data, outcome.out)
     if not asked.json:
-        print(_made(found.text))
-    for path, draw in found.draws:
+        print(_made(outcome.text))
+    for path, draw in outcome.draws:
         if path is not None:
-            _draw(path, draw, found.in_print)
-    written = [str(path) for path in (*(path for path, _ in found.draws), found.out) if path is not None]
+            _draw(path, draw, outcome.in_print)
+    written = [str(path) for path in (*(path for path, _ in outcome.draws), outcome.out) if path is not None]
     if asked.json:
-        show.print_json(_made(found.record) | ({"written": written} if found.draws else {}))
+        show.print_json(_made(outcome.record) | ({"written": written} if outcome.draws else {}))
     for name in () if asked.json else written:
         print(f"written to {name}")
-    return found.code
+    return outcome.code
 
 
 def _draw(path: Path, draw: Callable[[], Any], in_print: bool) -> None:

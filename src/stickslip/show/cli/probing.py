@@ -32,14 +32,14 @@ def probe(
         Whether the command takes a duration; other commands treat models without a period themselves.
     """
     filled = {name: example_for(name) for name in absent}
-    robot, found = None, []
+    robot, mistakes = None, []
     for choice in islice(_choices(arguments), _MOST):
         made, problems = _tried(build, {**filled, **choice})
         robot = made if robot is None else robot
-        found += [p for p in problems if not p.startswith(tuple(f"{name} " for name in absent))]
+        mistakes += [p for p in problems if not p.startswith(tuple(f"{name} " for name in absent))]
     if robot is None:
         robot = _tried(build, {**filled, **{name: example_for(name) for name in arguments if axis_of(name)}})[0]
-    return list(dict.fromkeys(found + of_solver(robot, options, timed)))
+    return list(dict.fromkeys(mistakes + of_solver(robot, options, timed)))
 
 
 def probe_axes(
@@ -52,7 +52,7 @@ def probe_axes(
     axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
     rest = {**{name: example_for(name) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
     robot: Any = None
-    found: list[str] = []
+    mistakes: list[str] = []
     for name, values in axes.items() or {"": [None]}.items():
         said: list[list[str]] = []
         for end in (0, -1):
@@ -60,8 +60,8 @@ def probe_axes(
             made, problems = _tried_all(build, {**rest, **others}, name, values)
             robot = made if robot is None else robot
             said.append([p for p in problems if not p.startswith(tuple(f"{n} " for n in absent))])
-        found += said[0] if all(said) else []
-    return list(dict.fromkeys(found + of_solver(robot, options, timed)))
+        mistakes += said[0] if all(said) else []
+    return list(dict.fromkeys(mistakes + of_solver(robot, options, timed)))
 
 
 def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], name: str, values: list[Any]) -> tuple[Any, list[str]]:
@@ -77,11 +77,11 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
         if not together[1] or not all(isinstance(v, int) for v in values):
             return together  # otherwise it may be a count, which makes machines of several kinds
     robot: Any = None
-    found: list[str] = []
+    mistakes: list[str] = []
     for value in values:
         made, problems = _tried(build, {**arguments, name: value})
-        robot, found = made if robot is None else robot, found + problems
-    return robot, found
+        robot, mistakes = made if robot is None else robot, mistakes + problems
+    return robot, mistakes
 
 
 def _choices(arguments: dict[str, Any]) -> Any:

@@ -46,13 +46,13 @@ def in_words_of_the_shell(of: str = "records") -> Iterator[None]:
 
 def pairs(words: list[str], what: str) -> dict[str, str]:
     """NAME=TEXT words as a dict."""
-    found = {}
+    texts = {}
     for word in words:
         name, equals, text = word.rpartition("=")
         if not equals or not name or not text:
             raise InputError(what, [f"{word!r} is not NAME=VALUE; type for example {what} LDV=m/s"])
-        found[name] = text
-    return found
+        texts[name] = text
+    return texts
 
 
 def opened(path: str, asked: Namespace) -> Any:

@@ -22,20 +22,20 @@ def asked_for(asked: Namespace, table: Any) -> dict[str, Any]:
     """Arguments of `optimise`, from a study file's table and the options, which take precedence; all errors are reported together."""
     problems = Problems("optimise")
     table = _checked_table(table, problems)
-    found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
+    arguments: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
     given = {name: getattr(asked, name) for name in NUMBERS if getattr(asked, name) is not None}
     if {"maximise", "minimise"} & set(given):
-        found = {name: word for name, word in found.items() if name not in ("maximise", "minimise")}
-    found |= given
-    if not {"maximise", "minimise"} & set(found):
-        found["maximise"] = "mean_velocity"
-    found["starts"] = None if found.get("starts") == "none" else found.get("starts", "closed")
+        arguments = {name: word for name, word in arguments.items() if name not in ("maximise", "minimise")}
+    arguments |= given
+    if not {"maximise", "minimise"} & set(arguments):
+        arguments["maximise"] = "mean_velocity"
+    arguments["starts"] = None if arguments.get("starts") == "none" else arguments.get("starts", "closed")
     for key, option, read in (("over", "over", _over), ("subject_to", "limit", _ends), ("robust", "uncertain", _distribution)):
         words = {**table.get(key, {}), **_words(option, getattr(asked, option), problems)}
         kept = {name: _read(option, name, word, read, problems) for name, word in words.items()}
-        found[key] = kept if kept or key == "over" else None
+        arguments[key] = kept if kept or key == "over" else None
     problems.check()
-    return found
+    return arguments
 
 
 def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
@@ -110,9 +110,9 @@ def _distribution(text: str) -> Any:
 
 
 def _number(text: str) -> float:
-    found = value(text)
-    if isinstance(found, (int, float)):
-        return float(found)
+    number = value(text)
+    if isinstance(number, (int, float)):
+        return float(number)
     raise ValueError(text)
 
 
@@ -128,9 +128,9 @@ def table_of(best: Any) -> dict[str, Any]:
     ({'drive.amplitude': [0.0002, 0.0008]}, {'stroke': '..0.001'})
     """
     asked = best.search
-    found: dict[str, Any] = {"maximise" if asked.maximised else "minimise": best.of, "starts": asked.starts or "none", "seed": asked.seed}
-    found |= {} if asked.quantile is None else {"quantile": asked.quantile}
-    found["over"] = {name: list(what) if isinstance(what, tuple) else f"{what.kind}:{what.count}" for name, what in asked.over.items()}
-    found["subject_to"] = {name: "..".join("" if end is None else repr(end) for end in ends) for name, ends in asked.subject_to.items()}
-    found["robust"] = {name: list(said) for name, said in asked.robust.items()}
-    return {key: part for key, part in found.items() if part != {}}
+    table: dict[str, Any] = {"maximise" if asked.maximised else "minimise": best.of, "starts": asked.starts or "none", "seed": asked.seed}
+    table |= {} if asked.quantile is None else {"quantile": asked.quantile}
+    table["over"] = {name: list(what) if isinstance(what, tuple) else f"{what.kind}:{what.count}" for name, what in asked.over.items()}
+    table["subject_to"] = {name: "..".join("" if end is None else repr(end) for end in ends) for name, ends in asked.subject_to.items()}
+    table["robust"] = {name: list(said) for name, said in asked.robust.items()}
+    return {key: part for key, part in table.items() if part != {}}

@@ -90,7 +90,7 @@ def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
     quiet : bool
         Print nothing if stderr is not a terminal, and clear the line after the last stage.
     """
-    last, told = "", set()
+    last, reported = "", set()
     over = is_watched()
 
     def tell(what: str, done: int, whole: int) -> None:
@@ -102,9 +102,9 @@ def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
             line = "" if quiet and done >= whole else line
             print(f"\r{line:<{max(len(last), 1)}}", end="", file=sys.stderr, flush=True)
             last = line
-        elif (kind := what.partition(" ")[0]) not in told:  # drawing, judging, …
+        elif (kind := what.partition(" ")[0]) not in reported:  # drawing, judging, …
             print(f"{what.partition(':')[0]} …", file=sys.stderr, flush=True)
-            told.add(kind)
+            reported.add(kind)
 
     return tell
 

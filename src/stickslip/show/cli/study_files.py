@@ -48,7 +48,7 @@ class Study:
     optimise: Any = None
 
 
-def found(name: str) -> Study:
+def study_named(name: str) -> Study:
     """The preset, study file or function of this name."""
     from stickslip.models.presets import PRESETS
 
@@ -218,16 +218,16 @@ def lines_of(text: str) -> dict[str, int]:
     {'robot': 1, 'robot.body_mass': 2, 'robot.drive': 4, 'robot.drive.kind': 5}
     """
     table = ""
-    found: dict[str, int] = {}
+    numbers: dict[str, int] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         head = re.match(r"\s*\[([^\[\]]+)\]", line)
         key = re.match(r"""\s*["']?([\w.-]+)["']?\s*=""", line)
         if head:
             table = head[1].replace(" ", "")
-            found.setdefault(table, number)
+            numbers.setdefault(table, number)
         elif key:
-            found.setdefault(f"{table}.{key[1]}".lstrip("."), number)
-    return found
+            numbers.setdefault(f"{table}.{key[1]}".lstrip("."), number)
+    return numbers
 
 
 def located(sentences: list[str], lines: dict[str, int]) -> list[str]:

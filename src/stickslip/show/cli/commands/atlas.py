@@ -64,38 +64,40 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.dynamics.atlas.atlas import atlas, atlas_time
     from stickslip.show.reports import atlas_page
 
-    told = atlas_time(study.make, **job)
+    estimate = atlas_time(study.make, **job)
     if asked.estimate:
-        return Outcome({"grid": told.grid, "branch": told.branch, "most": told.most}, str(told))
-    print(told, file=sys.stderr)
+        return Outcome({"grid": estimate.grid, "branch": estimate.branch, "most": estimate.most}, str(estimate))
+    print(estimate, file=sys.stderr)
     with remembered(asked, file):
         kept = {"out": asked.out, "resume": asked.resume} if asked.out and file is None else {}
-        found = atlas(study.make, progress=True, **kept, **job)
-    draws = ((asked.figure, found.plot), (asked.report, lambda: atlas_page(found, f"Atlas of {study.name}", asked.typed)))
-    return Outcome(lambda: _record(study, found), lambda: _text(study, found), draws, file or asked.out, found.map if file else None)
+        result = atlas(study.make, progress=True, **kept, **job)
+    draws = ((asked.figure, result.plot), (asked.report, lambda: atlas_page(result, f"Atlas of {study.name}", asked.typed)))
+    return Outcome(lambda: _record(study, result), lambda: _text(study, result), draws, file or asked.out, result.map if file else None)
 
 
-def _record(study: Any, found: Any) -> dict[str, Any]:
-    special = [{"kind": s.kind, "values": s.values, "accuracy": s.accuracy, "change": s.change, "stable": s.stable} for s in found.found]
-    borders = [{"kind": b.kind, "values": b.values, "accuracy": b.accuracy, "change": b.change, "ended": b.ended} for b in found.borders]
-    axes = {name: found.map[name].values for name in found.parameters}
-    columns = {str(name): found.map[name].values for name in found.map.data_vars}
+def _record(study: Any, result: Any) -> dict[str, Any]:
+    special = [
+        {"kind": s.kind, "values": s.values, "accuracy": s.accuracy, "change": s.change, "stable": s.stable} for s in result.special_points
+    ]
+    borders = [{"kind": b.kind, "values": b.values, "accuracy": b.accuracy, "change": b.change, "ended": b.ended} for b in result.borders]
+    axes = {name: result.map[name].values for name in result.parameters}
+    columns = {str(name): result.map[name].values for name in result.map.data_vars}
     return {
-        "robot": study.name, "axes": axes, "regions": found.regions, "columns": columns, "special": special, "borders": borders,
-        "notes": found.notes,
+        "robot": study.name, "axes": axes, "regions": result.regions, "columns": columns, "special": special, "borders": borders,
+        "notes": result.notes,
     }  # fmt: skip
 
 
-def _text(study: Any, found: Any) -> str:
+def _text(study: Any, result: Any) -> str:
     """Regions, borders and special points as text."""
-    p, q = found.parameters
+    p, q = result.parameters
     lines = [
-        f"{study.name}: {p} {found.plane.shape[0]} values, {q} {found.plane.shape[1]} values, {found.plane.count} starts at each point"
+        f"{study.name}: {p} {result.plane.shape[0]} values, {q} {result.plane.shape[1]} values, {result.plane.count} starts at each point"
     ]
-    lines.append(show.table(["region", "share"], [[label, f"{100 * share:.1f} %"] for label, share in found.regions.items()]))
-    rows = found.rows()
+    lines.append(show.table(["region", "share"], [[label, f"{100 * share:.1f} %"] for label, share in result.regions.items()]))
+    rows = result.rows()
     if rows:
         lines.append(show.table(["special point", p, q, "accuracy", "what changes"], [list(row) for row in rows[:_ROWS]]))
     lines += [f"… {len(rows) - _ROWS} more; --report FILE or --json gives all"] if len(rows) > _ROWS else []
-    lines += [f"border: {b.kind}, {b.change}, {show.counted(len(b.values), 'point')}" for b in found.borders]
-    return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
+    lines += [f"border: {b.kind}, {b.change}, {show.counted(len(b.values), 'point')}" for b in result.borders]
+    return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

@@ -10,7 +10,7 @@ from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject, units_of, values
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
-from stickslip.show.cli.study_files import found as in_file
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -40,7 +40,7 @@ attractor  motion    mean velocity [m/s]  share   95 %
 )
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
-    filed = {name: v for name, v in in_file(asked.robot).arguments.items() if _NAME.fullmatch(name)}
+    filed = {name: v for name, v in study_named(asked.robot).arguments.items() if _NAME.fullmatch(name)}
     starts = {**_starts([f"{name}={_text(v)}" for name, v in filed.items()]), **_starts(asked.settings)}
     words = [word for word in asked.settings if not _START.fullmatch(word)]
     study = subject(asked.robot, words, many=True, solver=_SOLVER, own=tuple(filed), strict=False)
@@ -54,19 +54,19 @@ def _one(asked: Namespace, study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: the attractor of each initial state."""
     from stickslip.dynamics.attractors.basins import basins
 
-    found = basins(study.robot(), progress=True, **study.options, **starts)
+    result = basins(study.robot(), progress=True, **study.options, **starts)
     attractors = [
         {
             "motion": a.kind, "period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval,
             "exponent": a.exponent, "error": a.error,
         }
-        for a in found.attractors
+        for a in result.attractors
     ]  # fmt: skip
-    others = [{"motion": word, "share": share, "interval": interval} for word, (share, interval) in found.others.items()]
-    axes = {str(name): found.map[name].values for name in found.map.attractor.dims}
-    columns = {str(name): found.map[name].values for name in found.map.data_vars}
-    record = {"robot": study.title(), "attractors": attractors, "others": others, "axes": axes, "columns": columns, "notes": found.notes}
-    return Outcome(record, _told(study, found), ((asked.figure, found.plot),), asked.out, found.map)
+    others = [{"motion": word, "share": share, "interval": interval} for word, (share, interval) in result.others.items()]
+    axes = {str(name): result.map[name].values for name in result.map.attractor.dims}
+    columns = {str(name): result.map[name].values for name in result.map.data_vars}
+    record = {"robot": study.title(), "attractors": attractors, "others": others, "axes": axes, "columns": columns, "notes": result.notes}
+    return Outcome(record, _summary(study, result), ((asked.figure, result.plot),), asked.out, result.map)
 
 
 def _along(asked: Namespace, study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
@@ -81,19 +81,19 @@ def _along(asked: Namespace, study: Any, ranges: list[str], starts: dict[str, An
     parameter = ranges[0]
     rest = {name: given for name, given in study.arguments.items() if name != parameter}
     along = {"parameter": parameter, "values": study.arguments[parameter], "starts": starts}
-    found = attractors(study.make, progress=True, **along, **study.options, **rest)
-    columns = {str(name): found[name].values for name in found.data_vars}
-    record = {"robot": study.name, "axes": {n: found[n].values for n in ("attractor", parameter)}, "columns": columns}
-    return Outcome(record, _lives(study.name, parameter, found), ((asked.figure, lambda: plot.attractors(found)),), asked.out, found)
+    lives = attractors(study.make, progress=True, **along, **study.options, **rest)
+    columns = {str(name): lives[name].values for name in lives.data_vars}
+    record = {"robot": study.name, "axes": {n: lives[n].values for n in ("attractor", parameter)}, "columns": columns}
+    return Outcome(record, _lives(study.name, parameter, lives), ((asked.figure, lambda: plot.attractors(lives)),), asked.out, lives)
 
 
-def _lives(name: str, parameter: str, found: Any) -> str:
+def _lives(name: str, parameter: str, lives: Any) -> str:
     """For each attractor, its range, mean velocity and share of the initial states at the ends of that range."""
     import numpy as np
 
-    unit, rows = found[parameter].attrs["units"], []
-    for k in found.attractor.values:
-        one = found.isel(attractor=int(k))
+    unit, rows = lives[parameter].attrs["units"], []
+    for k in lives.attractor.values:
+        one = lives.isel(attractor=int(k))
         here = np.flatnonzero(one.period.values >= 0)
         first, last = (f"{float(one[parameter][i]):.6g}" for i in (here[0], here[-1]))
         kinds = zip(one.period.values[here].tolist(), one.motion.values[here].tolist(), strict=True)
@@ -101,16 +101,16 @@ def _lives(name: str, parameter: str, found: Any) -> str:
         V, share = (" to ".join(f"{float(one[q][i]):.{d}g}" for i in (here[0], here[-1])) for q, d in (("mean_velocity", 5), ("share", 3)))
         rows.append([str(k), f"{first} to {last}", motions, V, share])
     head = ["attractor", f"{parameter}{'' if unit == '1' else f' [{unit}]'}", "motion", "mean velocity [m/s]", "share"]
-    undone = int((found.unsolved < 0).sum())
-    lines = [f"{name}: {parameter} {found.sizes[parameter]} values, {show.counted(found.attrs['starts'], 'start')} at each"]
-    return "\n".join([*lines, show.table(head, rows), *_left(found), *([f"{undone} values not computed"] if undone else [])])
+    undone = int((lives.unsolved < 0).sum())
+    lines = [f"{name}: {parameter} {lives.sizes[parameter]} values, {show.counted(lives.attrs['starts'], 'start')} at each"]
+    return "\n".join([*lines, show.table(head, rows), *_left(lives), *([f"{undone} values not computed"] if undone else [])])
 
 
-def _left(found: Any) -> list[str]:
+def _left(lives: Any) -> list[str]:
     """How many starts have not settled, and run away or were not solved, at how many values."""
     kinds = {"unsettled": "have not settled", "runs_away": "run away", "unsolved": "were not solved"}
-    counts = {told: found[name].values[found[name].values > 0] for name, told in kinds.items()}
-    return [f"at {len(n)} values up to {show.counted(int(n.max()), 'start')} {told}" for told, n in counts.items() if len(n)]
+    counts = {words: lives[name].values[lives[name].values > 0] for name, words in kinds.items()}
+    return [f"at {len(n)} values up to {show.counted(int(n.max()), 'start')} {words}" for words, n in counts.items() if len(n)]
 
 
 def _text(value: Any) -> str:
@@ -120,22 +120,22 @@ def _text(value: Any) -> str:
 
 def _starts(words: list[str]) -> dict[str, Any]:
     """The initial values among the words."""
-    problems, found, units = Problems("arguments"), {}, units_of(None)
+    problems, initial, units = Problems("arguments"), {}, units_of(None)
     for match in filter(None, map(_START.fullmatch, words)):
         try:
-            found[match[1]] = values(match[2], units(f"start.{match[1]}"))
+            initial[match[1]] = values(match[2], units(f"start.{match[1]}"))
         except ValueError as error:
             problems.add(f"{match[1]}: {error}")
     problems.check()
-    return found
+    return initial
 
 
-def _told(study: Any, found: Any) -> str:
+def _summary(study: Any, result: Any) -> str:
     head = ["attractor", "motion", "mean velocity [m/s]", "share", "95 %"]
     rows = [
         [str(k), a.word, f"{a.mean_velocity:.7g}", f"{a.share:.4f}", f"{a.interval[0]:.4f} to {a.interval[1]:.4f}"]
-        for k, a in enumerate(found.attractors)
+        for k, a in enumerate(result.attractors)
     ]
-    rows += [["none", word, "", f"{share:.4f}", f"{low:.4f} to {high:.4f}"] for word, (share, (low, high)) in found.others.items()]
-    lines = [study.title(), show.table(head, rows), show.counted(int(found.map.attractor.size), "start")]
-    return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
+    rows += [["none", word, "", f"{share:.4f}", f"{low:.4f} to {high:.4f}"] for word, (share, (low, high)) in result.others.items()]
+    lines = [study.title(), show.table(head, rows), show.counted(int(result.map.attractor.size), "start")]
+    return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

@@ -12,7 +12,7 @@ from stickslip.show.cli import show
 from stickslip.show.cli.arguments import names_of, settings, subject
 from stickslip.show.cli.declaring import CODE, FIGURES, argument, command
 from stickslip.show.cli.outputs import Outcome
-from stickslip.show.cli.study_files import found
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -117,7 +117,7 @@ def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, lis
 
 def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
     """A law, a law made from its class and the typed numbers, or the law of a robot."""
-    make = found(word).make
+    make = study_named(word).make
 
     if is_law(make):
         return (_instance(make, typed) if isinstance(make, type) else make), []
@@ -152,7 +152,7 @@ def _changed(law: Any, changes: dict[str, Any], problems: Problems) -> Any:
         return None
 
 
-def _drawn(found: Any, path: Path | None) -> Path | None:
+def _drawn(bench_result: Any, path: Path | None) -> Path | None:
     if path is None:
         return None
     import matplotlib
@@ -160,4 +160,4 @@ def _drawn(found: Any, path: Path | None) -> Path | None:
     matplotlib.use("Agg")
     from stickslip.show import figures as plot
 
-    return show.draw_to(path, plot.bench(found))
+    return show.draw_to(path, plot.bench(bench_result))

@@ -42,5 +42,5 @@ def act(asked: Namespace) -> Outcome:
 
     from stickslip.analysis.checking import check
 
-    found = check(robot, scipy=not asked.no_scipy, progress=show.stages(quiet=True), **study.options)
-    return Outcome({"robot": study.title(), **found.to_dict()}, f"{study.title()}\n{found}")
+    result = check(robot, scipy=not asked.no_scipy, progress=show.stages(quiet=True), **study.options)
+    return Outcome({"robot": study.title(), **result.to_dict()}, f"{study.title()}\n{result}")

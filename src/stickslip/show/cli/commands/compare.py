@@ -53,14 +53,20 @@ def act(asked: Namespace) -> Outcome:
 
     with recorded.in_words_of_the_shell():
         rec = recorded.opened(asked.record, asked)
-        found = compare(rec, study.robot(), laws=_laws(asked.laws, study), settle=recorded.settle(asked))
+        comparison = compare(rec, study.robot(), laws=_laws(asked.laws, study), settle=recorded.settle(asked))
     if asked.report is not None:
-        found.report(asked.report)
+        comparison.report(asked.report)
     if asked.figure is not None:
-        show.draw_to(asked.figure, found.plot().figure)
-    record = {"robot": study.title(), "rows": found.to_table(), "noise": found.noise, "best": found.best.label, "notes": list(found.notes)}
+        show.draw_to(asked.figure, comparison.plot().figure)
+    record = {
+        "robot": study.title(),
+        "rows": comparison.to_table(),
+        "noise": comparison.noise,
+        "best": comparison.best.label,
+        "notes": list(comparison.notes),
+    }
     written = [f"written to {path}" for path in (asked.report, asked.figure) if path is not None]
-    return Outcome(record, "\n".join([study.title(), recorded.typed(str(found)), *written]))
+    return Outcome(record, "\n".join([study.title(), recorded.typed(str(comparison)), *written]))
 
 
 def _check_robot(name: str) -> None:

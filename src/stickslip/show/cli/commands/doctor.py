@@ -50,17 +50,22 @@ def _findings() -> dict[str, Any]:
     from stickslip.engine.cache import folder
 
     versions = {"stickslip": __version__, "python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}}
-    place = folder()
-    compiled = [path for path in place.rglob("*.nb[ic]")] if place.is_dir() else []
-    writable = _can_write(place)
+    directory = folder()
+    compiled = [path for path in directory.rglob("*.nb[ic]")] if directory.is_dir() else []
+    writable = _can_write(directory)
     missing = [name for name, version in versions.items() if version is None]
     problems = [f"{name} is not installed; type pip install {name}" for name in missing]
     if not writable:
         problems.append(
-            f"the cache folder {place} cannot be written: every process compiles again; set STICKSLIP_CACHE_DIR to a folder of yours"
+            f"the cache folder {directory} cannot be written: every process compiles again; set STICKSLIP_CACHE_DIR to a folder of yours"
         )
     kernels = {path.name.partition(".")[0] for path in compiled}
-    cache = {"folder": str(place), "writable": writable, "kernels": len(kernels), "bytes": sum(path.stat().st_size for path in compiled)}
+    cache = {
+        "folder": str(directory),
+        "writable": writable,
+        "kernels": len(kernels),
+        "bytes": sum(path.stat().st_size for path in compiled),
+    }
     return {
         "versions": versions,
         "platform": platform.platform(),
@@ -78,10 +83,10 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _can_write(place: Path) -> bool:
+def _can_write(directory: Path) -> bool:
     """Whether a file can be created there or, if the folder does not exist, in its nearest existing parent."""
     try:
-        with tempfile.TemporaryFile(dir=show.existing(place)):
+        with tempfile.TemporaryFile(dir=show.existing(directory)):
             return True
     except OSError:
         return False

@@ -41,11 +41,11 @@ def act(asked: Namespace) -> int:
     """Do the command."""
     port = _whole("--port", asked.port, 0, 65535, "8765")
     workers = None if asked.workers is None else _whole("--workers", asked.workers, 1, 64, "2")
-    place, shown = ("", None) if asked.robot is None else _opened(asked.robot, asked.settings)
+    fragment, shown = ("", None) if asked.robot is None else _opened(asked.robot, asked.settings)
 
     from stickslip.show.explorer.server import server_of
 
-    tell = _announced(not asked.no_browser, asked.json, place)
+    tell = _announced(not asked.no_browser, asked.json, fragment)
     with contextlib.suppress(KeyboardInterrupt):  # how it is meant to end: its server has closed by then
         server_of(asked.host, port, tell, workers, not asked.no_token, shown=shown).run()
     return 0
@@ -74,11 +74,11 @@ def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
     return int(text)
 
 
-def _announced(browser: bool, as_json: bool, place: str) -> Callable[[str], None]:
+def _announced(browser: bool, as_json: bool, fragment: str) -> Callable[[str], None]:
     """A function that prints the address, and opens it, once the page is ready."""
 
     def tell(root: str) -> None:
-        address = root + place
+        address = root + fragment
         from stickslip.show.cli.show import print_json
 
         if as_json:

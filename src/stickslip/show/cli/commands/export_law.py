@@ -56,13 +56,13 @@ def act(asked: Namespace) -> Outcome:
     laws, _ = asked_laws(asked.laws, own=(), command="export-law")
     if len(laws) != 1:
         raise InputError("export-law", [f"{len(laws)} laws are given; allowed is one; type for example stickslip export-law lugre"])
-    found = export_law(
+    exported = export_law(
         laws[0], asked.language, name=asked.name, load=asked.load, speeds=_range(asked.speeds), armature=asked.armature
     )  # fmt: skip
-    written = None if asked.out is None else str(found.save(asked.out))
-    told = {"language": found.language, "name": found.name, "text": found.text}
-    record = {**told, "numbers": dict(found.numbers), "notes": found.notes, "written": written}
-    return Outcome(record, found.text.rstrip("\n") if written is None else f"written to {written}")
+    written = None if asked.out is None else str(exported.save(asked.out))
+    parts = {"language": exported.language, "name": exported.name, "text": exported.text}
+    record = {**parts, "numbers": dict(exported.numbers), "notes": exported.notes, "written": written}
+    return Outcome(record, exported.text.rstrip("\n") if written is None else f"written to {written}")
 
 
 def _range(text: str | None) -> Any:

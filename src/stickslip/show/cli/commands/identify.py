@@ -186,15 +186,15 @@ def _sensor(words: list[str], problems: Problems) -> dict[str, Any] | None:
     """The parameters of the sensor; None if none were typed."""
     if not words:
         return None
-    found: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
     for word in (word for word in words if word != "ideal"):
         name, _, text = word.partition("=")
         parts = text.split(":")
         try:
-            found[name] = None if text == "fit" else float(text) if len(parts) == 1 else (parts[0], *map(float, parts[1:]))
+            parameters[name] = None if text == "fit" else float(text) if len(parts) == 1 else (parts[0], *map(float, parts[1:]))
         except ValueError:
             problems.add(f"--sensor {word!r} is not NAME=VALUE; type for example --sensor offset=0 --sensor gain=normal:1:0.02")
-    return found
+    return parameters
 
 
 def _floats(text: str | None, problems: Problems) -> list[float]:

@@ -14,7 +14,7 @@ from stickslip.show.cli.arguments import names_of, subject
 from stickslip.show.cli.declaring import argument, command
 from stickslip.show.cli.docstrings import about, meanings
 from stickslip.show.cli.outputs import Outcome
-from stickslip.show.cli.study_files import found
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -73,7 +73,7 @@ def _robot(asked: Namespace) -> Any:
             changes[field] = known[word].example()
     problems.check()
     preset, typed = asked.preset or "piezo_rig", [word.partition("=")[0] for word in asked.set]
-    needed, known_names = names_of(found(preset).make)
+    needed, known_names = names_of(study_named(preset).make)
     usual = [f"{name}={example_for(name):.6g}" for name in needed if axis_of(name) and name not in typed]
     if "friction" in changes and "incline" in known_names and "incline" not in typed:
         usual.append("incline=gravity")  # a law without the folded incline of the preset needs gravity instead
@@ -114,7 +114,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
     from stickslip.models.tables import kinds_of
     from stickslip.models.tracks import Incline, Level
 
-    told, lines, inner = meanings(type(record)), [_remarked(f"[[{where}]]" if listed else f"[{where}]", about(type(record)))], []
+    described, lines, inner = meanings(type(record)), [_remarked(f"[[{where}]]" if listed else f"[{where}]", about(type(record)))], []
     kinds = kinds or {}
     names = {cls: name for name, cls in kinds.items()}
     if type(record) in names and len(kinds) > 1:
@@ -130,7 +130,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
             for part in value:
                 inner += ["", *_table(part, f"{where}.{field.name}", known[field.name], listed=True)]
         elif value is not None:
-            words = told.get(field.name, {"unit": "", "meaning": ""})
+            words = described.get(field.name, {"unit": "", "meaning": ""})
             unit = f"[{words['unit']}] " if words["unit"] else ""
             also = with_unit(value, words["unit"]).partition(" (")[2].rstrip(")") if isinstance(value, float) else ""
             lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + (f"{also}. " if also else "") + words["meaning"]))

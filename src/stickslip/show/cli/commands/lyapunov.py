@@ -8,7 +8,7 @@ from stickslip.show.cli import show
 from stickslip.show.cli.arguments import subject, value
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
-from stickslip.show.cli.study_files import found as in_file
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -44,7 +44,7 @@ def act(asked: Namespace) -> Outcome:
 
 def _several(asked: Namespace) -> bool:
     """Whether a number of the robot has several values, on the command line or in its study file."""
-    filed = in_file(asked.robot).arguments.values()
+    filed = study_named(asked.robot).arguments.values()
     texts = [word.partition("=")[2] for word in asked.settings] + [v for v in filed if isinstance(v, str)]
     return any(".." in text or "," in text for text in texts) or any(isinstance(v, list) for v in filed)
 
@@ -56,15 +56,15 @@ def _one(asked: Namespace) -> Outcome:
 
     settle, rest = _settle(asked.settings)
     study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
-    found = verdict(study.robot(), progress=True, **settle, **study.options)
-    l = found.exponents  # noqa: E741
+    judged = verdict(study.robot(), progress=True, **settle, **study.options)
+    l = judged.exponents  # noqa: E741
     record = {
-        "robot": study.title(), "kind": found.kind, "period": found.period, "why": found.why, "spectrum": l.spectrum, "errors": l.errors,
+        "robot": study.title(), "kind": judged.kind, "period": judged.period, "why": judged.why, "spectrum": l.spectrum, "errors": l.errors,
         "largest": l.largest, "error": l.error, "unit": l.unit, "periods": l.steps, "note": l.note,
-        "multipliers": None if found.orbit is None else [[m.real, m.imag] for m in map(complex, found.orbit.multipliers)],
+        "multipliers": None if judged.orbit is None else [[m.real, m.imag] for m in map(complex, judged.orbit.multipliers)],
     }  # fmt: skip
-    text = f"{study.title()}\n{show.facts(_rows(found))}"
-    return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(found, study.title()))
+    text = f"{study.title()}\n{show.facts(_rows(judged))}"
+    return Outcome(record, text, ((asked.figure, lambda: convergence(l)),), asked.out, _convergence(judged, study.title()))
 
 
 def _settle(words: list[str], limit: bool = False) -> tuple[dict[str, Any], list[str]]:
@@ -75,29 +75,29 @@ def _settle(words: list[str], limit: bool = False) -> tuple[dict[str, Any], list
     return dict(pairs), [word for word in words if word not in mine]
 
 
-def _rows(found: Any) -> list[tuple[str, str]]:
-    l = found.exponents  # noqa: E741
-    rows = [("motion", found.kind + (f", period {found.period}" if found.period else ""))]
+def _rows(judged: Any) -> list[tuple[str, str]]:
+    l = judged.exponents  # noqa: E741
+    rows = [("motion", judged.kind + (f", period {judged.period}" if judged.period else ""))]
     rows += [
         (f"exponent {i + 1}", f"{mean:.6g} ± {error:.1g} per {l.unit}")
         for i, (mean, error) in enumerate(zip(l.spectrum, l.errors, strict=True))
     ]
-    if found.orbit is not None:
-        rows.append(("multipliers", ", ".join(f"{m:.6g}" for m in found.orbit.multipliers)))
-    return [*rows, ("evidence", found.why), *([("note", l.note)] if l.note else [])]
+    if judged.orbit is not None:
+        rows.append(("multipliers", ", ".join(f"{m:.6g}" for m in judged.orbit.multipliers)))
+    return [*rows, ("evidence", judged.why), *([("note", l.note)] if l.note else [])]
 
 
-def _convergence(found: Any, title: str) -> Any:
+def _convergence(judged: Any, title: str) -> Any:
     """The convergence of the exponents as a dataset."""
     import xarray as xr
 
-    l = found.exponents  # noqa: E741
+    l = judged.exponents  # noqa: E741
     columns = {
         "exponents": (("periods", "exponent"), l.record[:, 1:], {"long_name": f"exponents per {l.unit} until then", "units": "1"}),
         "error": ("exponent", l.errors, {"long_name": "standard error at the end", "units": "1"}),
     }
     coords = {"periods": ("periods", l.record[:, 0], {"units": "1"}), "exponent": range(1, len(l.spectrum) + 1)}
-    attrs = {"robot": title, "kind": found.kind, "period": found.period or 0, "why": found.why, "note": l.note}
+    attrs = {"robot": title, "kind": judged.kind, "period": judged.period or 0, "why": judged.why, "note": l.note}
     return xr.Dataset(columns, coords, attrs)
 
 
@@ -108,32 +108,32 @@ def _map(asked: Namespace) -> Outcome:
 
     settle, rest = _settle(asked.settings, limit=True)
     study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
-    found = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
-    axes = [str(d) for d in found.period.dims]
+    grid = chaos_map(study.make, progress=True, **settle, **study.options, **study.arguments)
+    axes = [str(d) for d in grid.period.dims]
     record = {
-        "robot": study.name, "axes": {name: found[name].values for name in axes},
-        "columns": {str(name): found[name].values for name in found.data_vars},
+        "robot": study.name, "axes": {name: grid[name].values for name in axes},
+        "columns": {str(name): grid[name].values for name in grid.data_vars},
     }  # fmt: skip
-    return Outcome(record, _text(study.name, axes, found), ((asked.figure, lambda: draw(found)),), asked.out, found)
+    return Outcome(record, _text(study.name, axes, grid), ((asked.figure, lambda: draw(grid)),), asked.out, grid)
 
 
-def _text(name: str, axes: list[str], found: Any) -> str:
+def _text(name: str, axes: list[str], grid: Any) -> str:
     """The share of each kind of motion in the map."""
     import numpy as np
 
     from stickslip.dynamics.attractors.kinds_of_motion import KINDS
 
-    period, motion = found.period.values, found.motion.values
+    period, motion = grid.period.values, grid.motion.values
     chaotic = motion == "chaotic"
     shares = [(f"period {p}", np.mean(period == p)) for p in np.unique(period[period > 0])]
     shares += [(kind, np.mean(motion == kind)) for kind in KINDS[1:]]
-    sizes = " x ".join(f"{axis} {found.sizes[axis]}" for axis in axes)
+    sizes = " x ".join(f"{axis} {grid.sizes[axis]}" for axis in axes)
     rows = show.facts((text, f"{100 * share:.1f} %") for text, share in shares if share > 0)
     lines = [f"{name}: {sizes}", rows]
     if chaotic.any():
-        top = int(np.argmax(np.where(chaotic, found.exponent.values, -np.inf)))
-        place = np.unravel_index(top, period.shape)
-        where = ", ".join(f"{axis} = {float(found[axis][i]):.6g}" for axis, i in zip(axes, place, strict=True))
-        largest, error = (float(found[n].values[place]) for n in ("exponent", "error"))
+        top = int(np.argmax(np.where(chaotic, grid.exponent.values, -np.inf)))
+        index = np.unravel_index(top, period.shape)
+        where = ", ".join(f"{axis} = {float(grid[axis][i]):.6g}" for axis, i in zip(axes, index, strict=True))
+        largest, error = (float(grid[n].values[index]) for n in ("exponent", "error"))
         lines.append(f"largest exponent {largest:.4g} ± {error:.1g} per drive period at {where}")
     return "\n".join(lines)

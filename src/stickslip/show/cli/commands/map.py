@@ -53,9 +53,12 @@ def act(asked: Namespace) -> Outcome:
     with remembered(asked, file):
         grid, name = _grid(asked, file)
     one = _of_contact(grid, asked.contact)
-    found, draws = _found(one), ((asked.figure, lambda: _types(one, asked.x)), (asked.velocity, lambda: _velocities(one, asked.x)))
-    record = {"robot": name, "found": found, "attributes": dict(grid.attrs)}
-    return Outcome(record, _text(name, found), draws, file or asked.out, in_print=True)
+    facts, draws = (
+        _shares_and_fastest(one),
+        ((asked.figure, lambda: _types(one, asked.x)), (asked.velocity, lambda: _velocities(one, asked.x))),
+    )
+    record = {"robot": name, "found": facts, "attributes": dict(grid.attrs)}
+    return Outcome(record, _text(name, facts), draws, file or asked.out, in_print=True)
 
 
 def _of_contact(grid: Any, name: str | None) -> Any:
@@ -64,8 +67,8 @@ def _of_contact(grid: Any, name: str | None) -> Any:
         return grid
     names = _contacts(grid)
     if name not in names:
-        told = did_you_mean(name, names) if names else "this robot has one contact; leave it out"
-        raise InputError("--contact", [f"{name!r} is no contact of this map; {told}"])
+        advice = did_you_mean(name, names) if names else "this robot has one contact; leave it out"
+        raise InputError("--contact", [f"{name!r} is no contact of this map; {advice}"])
     return grid.sel(contact=name)
 
 
@@ -115,7 +118,7 @@ def _velocities(grid: Any, x: str | None) -> Any:
     return plot.velocity_map(grid, x=x)
 
 
-def _found(grid: Any) -> dict[str, Any]:
+def _shares_and_fastest(grid: Any) -> dict[str, Any]:
     """The share of each motion type, and the fastest point."""
     import numpy as np
 
@@ -125,14 +128,14 @@ def _found(grid: Any) -> dict[str, Any]:
     types, counts = np.unique(grid["motion_type"].values if is_of_cases(grid, "motion_type") else [], return_counts=True)
     shares = {str(t): int(n) / int(counts.sum()) for t, n in zip(types, counts, strict=True)}
     V = grid["mean_velocity"]
-    found: dict[str, Any] = {"cases": int(V.size), "shares": shares}
+    facts: dict[str, Any] = {"cases": int(V.size), "shares": shares}
     if np.isfinite(V.values).any():
         best = V.isel(order(grid, 1)[0])
-        found["fastest"] = {str(d): best[d].values.item() for d in V.dims} | {"mean_velocity": float(best)}
-        found["units"] = str(V.attrs.get("units", "1"))
-        found["at_the_edge_of"] = [str(d) for d in V.dims if _at_edge(V[d].values, best[d].values.item())]
+        facts["fastest"] = {str(d): best[d].values.item() for d in V.dims} | {"mean_velocity": float(best)}
+        facts["units"] = str(V.attrs.get("units", "1"))
+        facts["at_the_edge_of"] = [str(d) for d in V.dims if _at_edge(V[d].values, best[d].values.item())]
     kinds = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {})
-    return found | {"law": kinds.get("law"), "notes": unsettled(grid)}
+    return facts | {"law": kinds.get("law"), "notes": unsettled(grid)}
 
 
 def _at_edge(values: Any, value: Any) -> bool:
@@ -140,21 +143,21 @@ def _at_edge(values: Any, value: Any) -> bool:
     return values.dtype.kind in "iuf" and len(values) > 1 and value in (values.min(), values.max())
 
 
-def _text(name: str, found: dict[str, Any]) -> str:
-    law = f" with the law {found['law']}" if found["law"] else ""
-    lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
-    shares = sorted(found["shares"].items(), key=lambda item: -item[1])
+def _text(name: str, facts: dict[str, Any]) -> str:
+    law = f" with the law {facts['law']}" if facts["law"] else ""
+    lines = [f"{name}: {show.counted(facts['cases'], 'case')}{law}"]
+    shares = sorted(facts["shares"].items(), key=lambda item: -item[1])
     lines += [show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in shares)] if shares else []
-    return "\n".join([*lines, *_fastest(found), *found["notes"]])
+    return "\n".join([*lines, *_fastest(facts), *facts["notes"]])
 
 
-def _fastest(found: dict[str, Any]) -> list[str]:
+def _fastest(facts: dict[str, Any]) -> list[str]:
     """The fastest point, and whether a larger map may contain a faster one."""
-    if "fastest" not in found:
+    if "fastest" not in facts:
         return []
     point = ", ".join(
-        f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}" for k, v in found["fastest"].items() if k != "mean_velocity"
+        f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}" for k, v in facts["fastest"].items() if k != "mean_velocity"
     )
-    unit, edges = found["units"].removeprefix("1"), " and ".join(found["at_the_edge_of"])
-    line = f"fastest: {show.quantity(found['fastest']['mean_velocity'], unit, 6)} at {point}"
+    unit, edges = facts["units"].removeprefix("1"), " and ".join(facts["at_the_edge_of"])
+    line = f"fastest: {show.quantity(facts['fastest']['mean_velocity'], unit, 6)} at {point}"
     return [line, f"that is on the edge of {edges}: a wider range may have a faster one"] if edges else [line]

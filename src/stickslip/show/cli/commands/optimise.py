@@ -12,7 +12,7 @@ from stickslip.show.cli.declaring import ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.recorded import in_words_of_the_shell
 from stickslip.show.cli.searches import asked_for, table_of
-from stickslip.show.cli.study_files import found as in_file
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -85,7 +85,7 @@ def act(asked: Namespace) -> Outcome:
     """Do the command."""
     files = [asked.out, asked.search, asked.report]
     study = subject(asked.robot, asked.settings, solver=("workers",), strict=False)
-    job, model = asked_for(asked, in_file(asked.robot).optimise), study.robot()
+    job, model = asked_for(asked, study_named(asked.robot).optimise), study.robot()
     if asked.out is not None:
         model.to_toml()  # a machine that a file cannot describe is reported before the search
 
@@ -148,11 +148,13 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
     from stickslip.inverse.optimisation.results import unit_of_result
     from stickslip.models.naming import unit_in
 
-    found, given = record["best"], record["given"]
-    quantities = [row for row in _TOLD if row[1] in found] + ([] if best.of in [row[1] for row in _TOLD] else [(best.of, best.of, "")])
+    best_values, given = record["best"], record["given"]
+    quantities = [row for row in _TOLD if row[1] in best_values] + (
+        [] if best.of in [row[1] for row in _TOLD] else [(best.of, best.of, "")]
+    )
     rows = [
         *(
-            (name, f"{show.quantity(found[key], unit)}  (was {show.quantity(given.get(key, float('nan')), unit)})")
+            (name, f"{show.quantity(best_values[key], unit)}  (was {show.quantity(given.get(key, float('nan')), unit)})")
             for name, key, unit in quantities
         ),
         *((name, f"{number:.9g} {unit_in(name, best.model)}".rstrip()) for name, number in best.varied.items()),

@@ -56,33 +56,36 @@ def act(asked: Namespace) -> Outcome:
     """Do the command."""
     with recorded.in_words_of_the_shell():
         rec = recorded.opened(asked.file, asked)
-    found = _measured(rec, recorded.settle(asked))
+    measures = _measured(rec, recorded.settle(asked))
     if asked.figure is not None:
-        found["figure"] = _draw(rec, asked.figure)
-    lines = [recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""), *(f"{name}: {recorded.typed(text)}" for name, text in found.items())]
-    return Outcome(_record(rec, found), "\n".join(lines))
+        measures["figure"] = _draw(rec, asked.figure)
+    lines = [
+        recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""),
+        *(f"{name}: {recorded.typed(text)}" for name, text in measures.items()),
+    ]
+    return Outcome(_record(rec, measures), "\n".join(lines))
 
 
 def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
     """The measures that this record allows; those with missing inputs are left out."""
     from stickslip.records.settling import settled
 
-    found: dict[str, Any] = {}
+    measures: dict[str, Any] = {}
     try:
         rec, _, said = settled(rec, settle)
         if said:
-            found["start"] = said.replace("compared with steady motion;", "measured;")
-        found["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
-        found["motion type"] = rec.motion().verdict
+            measures["start"] = said.replace("compared with steady motion;", "measured;")
+        measures["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
+        measures["motion type"] = rec.motion().verdict
     except InputError:
         pass
-    return found
+    return measures
 
 
-def _record(rec: Any, found: dict[str, Any]) -> dict[str, Any]:
+def _record(rec: Any, measures: dict[str, Any]) -> dict[str, Any]:
     from dataclasses import asdict
 
-    return {**asdict(rec.summary), "measures": found, "source": {k: str(v) for k, v in rec.source.items()}}
+    return {**asdict(rec.summary), "measures": measures, "source": {k: str(v) for k, v in rec.source.items()}}
 
 
 def _draw(rec: Any, path: Any) -> str:

@@ -65,9 +65,9 @@ def _begun(folder: Path) -> dict[str, Any]:
     from stickslip.studies.folder import COMMAND, read_manifest
 
     try:
-        found = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
-        if is_one_of(found["command"], _BEGINS) and all(isinstance(word, str) for word in [*found["words"], found["folder"]]):
-            return dict(found)
+        stored = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
+        if is_one_of(stored["command"], _BEGINS) and all(isinstance(word, str) for word in [*stored["words"], stored["folder"]]):
+            return dict(stored)
         why = "is damaged"
     except FileNotFoundError:
         read_manifest(folder)  # reports errors of a folder that is not a study
@@ -83,8 +83,8 @@ def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
 
     named = next((word for word in begun["words"] if ":" in word and "=" not in word and not word.endswith(".toml")), None)
     if named is not None and "--allow-code" not in added:
-        told = f"{named!r} in {str(folder / COMMAND)!r} names Python code, which could do anything you can"
-        raise InputError("resume", [f"{told}; look at it, and if you trust it type --allow-code"])
+        danger = f"{named!r} in {str(folder / COMMAND)!r} names Python code, which could do anything you can"
+        raise InputError("resume", [f"{danger}; look at it, and if you trust it type --allow-code"])
 
 
 @contextlib.contextmanager

@@ -76,7 +76,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
     m, balance = motion(run), energy(run)
     slowest, fastest = velocity_range(run)
-    told = {k: v for k, v in asdict(m).items() if k != "_twin"} | {"twin": m.twin}
+    of_motion = {k: v for k, v in asdict(m).items() if k != "_twin"} | {"twin": m.twin}
     works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
     return {
         "robot": study.title(),
@@ -84,7 +84,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "dimensionless": study.dimensionless,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
-        "motion": told,
+        "motion": of_motion,
         "has_drive": machine_of(run.model).drive is not None,
         "period_time": run.period_time,
         "velocity_max": fastest,
@@ -102,10 +102,10 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     }
 
 
-def _steadiness(found: Any) -> dict[str, Any]:
+def _steadiness(steadiness: Any) -> dict[str, Any]:
     """Whether the mean velocity is that of a steady motion, for JSON."""
-    error = found.error if math.isfinite(found.error) else None
-    return {"code": found.code, "word": found.word, "settling_error": error}
+    error = steadiness.error if math.isfinite(steadiness.error) else None
+    return {"code": steadiness.code, "word": steadiness.word, "settling_error": error}
 
 
 def _text(record: dict[str, Any]) -> str:

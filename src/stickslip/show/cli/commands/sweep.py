@@ -14,7 +14,7 @@ from stickslip.show.cli.arguments import SOLVER, Subject, subject, units_of, val
 from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.declaring import ROBOT, STUDIES, argument, command
 from stickslip.show.cli.outputs import FILES, Outcome
-from stickslip.show.cli.study_files import found
+from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -95,7 +95,7 @@ def axes_of(asked: Namespace) -> tuple[Subject, list[Any]]:
     count = asked.sobol or asked.latin
     made, settings = [], list(asked.settings)
     if count:
-        ranges, settings = _ranges(settings, units_of(found(asked.robot).make))
+        ranges, settings = _ranges(settings, units_of(study_named(asked.robot).make))
         make = designs.sobol if asked.sobol else designs.latin_hypercube
         made.append(make(count, seed=asked.seed, **ranges))
     if asked.table:
@@ -137,14 +137,14 @@ def run_options(asked: Namespace, file: Path | None) -> dict[str, Any]:
         raise InputError("--resume" if asked.resume else "--shard", ["this is for a study folder; type for example --out study"])
     if asked.tile is not None and asked.tile < 1:
         raise InputError("--tile", [f"{asked.tile}; allowed is a whole number of cases from 1; type for example --tile 1000"])
-    found: dict[str, Any] = {"resume": asked.resume, "shard": asked.shard, "tile": asked.tile, "continue_along": asked.along}
+    options: dict[str, Any] = {"resume": asked.resume, "shard": asked.shard, "tile": asked.tile, "continue_along": asked.along}
     if asked.out and file is None:
-        found["out"] = asked.out
+        options["out"] = asked.out
     if asked.dask:
         from stickslip.studies.cluster import connected
 
-        found["client"] = connected(asked.dask)
-    return {name: v for name, v in found.items() if v}
+        options["client"] = connected(asked.dask)
+    return {name: v for name, v in options.items() if v}
 
 
 # ---- output ----

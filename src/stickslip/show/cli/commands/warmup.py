@@ -43,9 +43,9 @@ def _kernels() -> dict[str, Callable[[], Any]]:
         amplitude = np.array([5e-4, 6e-4]) if options.get("keep") == "summary" else 5e-4  # a single case uses the single-run kernel
         return lambda: solve(piezo_rig(tilt_deg=1.7, amplitude=amplitude, law=law), periods=2, **options)
 
-    found: dict[str, Callable[[], Any]] = {}
+    kernels: dict[str, Callable[[], Any]] = {}
     for keep, many in (("trajectory", "one case"), ("summary", "many cases")):
         for rtol in (1e-6, 1e-4):
-            found[f"LuGre, {many}, rtol {rtol:g}"] = work("lugre", keep=keep, rtol=rtol)
-        found[f"Coulomb, {many}"] = work("coulomb", keep=keep)
-    return found | {f"{law}, fixed steps": work(law, method="rk4") for law in ("lugre", "coulomb")}
+            kernels[f"LuGre, {many}, rtol {rtol:g}"] = work("lugre", keep=keep, rtol=rtol)
+        kernels[f"Coulomb, {many}"] = work("coulomb", keep=keep)
+    return kernels | {f"{law}, fixed steps": work(law, method="rk4") for law in ("lugre", "coulomb")}
