@@ -26,7 +26,7 @@ RECORD = ("t [ms];v [mm/s]\n" + "".join(f"{i}.0;{i % 2}.0\n" for i in range(50))
 class NoKernels:
     """Stands for the kernels: nothing is ready, and nothing is compiled."""
 
-    def __init__(self, beside=True):
+    def __init__(self, separate=True):
         pass
 
     def ready(self, *asked):

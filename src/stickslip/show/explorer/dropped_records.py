@@ -60,11 +60,11 @@ def _read(name: str, data: bytes) -> Any:
 def _velocity(record: Any) -> tuple[Any, Any, list[str]]:
     """Times and velocities of the channel with the velocity of the body, and the assumptions made."""
     channels = [record[name] for name in record]
-    found = [c for c in channels if c.role == "velocity"] or [c for c in channels if c.unit is None][:1]
-    if not found:
+    candidates = [c for c in channels if c.role == "velocity"] or [c for c in channels if c.unit is None][:1]
+    if not candidates:
         listed = ", ".join(f"{c.name} [{c.unit}]" for c in channels)
         raise InputError("record", [f"none of its channels is a velocity of the body: {listed}; name the column v and give its unit"])
-    channel = found[0]
+    channel = candidates[0]
     notes = [] if channel.unit else [f"{channel.name} has no unit: taken as m/s"]
     notes += [] if channel.axis_unit else ["time has no unit: taken as s"]
     v = channel.si if channel.unit else np.asarray(channel.values, float)
@@ -96,16 +96,16 @@ def drive_of(name: str, data: bytes) -> bytes:
     if abs(mean) > _DRIFT * float(np.std(v)):
         notes.append(f"its mean of {mean:.4g} m/s is subtracted, as the drive has to return")
     kept = t >= t[-1] - int((t[-1] - t[0]) / period + 1e-6) * period
-    found = Recorded.from_samples(t[kept], velocity=_periodic(t[kept], v[kept], period), period=period, tolerance=1e-2)
-    if found.order > MOST_HARMONICS:
-        found = Recorded.from_samples(t[kept], velocity=_periodic(t[kept], v[kept], period), period=period, order=MOST_HARMONICS)
-    amplitude, omega = 0.5 * float(found.stroke), 2 * np.pi / period
+    drive = Recorded.from_samples(t[kept], velocity=_periodic(t[kept], v[kept], period), period=period, tolerance=1e-2)
+    if drive.order > MOST_HARMONICS:
+        drive = Recorded.from_samples(t[kept], velocity=_periodic(t[kept], v[kept], period), period=period, order=MOST_HARMONICS)
+    amplitude, omega = 0.5 * float(drive.stroke), 2 * np.pi / period
     _check("amplitude", amplitude, problems := Problems("record"))
     _check("omega", omega, problems)
     problems.check()
-    count = next(n for n in _COUNTS if n >= found.order)  # each number of harmonics needs its own kernel: only a few are allowed
-    shape = [[c / amplitude for c in side] + [0.0] * (count - len(side)) for side in found.coefficients]
-    return written({"amplitude": amplitude, "omega": omega, "shape": shape, "notes": [*notes, *(found.notes or ())]})
+    count = next(n for n in _COUNTS if n >= drive.order)  # each number of harmonics needs its own kernel: only a few are allowed
+    shape = [[c / amplitude for c in side] + [0.0] * (count - len(side)) for side in drive.coefficients]
+    return written({"amplitude": amplitude, "omega": omega, "shape": shape, "notes": [*notes, *(drive.notes or ())]})
 
 
 def _check(name: str, value: float, problems: Problems) -> None:
@@ -135,5 +135,5 @@ def _periodic(t: Any, v: Any, period: float) -> Any:
     """Velocities without their drift over whole periods, so that the position is periodic."""
     from stickslip.records.tones import harmonics
 
-    found, _ = harmonics(t, v, 1 / period)
-    return v - found[0] - found[1] * (t - t.mean()) / np.ptp(t)
+    line, _ = harmonics(t, v, 1 / period)
+    return v - line[0] - line[1] * (t - t.mean()) / np.ptp(t)

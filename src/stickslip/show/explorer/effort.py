@@ -37,8 +37,8 @@ def effort(robot: Model) -> tuple[Any, Any]:
     """
     scale = machine_of(robot).time_scale  # an array where the period varies
     period = 1.0 if scale is None else scale
-    found = [_of_contact(law, load, mass, period) for law, load, mass in _contacts(machine_of(robot).mechanics)]
-    swings, decays = ([each[k] for each in found] for k in (0, 1))
+    contacts = [_of_contact(law, load, mass, period) for law, load, mass in _contacts(machine_of(robot).mechanics)]
+    swings, decays = ([each[k] for each in contacts] for k in (0, 1))
     return _largest(swings), _largest(decays)
 
 

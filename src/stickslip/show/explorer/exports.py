@@ -72,18 +72,18 @@ def _report(state: State) -> bytes:
 
     labels = [FRICTION[law].label for law in state.laws]
     runs = [run_of(state, law, True) for law in state.laws]
-    found = []
+    solved = []
     for label, run in zip(labels, runs, strict=True):
         m, balance = motion(run), energy(run)
         works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
         figures = {"velocity": float(mean_velocity(run)), "motion": m, "works": works, "worst": balance.worst}
-        found.append({"label": label, "run": run, **figures})
+        solved.append({"label": label, "run": run, **figures})
     numbers = [{"p": PARAMETERS[name], "shown": PARAMETERS[name].shown(state.values[name])} for name in state.active]
     return page(
         "explored.html",
         title=f"{labels[0]} friction, {state.drive} drive",
         state=state,
-        found=found,
+        solved=solved,
         numbers=numbers,
         picture=drawn(runs, labels, "svg").decode(),
         python=python(state),

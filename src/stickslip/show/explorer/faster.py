@@ -58,14 +58,14 @@ def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None 
     limits = [Limit(name, -np.inf, before[name]) for name in asked.wish.kept if math.isfinite(before.get(name, math.nan))]
     here = np.array([each.unknown(page.values[each.name]) for each in space.varied])
     worth, notes = _searched(space, here, -1.0 if forwards else 1.0, limits, stop)
-    place = here if worth.best is None else worth.best
-    after = values_of(page.make(space.changes(place)), _RTOL)
+    best = here if worth.best is None else worth.best
+    after = values_of(page.make(space.changes(best)), _RTOL)
     if not abs(after["mean_velocity"]) > (1.0 + _GAIN) * abs(before["mean_velocity"]):
-        place, after = here, before
+        best, after = here, before
         notes.append("no faster setting was found within the ranges of these sliders")
-    ends = [each.name for each, u in zip(space.varied, place, strict=True) if min(u, 1.0 - u) < _END]
+    ends = [each.name for each, u in zip(space.varied, best, strict=True) if min(u, 1.0 - u) < _END]
     rows = [{"name": name, "unit": _unit(name), "before": before[name], "after": after[name]} for name in _TOLD if name in before]
-    return {"kind": "faster", "values": space.changes(place), "rows": rows, "ends": ends, "tried": worth.tried, "notes": notes}
+    return {"kind": "faster", "values": space.changes(best), "rows": rows, "ends": ends, "tried": worth.tried, "notes": notes}
 
 
 def _unit(name: str) -> str:

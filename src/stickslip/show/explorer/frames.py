@@ -22,8 +22,8 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
     import numpy as np
 
     flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
-    told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
-    as_it_is = strict(told, other=lambda value: value)  # a value that strict JSON does not allow is our own error, and is reported
+    complete = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
+    as_it_is = strict(complete, other=lambda value: value)  # a value that strict JSON does not allow is our own error, and is reported
     text = json.dumps(as_it_is, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     head = text.encode("utf-8", "replace")  # a page may send an unpaired surrogate
     head += b" " * (-len(head) % 4)

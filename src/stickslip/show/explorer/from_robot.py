@@ -59,12 +59,12 @@ def state_of(robot: Any) -> State:
     differs: list[str] = []
     for track, contact, values in _places(robot):
         whole = {**DEFAULT.values, **masses, **driven, **numbers, **values}
-        found = State(drive, track, contact, law, (), whole, shape)
-        differs = _differences(robot, found)
+        candidate = State(drive, track, contact, law, (), whole, shape)
+        differs = _differences(robot, candidate)
         if not differs:
-            _check_bounds(found, problems)
+            _check_bounds(candidate, problems)
             problems.check()
-            return found
+            return candidate
     for sentence in differs or ["its track"]:
         problems.add(f"the page has no control for this: {sentence}")
     problems.check()
@@ -159,9 +159,9 @@ def hash_of(state: State) -> str:
     >>> hash_of(DEFAULT)[:62]
     '#drive=harmonic&track=folded&contact=isotropic&law=lugre&also='
     """
-    told: Mapping[str, str] = {
+    query: Mapping[str, str] = {
         "drive": state.drive, "track": state.track, "contact": state.contact, "law": state.law, "also": ",".join(state.also),
         **{name: f"{state.values[name]:.15g}" for name in state.active},
         **({"shape": ",".join(f"{c:.17g}" for side in state.shape for c in side)} if state.drive == "recorded" else {}),
     }  # fmt: skip
-    return "#" + urlencode(told)
+    return "#" + urlencode(query)

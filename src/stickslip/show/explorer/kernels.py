@@ -23,7 +23,7 @@ from stickslip.show.explorer.requests import DEFAULT, State, state
 #: Seconds without a request after which the server counts as idle.
 QUIET = 8.0
 Key = tuple[Any, ...]
-Found = State | Shown
+Subject = State | Shown
 Helper = subprocess.Popen[str]
 
 
@@ -33,21 +33,21 @@ def key_of(robot: Model, many: bool) -> Key:
     return (many, *((name, None if name in numbers else str(value)) for name, value in leaves(robot, kinds=True)))
 
 
-def compiling(found: State, law: str) -> str:
+def compiling(shown: State, law: str) -> str:
     """The message of a page while a kernel is being prepared."""
-    what = f"{FRICTION[law].label} × {DRIVES[found.drive].label}"
+    what = f"{FRICTION[law].label} × {DRIVES[shown.drive].label}"
     return f"preparing {what}: compiled once, which takes some seconds, and kept for later"
 
 
-def warm(found: Found, law: str, many: bool) -> None:
+def warm(subject: Subject, law: str, many: bool) -> None:
     """Solve a robot of this kind once, over a short time, so that its kernel is compiled, or loaded from the cache."""
     import numpy as np
 
     from stickslip.solvers import solve
 
-    changes = {"body_mass": found.values["body_mass"] * np.array([1.0, 1.01])} if many and isinstance(found, State) else {}
+    changes = {"body_mass": subject.values["body_mass"] * np.array([1.0, 1.01])} if many and isinstance(subject, State) else {}
     with contextlib.suppress(StickslipError):  # a run that fails also has its kernel compiled
-        model = found.robot(law, **changes)
+        model = subject.robot(law, **changes)
         of_its_own = 2.0 * float(machine_of(model).time_scale or 1.0)
         length: dict[str, Any] = {"periods": 2} if model.period is not None else {"duration": of_its_own}
         solve(model, **length, rtol=1e-4, keep="summary" if many else "trajectory")
@@ -60,15 +60,15 @@ class Kernels:
 
     Parameters
     ----------
-    beside : bool
+    separate : bool
         Whether to compile in a separate process; otherwise in this one, where other runs have to wait.
     """
 
-    def __init__(self, beside: bool = True):
-        self._beside = beside
+    def __init__(self, separate: bool = True):
+        self._separate = separate
         self._ready: set[Key] = set()
-        self._wanted: dict[Key, tuple[Found, str]] = {}
-        self._later: dict[Key, tuple[Found, str]] = {}
+        self._wanted: dict[Key, tuple[Subject, str]] = {}
+        self._later: dict[Key, tuple[Subject, str]] = {}
         self._compiled: set[Key] = set()
         self._doing: Key | None = None
         self._asked = time.monotonic()
@@ -79,7 +79,7 @@ class Kernels:
         self._thread = threading.Thread(target=self._work, name="kernels", daemon=True)
         self._thread.start()
 
-    def ready(self, found: Found, law: str, robot: Model, many: bool) -> bool:
+    def ready(self, subject: Subject, law: str, robot: Model, many: bool) -> bool:
         """Whether this kind of robot can be solved immediately; if not, preparation of its kernel is requested."""
         key = key_of(robot, many)
         with self._changed:
@@ -87,7 +87,7 @@ class Kernels:
             if key in self._ready:
                 return True
             self._wanted.pop(key, None)
-            self._wanted[key] = (found, law)
+            self._wanted[key] = (subject, law)
             if self._doing != key:
                 self._drop(later=True)
             self._changed.notify_all()
@@ -100,7 +100,7 @@ class Kernels:
     def begin(self, later: Iterable[State] = ()) -> None:
         """Prepare the kernels of the initial page and, when idle, those of the states that may follow."""
         with self._changed:
-            if self._beside:
+            if self._separate:
                 wishes = [(many, s, law) for s in later for law in s.laws for many in (False, True)]
                 self._later = {key_of(s.robot(law), many): (s, law) for many, s, law in sorted(wishes, key=lambda wish: wish[0])}
         for law in reversed(DEFAULT.laws):
@@ -122,9 +122,9 @@ class Kernels:
 
     def _work(self) -> None:
         while (chosen := self._next()) is not None:
-            key, (found, law), later = chosen
-            beside = self._beside and isinstance(found, State)
-            if beside and key not in self._compiled and not self._compile(found, law, key[0], later):  # type: ignore[arg-type]
+            key, (subject, law), later = chosen
+            separate = self._separate and isinstance(subject, State)
+            if separate and key not in self._compiled and not self._compile(subject, law, key[0], later):  # type: ignore[arg-type]
                 continue  # interrupted by a request
             if later:  # in the cache on disk; loading it here would delay the curves
                 with self._changed:
@@ -134,14 +134,14 @@ class Kernels:
             if self._ended:
                 return
             with contextlib.suppress(Exception):  # the next solve of such a robot reports the error
-                warm(found, law, key[0])
+                warm(subject, law, key[0])
             with self._changed:
                 self._ready.add(key)
                 self._wanted.pop(key, None)
             for tell in self._listeners:
                 tell()
 
-    def _next(self) -> tuple[Key, tuple[Found, str], bool] | None:
+    def _next(self) -> tuple[Key, tuple[Subject, str], bool] | None:
         """The next kernel to prepare, and whether it is only in advance of a request; None at the end."""
         with self._changed:
             while True:
@@ -161,7 +161,7 @@ class Kernels:
                 self._drop(later=True)  # nothing is left to do
                 self._changed.wait()
 
-    def _compile(self, found: State, law: str, many: bool, later: bool) -> bool:
+    def _compile(self, subject: State, law: str, many: bool, later: bool) -> bool:
         """Compile in a separate process, and wait for it; if none is available, it is compiled here. False if interrupted."""
         try:
             with self._changed:
@@ -171,7 +171,7 @@ class Kernels:
                 if process is None or process.poll() is not None:
                     process = self._processes[later] = _helper(later)
             assert process.stdin is not None and process.stdout is not None
-            process.stdin.write(json.dumps({"state": state_table(found, law), "many": many}) + "\n")
+            process.stdin.write(json.dumps({"state": state_table(subject, law), "many": many}) + "\n")
             process.stdin.flush()
             if process.stdout.readline():
                 return True
@@ -190,9 +190,9 @@ def killed(process: subprocess.Popen[Any]) -> None:
             pipe.close()
 
 
-def state_table(found: State, law: str) -> dict[str, Any]:
+def state_table(of_page: State, law: str) -> dict[str, Any]:
     """A state with one law as the table that `state` reads."""
-    return {**vars(found), "law": law, "also": [], "values": dict(found.values)}
+    return {**vars(of_page), "law": law, "also": [], "values": dict(of_page.values)}
 
 
 def _helper(later: bool) -> Helper:
@@ -207,9 +207,9 @@ def main() -> None:
         os.nice(10)
     for line in sys.stdin:
         wish = json.loads(line)
-        found = state(wish["state"])
+        of_page = state(wish["state"])
         with contextlib.suppress(Exception):  # the next solve of such a robot reports the error
-            warm(found, found.law, wish["many"])
+            warm(of_page, of_page.law, wish["many"])
         print("ready", flush=True)
 
 

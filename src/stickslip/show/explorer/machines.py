@@ -74,10 +74,10 @@ class Shown:
     @property
     def groups(self) -> dict[str, list[Parameter]]:
         """The numbers grouped by part; those of the whole machine come first."""
-        found: dict[str, list[Parameter]] = {"": []}
+        parts: dict[str, list[Parameter]] = {"": []}
         for p in self.numbers.values():
-            found.setdefault(_part(p.name), []).append(p)
-        return {part: of for part, of in found.items() if of}
+            parts.setdefault(_part(p.name), []).append(p)
+        return {part: of for part, of in parts.items() if of}
 
     def with_values(self, values: Mapping[str, float]) -> Any:
         """The machine with other numbers; all errors are reported together."""
@@ -114,13 +114,13 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
     ('modules.0.body_mass', 'mass of the body', 'g', (0.01, 0.2))
     """
-    seen: set[str] = set()
+    names: set[str] = set()
     for first, value in leaves(model):
         name = _together(model, first, float(value))
-        if name not in seen:
-            seen.add(name)
-            told, value = field_description(model, first), float(value)
-            yield _numbered(replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR))
+        if name not in names:
+            names.add(name)
+            described, value = field_description(model, first), float(value)
+            yield _numbered(replace(Parameter.described(name, described, value, _around(described, value)), least=-_FAR, most=_FAR))
 
 
 def _numbered(p: Parameter) -> Parameter:
@@ -128,8 +128,8 @@ def _numbered(p: Parameter) -> Parameter:
     last = p.name.rpartition(".")[2]
     if not last.isdigit():
         return p
-    place = str(int(last) + 1)
-    return replace(p, label=f"{p.label} {place}", symbol=p.symbol and symbol_text(f"{p.symbol}_{place}"))
+    position = str(int(last) + 1)
+    return replace(p, label=f"{p.label} {position}", symbol=p.symbol and symbol_text(f"{p.symbol}_{position}"))
 
 
 def _together(model: Any, name: str, value: float) -> str:
@@ -148,12 +148,12 @@ def _is_taken(model: Any, changes: dict[str, float]) -> bool:
     return True
 
 
-def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
+def _around(described: Mapping[str, Any], value: float) -> tuple[float, float]:
     """The declared range if the value lies in it; else a range around the value, on both sides of zero for an angle or zero."""
-    low, high = told.get("range", (1.0, -1.0))
+    low, high = described.get("range", (1.0, -1.0))
     if low <= value <= high:
         return low, high
-    if told.get("unit") == "rad":
+    if described.get("unit") == "rad":
         return -math.pi, math.pi
     if value == 0.0:
         return -1.0, 1.0
@@ -185,11 +185,11 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     from stickslip.show.reports.moving import moments
 
     run = _solved(shown, model, fine, progress)
-    found: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
-    found["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
+    data: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
+    data["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
     if fine:
-        found |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
-    return found
+        data |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
+    return data
 
 
 def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int], None] | None = None) -> Any:

@@ -24,7 +24,7 @@ from stickslip.models.robot import Robot
 from stickslip.models.tracks import Incline, Level, VaryingFriction
 
 Values = Mapping[str, Any]
-Told = Mapping[str, Any]
+Description = Mapping[str, Any]
 #: Cosine and sine coefficients of a recorded drive, relative to its amplitude.
 Shape = tuple[tuple[float, ...], tuple[float, ...]]
 #: The default shape, without a record: a sawtooth with five harmonics.
@@ -46,18 +46,18 @@ class Part:
     """
 
     label: str
-    parameters: Mapping[str, Told]
+    parameters: Mapping[str, Description]
     make: Callable[..., Any]
 
 
-def _own_names(kind: str, cls: Any, taken: Mapping[str, Told], but: tuple[str, ...] = ()) -> dict[str, str]:
+def _own_names(kind: str, cls: Any, taken: Mapping[str, Description], but: tuple[str, ...] = ()) -> dict[str, str]:
     """Field -> parameter for the numbers of a record; the name has the prefix of its kind if the page uses it for another number."""
     types = field_types(cls)
     fields = [f for f in dataclasses.fields(cls) if types[f.name] == FieldType("number", False, True) and f.name not in but]
     return {f.name: f.name if taken.get(f.name, f.metadata) == f.metadata else f"{kind}_{f.name}" for f in fields}
 
 
-def _described(cls: Any, names: Mapping[str, str]) -> dict[str, Told]:
+def _described(cls: Any, names: Mapping[str, str]) -> dict[str, Description]:
     return {parameter: described_by(cls, field) for field, parameter in names.items()}
 
 
@@ -100,9 +100,9 @@ _LIFT = {
 }
 
 
-def _piece(words: str, example: float, low: float, high: float, unit: str, letter: str, place: int) -> Told:
-    label = f"{words} the {('first', 'second', 'third')[place - 1]} piece"
-    return quantity(label, unit, f"{letter}_{{{place}}}", example=example, range=(low, high), shown="ms" if unit == "s" else "")
+def _piece(words: str, example: float, low: float, high: float, unit: str, letter: str, number: int) -> Description:
+    label = f"{words} the {('first', 'second', 'third')[number - 1]} piece"
+    return quantity(label, unit, f"{letter}_{{{number}}}", example=example, range=(low, high), shown="ms" if unit == "s" else "")
 
 
 _PIECES = {
@@ -114,7 +114,7 @@ _PIECES = {
 
 def _plain_drives() -> Iterator[tuple[str, dict[str, str]]]:
     """Name of each drive that is defined by its numbers, and field -> parameter."""
-    taken: dict[str, Told] = dict(_BEAM)
+    taken: dict[str, Description] = dict(_BEAM)
     for name in _PLAIN:
         names = _own_names(name, _KINDS[name], taken)
         taken |= _described(_KINDS[name], names)
@@ -189,19 +189,19 @@ _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 _EVERYWHERE = {name: described_by(Robot, name) for name in ("body_mass", "inner_mass", "gravity")}
 
 
-def _beside_laws() -> dict[str, Told]:
+def _of_all_but_laws() -> dict[str, Description]:
     """The parameters of everything but friction laws, in the order of the page."""
     parts = [*DRIVES.values(), *TRACKS.values(), Part("", _EVERYWHERE, Robot), *CONTACTS.values()]
-    return {name: told for part in parts for name, told in part.parameters.items()}
+    return {name: described for part in parts for name, described in part.parameters.items()}
 
 
 def _numbers_of_laws() -> dict[str, dict[str, str]]:
     """For each law, its numbers that are not friction coefficients: field -> parameter of the page."""
-    taken, found = _beside_laws(), {}
+    taken, names = _of_all_but_laws(), {}
     for name, cls in LAWS.items():
-        found[name] = _own_names(name, cls, taken, tuple(_COEFFICIENTS))
-        taken |= _described(cls, found[name])
-    return found
+        names[name] = _own_names(name, cls, taken, tuple(_COEFFICIENTS))
+        taken |= _described(cls, names[name])
+    return names
 
 
 FIELDS = _numbers_of_laws()
@@ -242,7 +242,9 @@ FRICTION: dict[str, Part] = {
     if adapted(law.example()).compiles
 }
 """The laws of the page: all but those that cannot be compiled (the bristle model), whose runs take minutes and cannot be dragged."""
-DESCRIBED: dict[str, Told] = _beside_laws() | {name: told for law in FRICTION.values() for name, told in law.parameters.items()}
+DESCRIBED: dict[str, Description] = _of_all_but_laws() | {
+    name: description for law in FRICTION.values() for name, description in law.parameters.items()
+}
 """Every parameter of the page with its description, in order."""
 
 

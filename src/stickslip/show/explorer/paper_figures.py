@@ -17,7 +17,7 @@ def _entry(label: str, values: dict[str, float], also: Sequence[str] = ("coulomb
 
 
 def _of_the_paper() -> dict[str, dict[str, Any]]:
-    found = {
+    entries = {
         f"figure-{e.figure}": _entry(
             f"Figure {e.figure}: θ = {e.tilt_deg}°, type {e.type}", {"tilt_deg": e.tilt_deg, "amplitude": e.amplitude}
         )
@@ -25,13 +25,13 @@ def _of_the_paper() -> dict[str, dict[str, Any]]:
     }
     for case in CASES:
         values = {"tilt_deg": case.tilt_deg, "amplitude": case.amplitude, **case.changes}
-        found[f"figure-{case.figure}"] = _entry(f"Figure {case.figure}: {case.varied}", values)
-    return found
+        entries[f"figure-{case.figure}"] = _entry(f"Figure {case.figure}: {case.varied}", values)
+    return entries
 
 
 def _of_file(group: str) -> dict[str, dict[str, Any]]:
-    told = tomllib.loads((files("stickslip.show.explorer") / "assets" / "presets.toml").read_text(encoding="utf-8"))
-    return {name: _entry(**entry) for name, entry in told[group].items()}
+    presets = tomllib.loads((files("stickslip.show.explorer") / "assets" / "presets.toml").read_text(encoding="utf-8"))
+    return {name: _entry(**entry) for name, entry in presets[group].items()}
 
 
 #: The presets by name, in groups.

@@ -145,27 +145,27 @@ def message(text: str | bytes) -> Message:
     if "machine" in given:
         asked = channel if wish else "curves"
         return Message(asked, number, DEFAULT, given.get("fine") is True, machine=machine_numbers(given["machine"]), wish=wish)
-    found = state(given.get("state", {}))
-    plane = _plane(given.get("axes"), found, 2 if channel == "map" else 1) if channel in ("map", "strip") else None
-    return Message(channel, number, found, given.get("fine") is True, plane, wish=wish)
+    shown = state(given.get("state", {}))
+    plane = _plane(given.get("axes"), shown, 2 if channel == "map" else 1) if channel in ("map", "strip") else None
+    return Message(channel, number, shown, given.get("fine") is True, plane, wish=wish)
 
 
 def _wish(given: dict[str, Any]) -> Wish:
     """The sliders of a search; whether the page has such numbers is checked elsewhere."""
-    problems, found = Problems("faster"), {}
+    problems, chosen = Problems("faster"), {}
     for name, most in (("sliders", MOST_SLIDERS), ("keep", len(KEPT))):
         words = given.get(name, [])
         if not isinstance(words, list) or len(words) > most or not all(isinstance(word, str) and len(word) < 200 for word in words):
             problems.add(f"{name} = {_short(words)}; allowed is a list of up to {most} names")
             words = []
-        found[name] = tuple(dict.fromkeys(words))
-    if not found["sliders"]:
+        chosen[name] = tuple(dict.fromkeys(words))
+    if not chosen["sliders"]:
         problems.add("no slider may move; choose one or more")
-    for word in found["keep"]:
+    for word in chosen["keep"]:
         if word not in KEPT:
             problems.add(f"keep = {_short(word)}; {did_you_mean(word[:40], KEPT)}")
     problems.check()
-    return Wish(found["sliders"], found["keep"])
+    return Wish(chosen["sliders"], chosen["keep"])
 
 
 def state(given: Any) -> State:
@@ -247,15 +247,15 @@ def _number(name: str, value: Any, where: str, problems: Problems) -> bool:
     return True
 
 
-def _plane(given: Any, found: State, count: int) -> Plane:
+def _plane(given: Any, shown: State, count: int) -> Plane:
     """The axes of a map or a strip: one table for each, with name, from, to, cells."""
     problems = Problems("axes")
     if not isinstance(given, list) or len(given) != count or not all(isinstance(axis, dict) for axis in given):
         raise InputError("axes", [f"{_short(given)}; allowed is a list of {count} tables with name, from, to and cells"])
     names = [axis.get("name") for axis in given]
     for name, axis in zip(names, given, strict=True):
-        if name not in found.active:
-            problems.add(f"{_short(name)} has no effect here; {did_you_mean(str(name)[:40], found.active)}")
+        if name not in shown.active:
+            problems.add(f"{_short(name)} has no effect here; {did_you_mean(str(name)[:40], shown.active)}")
         elif all(_number(name, axis.get(end), f"{name} {end}", problems) for end in ("from", "to")) and not axis["from"] < axis["to"]:
             problems.add(f"{name} reaches from {axis['from']:.6g} to {axis['to']:.6g}; allowed is a rising span")
         if not is_whole(axis.get("cells")) or not 2 <= axis["cells"] <= MOST_CELLS * (3 - count):

@@ -29,19 +29,19 @@ SAMPLES, LONGEST = 256, 8
 def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
     """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response."""
     head = {"channel": asked.channel, "id": asked.id}
-    found: tuple[dict[str, Any], dict[str, Any]]
+    response: tuple[dict[str, Any], dict[str, Any]]
     try:
         if asked.wish is not None:
-            found = faster_of(asked, kernels, stop, shown), {}
+            response = faster_of(asked, kernels, stop, shown), {}
         elif asked.machine is not None:
-            found = _machine(asked, kernels, stop, shown), {}
+            response = _machine(asked, kernels, stop, shown), {}
         else:
-            found = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
+            response = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
     except InputError as error:
-        found = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
+        response = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
     except StickslipError as error:
-        found = {"kind": "problems", "problems": [str(error)]}, {}
-    header, arrays = found
+        response = {"kind": "problems", "problems": [str(error)]}, {}
+    header, arrays = response
     return written({**head, **header}, arrays)
 
 
@@ -139,9 +139,9 @@ def _columns(run: Any, shown: int, main: bool) -> dict[str, Any]:
     end = float(run.strobe_times[-1])
     start = end - count * run.period_time
     at = run.at(np.clip(np.linspace(start, end, SAMPLES * count + 1), start, end))
-    found = {"t": at["t"] - start, "v": at["v"], "x": at["x"] - at["x"][0], "R": at["friction_force"]}
+    columns = {"t": at["t"] - start, "v": at["v"], "x": at["x"] - at["x"][0], "R": at["friction_force"]}
     if main:
-        found |= {"xi": at["xi"], "mode": at["mode"]}
+        columns |= {"xi": at["xi"], "mode": at["mode"]}
     kept = min(max(len(run.strobe_times) - 1 - int(run.settle), 1), 64)
     drift, instants = float(at["x"][-1] - at["x"][0]) / (end - start), run.strobe_times[-kept:]
-    return found | {"strobe_s": run.strobe_x[-kept:] - at["x"][0] - drift * (instants - start), "strobe_v": run.strobe_v[-kept:]}
+    return columns | {"strobe_s": run.strobe_x[-kept:] - at["x"][0] - drift * (instants - start), "strobe_v": run.strobe_v[-kept:]}

@@ -62,9 +62,9 @@ def _rendered(template: str, **content: Any) -> str:
 
 def machine_page(shown: Shown) -> str:
     """The page of a machine before any script runs."""
-    told = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
+    data = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
     groups = {in_words(part): of for part, of in shown.groups.items()}
-    return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), told=told, kept=_kept(shown))
+    return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), data=data, kept=_kept(shown))
 
 
 def _kept(shown: Shown) -> list[str]:
@@ -81,11 +81,11 @@ def page() -> str:
     return _rendered(
         "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=GROUPS, exports=list(EXPORTS),
         groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
-        first=DEFAULT, active=set(DEFAULT.active), told=_told(), kept=KEPT,
+        first=DEFAULT, active=set(DEFAULT.active), data=_data(), kept=KEPT,
     )  # fmt: skip
 
 
-def _told() -> dict[str, Any]:
+def _data() -> dict[str, Any]:
     """The data for the scripts: which parameters matter when, their numbers, the presets."""
     choices = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
     return {
@@ -110,8 +110,8 @@ async def _page(request: Request) -> Response:
 def _assets() -> dict[str, bytes]:
     """The files of the page, read once; nothing else can be requested."""
     own, shared = files("stickslip.show.explorer") / "assets", files("stickslip.show.reports") / "templates"
-    found = [*own.iterdir(), *(shared / name for name in ("moving.js", "moving.css"))]
-    return {f.name: f.read_bytes() for f in found if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
+    paths = [*own.iterdir(), *(shared / name for name in ("moving.js", "moving.css"))]
+    return {f.name: f.read_bytes() for f in paths if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
 
 
 async def _asset(request: Request) -> Response:
@@ -125,11 +125,11 @@ async def _asset(request: Request) -> Response:
 async def _export(request: Request) -> Response:
     name, workshop = request.path_params["name"], request.app.state.workshop
     try:
-        found = state(_asked_json(request, "state"))
-        missing = [law for law in found.laws if name in EXPORTS and not workshop.kernels.ready(found, law, found.robot(law), False)]
+        shown = state(_asked_json(request, "state"))
+        missing = [law for law in shown.laws if name in EXPORTS and not workshop.kernels.ready(shown, law, shown.robot(law), False)]
         if missing:
             return PlainTextResponse(f"{', '.join(missing)}: still compiling, once; try again in some seconds\n", 503, {"Retry-After": "5"})
-        return await _made(request, EXPORTS.get(name, ("", None))[0], export, name, found)
+        return await _made(request, EXPORTS.get(name, ("", None))[0], export, name, shown)
     except StickslipError as error:
         return PlainTextResponse(f"{error}\n", 404 if name not in EXPORTS else 400)
 
@@ -172,7 +172,7 @@ async def _socket(socket: WebSocket) -> None:
 
 
 def application(
-    host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True, shown: Shown | None = None
+    host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, separate: bool = True, shown: Shown | None = None
 ) -> Any:
     """The explorer as an ASGI application.
 
@@ -184,7 +184,7 @@ def application(
         The token that a page must send.
     workers : int, optional
         Computing threads; by default one for each processor, at least 2 and at most 8.
-    beside : bool
+    separate : bool
         Whether to compile in a separate process.
     shown : Shown, optional
         The machine whose page is served; without it that of robots.
@@ -192,7 +192,7 @@ def application(
 
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
-        kernels = Kernels(beside)
+        kernels = Kernels(separate)
         app.state.workshop = Workshop(kernels, workers, shown)
         app.state.uploads = Uploads()
         if shown is None:

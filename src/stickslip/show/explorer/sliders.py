@@ -54,15 +54,26 @@ class Parameter:
     units: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def described(cls, name: str, told: Mapping[str, Any], value: float, reach: tuple[float, float]) -> Parameter:
+    def described(cls, name: str, description: Mapping[str, Any], value: float, reach: tuple[float, float]) -> Parameter:
         """The parameter for a described number, at a value, with the range of its slider."""
         low, high = min(reach[0], value), max(reach[1], value)
         least, most = min(low / _BEYOND, low * _BEYOND), max(high / _BEYOND, high * _BEYOND)
-        rule = told.get("rule")
+        rule = description.get("rule")
         least, most = (beyond if rule is None or rule(beyond) else end for beyond, end in ((least, low), (most, high)))
-        unit = str(told.get("unit", "1"))
-        label = str(told.get("label") or name.rpartition(".")[2].replace("_", " "))
-        return cls(name, symbol_text(str(told.get("symbol", ""))), label, value, low, high, *shown_factor(told), least, most, others(unit))
+        unit = str(description.get("unit", "1"))
+        label = str(description.get("label") or name.rpartition(".")[2].replace("_", " "))
+        return cls(
+            name,
+            symbol_text(str(description.get("symbol", ""))),
+            label,
+            value,
+            low,
+            high,
+            *shown_factor(description),
+            least,
+            most,
+            others(unit),
+        )
 
     def shown(self, value: float) -> str:
         """A value as text, in the displayed unit."""
@@ -73,10 +84,10 @@ class Parameter:
         return f"{self.shown(self.least)} to {self.shown(self.most)}"
 
 
-def _of_page(name: str, told: Mapping[str, Any]) -> Parameter:
-    value = float(told.get("example", 1.0))
-    return Parameter.described(name, told, value, told.get("range") or (0.1 * value, 2.5 * value))
+def _of_page(name: str, description: Mapping[str, Any]) -> Parameter:
+    value = float(description.get("example", 1.0))
+    return Parameter.described(name, description, value, description.get("range") or (0.1 * value, 2.5 * value))
 
 
-PARAMETERS: dict[str, Parameter] = {name: _of_page(name, told) for name, told in DESCRIBED.items()}
+PARAMETERS: dict[str, Parameter] = {name: _of_page(name, description) for name, description in DESCRIBED.items()}
 """Every parameter by name, in the order of the page."""

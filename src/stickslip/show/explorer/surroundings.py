@@ -76,10 +76,10 @@ def _batch(state: State, names: tuple[str, ...], grid: list[Any]) -> tuple[Any, 
 
 def _codes(types: Any) -> Any:
     """Motion types as indices into `TYPES`."""
-    found = np.full(np.shape(types), len(TYPES) - 1, float)
+    codes = np.full(np.shape(types), len(TYPES) - 1, float)
     for code, name in enumerate(TYPES):
-        found[np.asarray(types) == name] = code
-    return found
+        codes[np.asarray(types) == name] = code
+    return codes
 
 
 def watch(stop: Stop) -> Callable[[int, int], None]:

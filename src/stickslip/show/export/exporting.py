@@ -194,10 +194,10 @@ def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature
     from stickslip.show.export.mujoco import reduced, written_for_mujoco
 
     low, high = map(float, speeds)
-    found, lost = reduced(own, load, (low, high))
-    told = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
-    numbers = found | {"armature": armature}
-    return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, told), numbers, lost)
+    fitted, lost = reduced(own, load, (low, high))
+    remark = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
+    numbers = fitted | {"armature": armature}
+    return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, remark), numbers, lost)
 
 
 LANGUAGES: dict[str, Callable[..., ExportedLaw]] = {"c": _source, "matlab": _source, "octave": _source, "toml": _toml, "mujoco": _mujoco}

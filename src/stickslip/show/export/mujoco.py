@@ -43,26 +43,26 @@ def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[st
     frictionloss, damping = dry * size, viscous * size / fast
     errors = [abs(frictionloss + damping * abs(v) - force) for v, force in zip(velocities, forces, strict=True)]
     worst = max(range(len(errors)), key=errors.__getitem__)
-    found = {"frictionloss": frictionloss, "damping": damping, "error": errors[worst], "worst": velocities[worst]}
-    return found | {"largest": max(map(abs, forces))}, tuple(_lost(bench, forces))
+    fitted = {"frictionloss": frictionloss, "damping": damping, "error": errors[worst], "worst": velocities[worst]}
+    return fitted | {"largest": max(map(abs, forces))}, tuple(_lost(bench, forces))
 
 
 def _lost(bench: Setup, forces: list[float]) -> list[str]:
     """The properties of the law that the joint lacks."""
     apart = max(abs(a - b) for a, b in zip(forces[:_COUNT], forces[_COUNT:], strict=True))
-    found = [f"forward and backward friction, which differ by up to {apart:.4g} N"] if apart > 1e-9 * max(map(abs, forces)) else []
+    lacking = [f"forward and backward friction, which differ by up to {apart:.4g} N"] if apart > 1e-9 * max(map(abs, forces)) else []
     held = max(map(abs, bench.holds))
     if held > max(forces[0], forces[_COUNT]) * (1 + 1e-9):
-        found.append(f"{'break-away' if bench.set_valued else 'friction at lower speeds'}, up to {held:.4g} N")
+        lacking.append(f"{'break-away' if bench.set_valued else 'friction at lower speeds'}, up to {held:.4g} N")
     if adapted(bench.law).states:
-        found.append("the law's inner states: pre-sliding and lag")
-    return found
+        lacking.append("the law's inner states: pre-sliding and lag")
+    return lacking
 
 
-def written_for_mujoco(found: Mapping[str, float], lost: tuple[str, ...], name: str, told: str) -> str:
+def written_for_mujoco(fitted: Mapping[str, float], lost: tuple[str, ...], name: str, about: str) -> str:
     """The joint's attributes as XML, with a comment."""
     notes = f" Not in it: {'; '.join(lost)}." if lost else ""
-    share = f", {found['error'] / found['largest']:.2%} of the law's largest there" if found["largest"] else ""
-    remark = f"{told} Largest error of steady friction {found['error']:.4g}{share}, at {found['worst']:.4g} m/s.{notes}"
-    attributes = " ".join(f'{what}="{found[what]:.9g}"' for what in ("frictionloss", "damping", "armature"))
+    share = f", {fitted['error'] / fitted['largest']:.2%} of the law's largest there" if fitted["largest"] else ""
+    remark = f"{about} Largest error of steady friction {fitted['error']:.4g}{share}, at {fitted['worst']:.4g} m/s.{notes}"
+    attributes = " ".join(f'{what}="{fitted[what]:.9g}"' for what in ("frictionloss", "damping", "armature"))
     return f'<!-- {remark.replace("--", "- -")} -->\n<joint name="{name}" {attributes}/>\n'

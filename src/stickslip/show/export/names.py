@@ -35,15 +35,15 @@ def names_of_numbers(names: Iterable[str]) -> dict[str, str]:
     >>> names_of_numbers(["mu_plus", "weights.0", "double", "μ"])
     {'mu_plus': 'mu_plus', 'weights.0': 'weights_0', 'double': 'double_', 'μ': 'number_3'}
     """
-    found: dict[str, str] = {}
+    fields: dict[str, str] = {}
     for k, name in enumerate(names):
         field = re.sub(r"\W", "_", name)
         field = f"{field}_" if field in TAKEN else field
         field = field if _plain(field) else f"number_{k}"
-        while field in found.values():
+        while field in fields.values():
             field += "_"
-        found[name] = field
-    return found
+        fields[name] = field
+    return fields
 
 
 def _plain(name: str) -> bool:

@@ -42,10 +42,10 @@ class Files:
     first: int
     limited: dict[str, str]
 
-    def each(self, place: str, ends: Iterable[str], columns: int = 1) -> list[str]:
+    def each(self, assignment: str, ends: Iterable[str], columns: int = 1) -> list[str]:
         """Assignments to the elements of a table, row by row: {0} is the expression, {1} and {2} are row and column."""
         cells = ((end, *divmod(i, columns)) for i, end in enumerate(ends))
-        return ["    " + place.format(end, row + self.first, column + self.first) for end, row, column in cells]
+        return ["    " + assignment.format(end, row + self.first, column + self.first) for end, row, column in cells]
 
     def used(self, text: str) -> dict[str, str]:
         """The limited functions that a text calls."""
@@ -97,11 +97,11 @@ def written(law: TracedLaw, name: str, files: Files, version: str) -> str:
     bind = {number: files.number.format(field) for number, field in names.items()} | {w: w for w in ("v", "load", "applied")}
     bind |= {z.name: files.state.format(i) for i, z in enumerate(law.z, files.first)}
     bind |= {mode.name: files.memory.format(i) for i, mode in enumerate(law.mode, files.first)}
-    told = templates.get_template("head.jinja").render(law=law, name=name, version=version)
+    head = templates.get_template("head.jinja").render(law=law, name=name, version=version)
     text = templates.get_template(files.template).render(
         law=law,
         name=name,
-        told=told.splitlines(),
+        told=head.splitlines(),
         fields={names[number]: value for number, value in law.numbers.items()},
         slopes=[row[i] for i, row in enumerate(table)] if law.alone else [slope for row in table for slope in row],
         guards=[guard for guard, _, _ in law.switches],

@@ -84,8 +84,8 @@ export function show(header) {
 }
 
 function line(row) {
-  const told = (x) => (row.unit ? quantity(x, row.unit) : digits(x));
-  const cells = [row.name.replaceAll("_", " "), told(row.before), told(row.after), change(row)];
+  const amount = (x) => (row.unit ? quantity(x, row.unit) : digits(x));
+  const cells = [row.name.replaceAll("_", " "), amount(row.before), amount(row.after), change(row)];
   const made = document.createElement("tr");
   made.append(...cells.map((text, i) => Object.assign(document.createElement(i ? "td" : "th"), { textContent: text }, i ? {} : { scope: "row" })));
   return made;

@@ -5,7 +5,7 @@ import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js
 import { shown, typedNumber, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
-const told = JSON.parse($("told").textContent), parameters = told.parameters;
+const data = JSON.parse($("data").textContent), parameters = data.parameters;
 if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
 let values = fromHash(), resting = 0, saving = 0, show = null;
 
@@ -61,8 +61,8 @@ function line(cells, head = false) {
 
 // Mean velocities: bodies that stay together have one.
 function means(found) {
-  const told = Object.entries(found).map(([name, v]) => [name, velocity(v)]), one = new Set(told.map(([, text]) => text)).size === 1;
-  $("means").replaceChildren(...(one ? [["mean velocity", told[0][1]]] : told.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => {
+  const texts = Object.entries(found).map(([name, v]) => [name, velocity(v)]), one = new Set(texts.map(([, text]) => text)).size === 1;
+  $("means").replaceChildren(...(one ? [["mean velocity", texts[0][1]]] : texts.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => {
     const box = Object.assign(document.createElement("div"), { className: "chief" });
     box.append(cell("dt", name), cell("dd", text));
     return box;

@@ -7,7 +7,7 @@ import { colour } from "./plane.js";
 import * as portraits from "./portraits.js";
 import * as record from "./record.js";
 import * as robot from "./robot.js";
-import { active, defaults, fromHash, parameters, settled, table, takes, toHash, told, withPreset } from "./state.js";
+import { active, defaults, fromHash, parameters, settled, table, takes, toHash, data, withPreset } from "./state.js";
 import * as strip from "./strip.js";
 import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
@@ -60,7 +60,7 @@ function changed(name = null) {
   link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
   controls.show(state);
   options();
-  faster.place(active(state).map((name) => parameters[name]), told.choices.drive[state.drive].parameters);
+  faster.place(active(state).map((name) => parameters[name]), data.choices.drive[state.drive].parameters);
   faster.changed(state.values);
   map.place(state);
   strip.place(state);

@@ -4,7 +4,7 @@ import { digits, quantity } from "./words.js";
 
 const canvas = document.getElementById("robot"), pen = canvas.getContext("2d");
 const play = document.getElementById("play"), speed = document.getElementById("speed");
-let run = null, clock = 0, laps = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, before = 0, told = 0;
+let run = null, clock = 0, laps = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, before = 0, announced = 0;
 
 // What moves: the last motion periods of the chosen law, and the tilt in degrees.
 export function show(curve, tilt) {
@@ -104,7 +104,7 @@ function words(v, x) {
   const narrow = canvas.clientWidth < pen.measureText(line).width + 140;
   pen.textAlign = narrow ? "left" : "right";
   pen.fillText(`moved ${quantity(x, "m", 3)}`, narrow ? 8 : canvas.clientWidth - 8, narrow ? 34 : 16);
-  if (performance.now() - told > 1000 && !playing) canvas.setAttribute("aria-label", `the robot on its track: ${line}`);
+  if (performance.now() - announced > 1000 && !playing) canvas.setAttribute("aria-label", `the robot on its track: ${line}`);
 }
 
 function advance(seconds) {

@@ -1,11 +1,11 @@
 // What is on the page, as one plain object; and the same as the part of the address behind #.
-export const told = JSON.parse(document.getElementById("told").textContent);
-export const parameters = told.parameters;
+export const data = JSON.parse(document.getElementById("data").textContent);
+export const parameters = data.parameters;
 const KINDS = ["drive", "track", "contact", "law"];
 
 export const defaults = () => ({
-  ...told.first,
-  also: [...told.first.also],
+  ...data.first,
+  also: [...data.first.also],
   values: Object.fromEntries(Object.values(parameters).map((p) => [p.name, p.default])),
   map: { x: "amplitude", y: "tilt_deg", spans: null, shows: "mean_velocity" },
   vary: "amplitude",
@@ -15,8 +15,8 @@ export const defaults = () => ({
 // The parameters that matter for these choices, in the order of the page.
 export function active(state) {
   const used = new Set(["body_mass", "inner_mass", "gravity"]);
-  for (const kind of KINDS) told.choices[kind][state[kind]].parameters.forEach((name) => used.add(name));
-  for (const law of state.also) told.choices.law[law].parameters.forEach((name) => used.add(name));
+  for (const kind of KINDS) data.choices[kind][state[kind]].parameters.forEach((name) => used.add(name));
+  for (const law of state.also) data.choices.law[law].parameters.forEach((name) => used.add(name));
   return Object.keys(parameters).filter((name) => used.has(name));
 }
 
@@ -38,7 +38,7 @@ export function settled(state) {
 }
 
 export function withPreset(name) {
-  const state = defaults(), preset = told.presets[name].state;
+  const state = defaults(), preset = data.presets[name].state;
   for (const kind of KINDS) if (preset[kind]) state[kind] = preset[kind];
   state.also = [...preset.also];
   Object.assign(state.values, preset.values);
@@ -67,7 +67,7 @@ export function toHash(state) {
 
 // Whether a name and its text in an address are taken.
 export function takes(name, text) {
-  if (KINDS.includes(name)) return Object.hasOwn(told.choices[name], text);
+  if (KINDS.includes(name)) return Object.hasOwn(data.choices[name], text);
   if (!Object.hasOwn(parameters, name)) return ["also", "map", "vary", "shape"].includes(name);
   const value = Number(text || NaN);
   return value >= parameters[name].least && value <= parameters[name].most;
@@ -77,7 +77,7 @@ export function takes(name, text) {
 export function fromHash(hash) {
   const state = defaults(), q = new URLSearchParams(hash.replace(/^#/, ""));
   for (const kind of KINDS) if (takes(kind, q.get(kind) ?? "")) state[kind] = q.get(kind);
-  if (q.has("also")) state.also = q.get("also").split(",").filter((law) => Object.hasOwn(told.choices.law, law) && law !== state.law).slice(0, 4);
+  if (q.has("also")) state.also = q.get("also").split(",").filter((law) => Object.hasOwn(data.choices.law, law) && law !== state.law).slice(0, 4);
   for (const name of Object.keys(parameters)) if (takes(name, q.get(name))) state.values[name] = Number(q.get(name));
   const [shows, x, y, ...ends] = (q.get("map") ?? "").split(",");
   if (["mean_velocity", "motion_type"].includes(shows)) state.map.shows = shows;
@@ -88,6 +88,6 @@ export function fromHash(hash) {
   }
   if (Object.hasOwn(parameters, q.get("vary") ?? "")) state.vary = q.get("vary");
   const shape = (q.get("shape") ?? "").split(",").map((text) => Number(text || NaN)), half = shape.length / 2;
-  if (Number.isInteger(half) && half <= told.harmonics && shape.every((c) => Math.abs(c) <= 10)) state.shape = [shape.slice(0, half), shape.slice(half)];
+  if (Number.isInteger(half) && half <= data.harmonics && shape.every((c) => Math.abs(c) <= 10)) state.shape = [shape.slice(0, half), shape.slice(half)];
   return settled(state);
 }

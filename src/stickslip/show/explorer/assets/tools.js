@@ -15,8 +15,8 @@ export function connection(how) {
 export function leftOut(takes) {
   const names = [...new URLSearchParams(location.hash.slice(1))].filter(([name, text]) => !takes(name, text)).map(([name]) => name.slice(0, 40));
   const more = names.length > 6 ? ` and ${names.length - 6} more` : "";
-  const told = `The link says ${names.slice(0, 6).join(", ")}${more}: no such number is here, or not with such a value. What is shown is without it.`;
-  $("left-out").textContent = names.length ? told : "";
+  const message = `The link says ${names.slice(0, 6).join(", ")}${more}: no such number is here, or not with such a value. What is shown is without it.`;
+  $("left-out").textContent = names.length ? message : "";
   $("left-out").hidden = !names.length;
 }
 

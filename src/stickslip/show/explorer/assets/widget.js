@@ -65,28 +65,28 @@ function show(answer, said, charts) {
   charts.replaceChildren(chart(`velocity (${speeds})`, t, unit, curves(answer, "v")), chart(`displacement (${lengths})`, t, unit, moving), legend, facts);
 }
 
-function slider(told, moved) {
-  const label = element("label"), name = element("span", {}, `${told.label} `);
-  name.append(element("i", {}, told.symbol));
-  const range = element("input", { type: "range", min: told.low, max: told.high, step: "any", "aria-label": told.label });
-  const typed = element("input", { type: "text", inputmode: "decimal", "aria-label": `${told.label}, value` });
+function slider(described, moved) {
+  const label = element("label"), name = element("span", {}, `${described.label} `);
+  name.append(element("i", {}, described.symbol));
+  const range = element("input", { type: "range", min: described.low, max: described.high, step: "any", "aria-label": described.label });
+  const typed = element("input", { type: "text", inputmode: "decimal", "aria-label": `${described.label}, value` });
   const put = (value) => {
     range.value = value;
     typed.value = readable(value);
     typed.setAttribute("aria-invalid", "false");
   };
-  put(told.value);
-  range.addEventListener("input", () => { typed.value = readable(Number(range.value)); moved(told, Number(range.value), false); });
-  range.addEventListener("change", () => moved(told, Number(range.value), true));
+  put(described.value);
+  range.addEventListener("input", () => { typed.value = readable(Number(range.value)); moved(described, Number(range.value), false); });
+  range.addEventListener("change", () => moved(described, Number(range.value), true));
   typed.addEventListener("change", () => {
     const value = Number(typed.value.trim().replace(",", "."));
     const good = typed.value.trim() !== "" && Number.isFinite(value);
     typed.setAttribute("aria-invalid", String(!good));
     if (!good) return;
     range.value = value;
-    moved(told, value, true);
+    moved(described, value, true);
   });
-  label.append(name, typed, element("span", {}, told.unit), range);
+  label.append(name, typed, element("span", {}, described.unit), range);
   return { label, put };
 }
 
@@ -104,15 +104,15 @@ function render({ model, el }) {
     wanted = null;
     model.save_changes();
   };
-  const moved = (told, value, fine) => {
-    const values = { ...(wanted ?? model.get("state")).values, [told.name]: value / told.factor };
+  const moved = (described, value, fine) => {
+    const values = { ...(wanted ?? model.get("state")).values, [described.name]: value / described.factor };
     wanted = { values, fine };
     ask();
   };
-  const sliders = model.get("sliders").map((told) => ({ told, ...slider(told, moved) }));
+  const sliders = model.get("sliders").map((described) => ({ described, ...slider(described, moved) }));
   const place = () => {
     const { values } = model.get("state");
-    for (const { told, put } of sliders) put(told.name in values ? values[told.name] * told.factor : told.value);
+    for (const { described, put } of sliders) put(described.name in values ? values[described.name] * described.factor : described.value);
   };
   const answered = () => {
     const answer = model.get("answer");
@@ -121,8 +121,8 @@ function render({ model, el }) {
     show(answer, said, charts);
     ask();
   };
-  sliders.forEach(({ told, label }, k) => {
-    if (told.part && told.part !== sliders[k - 1]?.told.part) numbers.append(element("h5", {}, told.part));
+  sliders.forEach(({ described, label }, k) => {
+    if (described.part && described.part !== sliders[k - 1]?.described.part) numbers.append(element("h5", {}, described.part));
     numbers.append(label);
   });
   right.append(element("h4", {}, model.get("title")), said, charts);
