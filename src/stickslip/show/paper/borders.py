@@ -58,12 +58,14 @@ def stretches(words: Words, low: float, high: float, points: int = POINTS, withi
     [('below', 1.414213562), ('above', 2.0)]
     """
     at = np.linspace(low, high, points)
-    found = words(at)
+    sampled = words(at)
     changes = [
-        change for i in np.flatnonzero(found[1:] != found[:-1]) for change in _between(words, at[i], at[i + 1], found[i : i + 2], within)
+        change
+        for i in np.flatnonzero(sampled[1:] != sampled[:-1])
+        for change in _between(words, at[i], at[i + 1], sampled[i : i + 2], within)
     ]
     ends = [low, *(value for value, _ in changes), high]
-    names = [word.item() for word in (found[0], *(word for _, word in changes))]
+    names = [word.item() for word in (sampled[0], *(word for _, word in changes))]
     return tuple(Stretch(word, float(a), float(b)) for word, a, b in zip(names, ends[:-1], ends[1:], strict=True))
 
 
@@ -79,9 +81,9 @@ def _between(words: Words, low: float, high: float, both: Any, within: float) ->
         yield outer, word
 
 
-def longest(found: tuple[Stretch, ...], word: Any = True) -> tuple[float, float] | None:
+def longest(intervals: tuple[Stretch, ...], word: Any = True) -> tuple[float, float] | None:
     """The longest interval in which a word holds; None if it never does."""
-    held = [(s.low, s.high) for s in found if s.word == word]
+    held = [(s.low, s.high) for s in intervals if s.word == word]
     return max(held, key=lambda s: s[1] - s[0]) if held else None
 
 
@@ -95,6 +97,6 @@ def all_four(values: Any, rows: Any) -> Any:
     return values[[kinds(row) == 4 for row in rows.tolist()]]
 
 
-def in_words(found: tuple[Stretch, ...], say: Callable[[float], str]) -> str:
+def in_words(intervals: tuple[Stretch, ...], say: Callable[[float], str]) -> str:
     """The words in order, with the value at which each ends."""
-    return listed([*(f"{s.word} to {say(s.high)}" for s in found[:-1]), f"{found[-1].word} beyond"])
+    return listed([*(f"{s.word} to {say(s.high)}" for s in intervals[:-1]), f"{intervals[-1].word} beyond"])

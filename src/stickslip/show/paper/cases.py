@@ -57,7 +57,7 @@ class Experiment:
     amplitude_source: str = _DATA["inferred"]["4"]
 
 
-EXPERIMENTS = tuple(Experiment(name, amplitude=PAPER_AMPLITUDES[told["tilt_deg"]], **told) for name, told in _DATA["experiments"].items())
+EXPERIMENTS = tuple(Experiment(name, amplitude=PAPER_AMPLITUDES[row["tilt_deg"]], **row) for name, row in _DATA["experiments"].items())
 
 
 @dataclass(frozen=True)
@@ -97,15 +97,15 @@ class Case:
         return self.amplitude_source != PRINTED
 
 
-def _case(figure: str, told: dict[str, Any]) -> Case:
-    given = {"amplitude": AMPLITUDE_5, **told} | ({"amplitude_source": PRINTED} if "amplitude" in told else {})
-    changes = dict(told.get("changes", {}))
+def _case(figure: str, row: dict[str, Any]) -> Case:
+    given = {"amplitude": AMPLITUDE_5, **row} | ({"amplitude_source": PRINTED} if "amplitude" in row else {})
+    changes = dict(row.get("changes", {}))
     if "omega_over_pi" in changes:
         changes["omega"] = changes.pop("omega_over_pi") * math.pi
     return Case(int(figure), **{**given, "changes": changes})
 
 
-CASES = tuple(_case(figure, told) for figure, told in _DATA["figures"].items())
+CASES = tuple(_case(figure, row) for figure, row in _DATA["figures"].items())
 
 
 def rig(case: Case | Experiment, **arguments: Any) -> Any:

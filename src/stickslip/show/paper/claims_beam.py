@@ -41,7 +41,7 @@ def sinusoidal_tip(study: Study) -> Claim:
         "amplitude": amplitude,
         "by_formula": expected,
         "slopes": slopes,
-        "added_harmonics": {tilt: float(found.max()) for tilt, found in beam.shaken(study.runs).items()},
+        "added_harmonics": {tilt: float(shares.max()) for tilt, shares in beam.shaken(study.runs).items()},
         "first_harmonic_of_recoil": beam.recoil(study.runs),
         "tips_at_5_2": beam.amplitude(omegas).tolist(),
         "voltage": VOLTAGE,

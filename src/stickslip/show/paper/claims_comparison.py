@@ -83,11 +83,11 @@ def closer_in_number(study: Study) -> Claim:
     errors = {kind: {law: _errors(np.array(v), measured) for law, v in both.items()} for kind, both in velocities.items()}
     parts = [
         (
-            found["lugre"][measure] < found["coulomb"][measure],
-            {"label": f"{measure}, {kind} velocities", "found": found, "measure": measure},
+            by_law["lugre"][measure] < by_law["coulomb"][measure],
+            {"label": f"{measure}, {kind} velocities", "by_law": by_law, "measure": measure},
         )
-        for kind, found in errors.items()
-        for measure in found["lugre"]
+        for kind, by_law in errors.items()
+        for measure in by_law["lugre"]
     ]
     at = [(r.closer == "LuGre", {"label": f"{r.experiment.tilt_deg}°", "r": r, "measure": None}) for r in study.table]
     away = [r.experiment.tilt_deg for r in study.table if r.closer != "LuGre"]
@@ -108,14 +108,14 @@ def _errors(velocity: Any, measured: Any) -> dict[str, float]:
 
 def closer_in_shape(study: Study) -> Claim:
     """LuGre closer in shape."""
-    found, turns = {}, {}
+    peaks, turns = {}, {}
     for e in EXPERIMENTS:
         _, lugre, rest = _curves(study, e)
         if rest.any():
-            found[str(e.tilt_deg)] = float(abs(lugre[rest]).max()), float(abs(lugre).max())
+            peaks[str(e.tilt_deg)] = float(abs(lugre[rest]).max()), float(abs(lugre).max())
             turns[str(e.tilt_deg)] = _turns(lugre, rest)
     curved = all(sum(counts) > 0 for counts in turns.values())
-    numbers = {"velocity_at_rest_and_peak": found, "turning_points_in_each_rest": turns}
+    numbers = {"velocity_at_rest_and_peak": peaks, "turning_points_in_each_rest": turns}
     return judged("closer_in_shape", IN_PART if curved else None, numbers, [(curved, {}), (None, {})])
 
 

@@ -62,9 +62,9 @@ def _borders(reading: Reading) -> str:
 def always_periodic(study: Study) -> Claim:
     """Always periodic along the amplitude."""
     low, high = CASES[0].amplitude, 8e-4
-    found = followed("amplitude", high, low, high, step=0.1, rtol=1e-6)
-    end = found.low
-    numbers = {"low": end.value, "high": high, "ends": end.kind, "largest_multiplier": found.multiplier, "orbits": found.orbits}
+    branch = followed("amplitude", high, low, high, step=0.1, rtol=1e-6)
+    end = branch.low
+    numbers = {"low": end.value, "high": high, "ends": end.kind, "largest_multiplier": branch.multiplier, "orbits": branch.orbits}
     return judged("always_periodic", end.kind == "range", numbers, end=end)
 
 

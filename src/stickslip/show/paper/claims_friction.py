@@ -56,11 +56,11 @@ def only_three_and_four(study: Study) -> Claim:
     section5 = study.amplitudes.section5
     windows = {s.reading.breakaway: s.window("three_and_four") for s in section5.searches}
     rows = [(s.reading, A) for s in section5.searches for A in (AMPLITUDE_5, ROUND)]
-    found: list[dict[str, Any]] = [{"exact": types_at(r, A), "A": A, "reading": r, "borders": _borders(r, A)} for r, A in rows]
-    parts = [(set(row["exact"].values()) <= {"III", "IV"}, row) for row in found]
+    rows_of_types: list[dict[str, Any]] = [{"exact": types_at(r, A), "A": A, "reading": r, "borders": _borders(r, A)} for r, A in rows]
+    parts = [(set(row["exact"].values()) <= {"III", "IV"}, row) for row in rows_of_types]
     words = batch(rig(CASES[-1], amplitude=AMPLITUDE_5, mu0=KINETIC, f0=0.21), periods=200).motion_type.tolist()
     numbers = {
-        "types": [{"breakaway": row["reading"].breakaway, "A": row["A"], "exact": row["exact"]} for row in found],
+        "types": [{"breakaway": row["reading"].breakaway, "A": row["A"], "exact": row["exact"]} for row in rows_of_types],
         "windows": windows,
     }
     return judged("only_three_and_four", parts[0][0], numbers, parts, A=AMPLITUDE_5, labels=words, search=section5.stated)
@@ -91,11 +91,13 @@ def all_types_by_kinetic(study: Study) -> Claim:
     by_mu0 = stretches(along_mu0(STATED, AMPLITUDE_5), low, high, points=401, within=1e-8)
     by_printed = stretches(along_mu0(PRINTED_READING, AMPLITUDE_5), low, high)
     at_round = stretches(along_mu0(PRINTED_READING, ROUND), low, high)
-    kinds = {name: {s.word for s in found} & set(FOUR) for name, found in (("f0", by_mu0), ("mu", by_printed), ("mu, 0.6 mm", at_round))}
+    kinds = {
+        name: {s.word for s in intervals} & set(FOUR) for name, intervals in (("f0", by_mu0), ("mu", by_printed), ("mu, 0.6 mm", at_round))
+    }
     hold = (True, bool(section5.stated.window("frequencies")), len(by_static) == 4, len(kinds["f0"]) < 4)
     numbers = {
-        "borders": {name: [[str(s.word), s.low, s.high] for s in found] for name, found in (("f0", by_mu0), ("mu", by_printed))},
-        "types": {name: sorted(found) for name, found in kinds.items()},
+        "borders": {name: [[str(s.word), s.low, s.high] for s in intervals] for name, intervals in (("f0", by_mu0), ("mu", by_printed))},
+        "types": {name: sorted(types) for name, types in kinds.items()},
         "by_static": by_static,
         "windows": {s.reading.breakaway: s.window("not_by_kinetic") for s in section5.searches},
     }
@@ -106,6 +108,6 @@ def all_types_by_kinetic(study: Study) -> Claim:
 
 def _by_static(study: Study) -> list[str]:
     """The types along 0.18 <= f0 <= 1 at the amplitude taken, with break-away at f0."""
-    found = study.static_map
-    row = int(np.argmin(abs(found["amplitude"] - AMPLITUDE_5)))
-    return [t for t in FOUR if t in found["exact"][row]]
+    static_map = study.static_map
+    row = int(np.argmin(abs(static_map["amplitude"] - AMPLITUDE_5)))
+    return [t for t in FOUR if t in static_map["exact"][row]]

@@ -32,14 +32,14 @@ def rk4_ladder(study: Study) -> list[dict[str, Any]]:
 
     The rows are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints those at 0.6 mm.
     """
-    found = []
+    ladder = []
     plan = [(n, 200) for n in (FAST_STEPS if study.fast else STEPS)] + ([] if study.fast else list(LONG_STEPS))
     for i, (steps, periods) in enumerate(plan):
         study.tell(f"Runge-Kutta with {grouped(steps)} steps per period at μ₀ = 0.03", i, len(plan))
         many = batch(rig(FIG22), method="rk4", steps=steps, periods=periods, workers=1)
         velocity, period = (float(many.mean_velocity), int(many.period)) if int(many.status) <= 1 else (None, None)
-        found.append({"steps": steps, "periods": periods, "velocity": velocity, "period": period})
-    return found
+        ladder.append({"steps": steps, "periods": periods, "velocity": velocity, "period": period})
+    return ladder
 
 
 def _converged(case: Any, method: str = "auto") -> list[tuple[float, float, int]]:
@@ -52,14 +52,14 @@ def _forward_starts() -> dict[float, int]:
     """Starting velocity over A omega -> drive periods until the strobe velocity stays within 1e-3 A mu omega of its last value."""
     from stickslip.solvers import solve
 
-    robot, found = rig(FIG22), {}
+    robot, settled = rig(FIG22), {}
     scale = float(robot.velocity_scale)
     for share in STARTS:
         run = solve(robot, start={"v": share * scale}, periods=150, rtol=1e-6)
         v = run.at(run.strobe_times)["v"]
         far = np.flatnonzero(abs(v - v[-1]) > 1e-3 * scale * float(robot.mass_ratio))
-        found[share] = int(far[-1]) + 1 if len(far) else 0
-    return found
+        settled[share] = int(far[-1]) + 1 if len(far) else 0
+    return settled
 
 
 def _steps(rows: list[dict[str, Any]]) -> str:
@@ -102,11 +102,11 @@ def quasi_periodic(study: Study) -> Claim:
 
 def period_two(study: Study) -> Claim:
     """Period two at mu0 = 0.04."""
-    ours, found, near = _converged(FIG23), study.amplitudes.section5.period_two, study.around
-    rows, known = study.amplitudes.section5.round_values, [end.accuracy for end in (found.low, found.high) if end.accuracy]
+    ours, stable, near = _converged(FIG23), study.amplitudes.section5.period_two, study.around
+    rows, known = study.amplitudes.section5.round_values, [end.accuracy for end in (stable.low, stable.high) if end.accuracy]
     numbers = {
         "converged": ours,
-        "interval": dataclasses.asdict(found),
+        "interval": dataclasses.asdict(stable),
         "round_values": rows,
         "flips": near.flips,
         "shares": near.shares,
@@ -117,7 +117,7 @@ def period_two(study: Study) -> Claim:
         numbers,
         [(r["period"] == 2, {"r": r}) for r in rows],
         repeats=sorted({p for _, _, p in ours}),
-        found=found,
+        stable=stable,
         near=near,
         motion=study.motions[23],
         accuracy=max(known) if len(known) == 2 else None,

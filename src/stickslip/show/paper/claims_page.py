@@ -100,9 +100,9 @@ def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[
     `holds` is None if the claim cannot be decided, and `IN_PART` if a part of it holds. Each part is a pair of `holds` and its own
     values; the templates of parts are used in turn, a single one for all of them.
     """
-    told, values = dict(texts("claims")[key]), {**numbers, **values}
-    found = tuple(_part(template, *part, values) for template, part in zip(cycle(told.pop("parts", ((),))), parts))
-    return Claim(key=key, verdict=_verdict(holds), numbers=numbers, parts=found, **filled(told, {**values, "parts": found}))
+    words, values = dict(texts("claims")[key]), {**numbers, **values}
+    judged_parts = tuple(_part(template, *part, values) for template, part in zip(cycle(words.pop("parts", ((),))), parts))
+    return Claim(key=key, verdict=_verdict(holds), numbers=numbers, parts=judged_parts, **filled(words, {**values, "parts": judged_parts}))
 
 
 def _part(template: Sequence[str], holds: Any, own: dict[str, Any], values: dict[str, Any]) -> Part:

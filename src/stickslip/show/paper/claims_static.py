@@ -37,12 +37,12 @@ def static_map(fast: bool) -> dict[str, Any]:
 
 def all_types_by_static(study: Study) -> Claim:
     """All four types by f0."""
-    found, both = study.static_map, study.coexistence
-    A, at, n = found["amplitude"], found["printed"], len(found["amplitude"])
+    static_map, both = study.static_map, study.coexistence
+    A, at, n = static_map["amplitude"], static_map["printed"], len(static_map["amplitude"])
     chosen, most = int(np.argmin(abs(A - AMPLITUDE_5))), max(both.types(i) for i in range(len(both.fine)))
-    figures = {"exact": found["exact"][:, at], "lugre": next(iter(found["words"].values()))[:, at]}
+    figures = {"exact": static_map["exact"][:, at], "lugre": next(iter(static_map["words"].values()))[:, at]}
     shown = {name: max(kinds(row) for row in types.tolist()) for name, types in figures.items()}
-    whole = {"exact": found["exact"], **{f"LuGre {r[0]:g}/{r[1]:g}": words for r, words in found["words"].items()}}
+    whole = {"exact": static_map["exact"], **{f"LuGre {r[0]:g}/{r[1]:g}": words for r, words in static_map["words"].items()}}
     wide = {name: all_four(A, types) for name, types in whole.items()}
     here = {name: [t for t in FOUR if t in types[chosen]] for name, types in whole.items()}
     hold = [False, shown["exact"] == 4, shown["lugre"] == 4, most == 4, len(here["exact"]) == 4, len(wide["exact"]) > 0]
@@ -60,7 +60,7 @@ def all_types_by_static(study: Study) -> Claim:
         [(part, {}) for part in hold],
         n=n,
         A=A,
-        f0=found["f0"],
+        f0=static_map["f0"],
         rest=(figures["exact"][:, -1] == "rest").sum(),
         both=both,
         starts=STARTS,

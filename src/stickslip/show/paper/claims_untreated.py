@@ -54,8 +54,8 @@ def runge_kutta(study: Study) -> Claim:
     need: dict[int, int | None] = dict.fromkeys(figures)
     for steps in reversed(FAST_STEPS if study.fast else STEPS):
         study.tell(f"Runge-Kutta with {steps} steps per period", 0, 1)
-        found = batch(robot, periods=60, settle=40, method="rk4", steps=steps)
-        for n, v, exact, status in zip(figures, found.mean_velocity, best, found.status, strict=True):
+        summary = batch(robot, periods=60, settle=40, method="rk4", steps=steps)
+        for n, v, exact, status in zip(figures, summary.mean_velocity, best, summary.status, strict=True):
             good = int(status) <= 1 and abs(v / exact - 1) < GOOD
             need[n] = steps if good and need[n] in (None, *[s for s in (FAST_STEPS if study.fast else STEPS) if s > steps][:1]) else need[n]
     groups: dict[int, list[int]] = {}
@@ -100,15 +100,15 @@ def _given_back(run: Any) -> float:
 
 def type_two_with_lugre(study: Study) -> Claim:
     """Type II with LuGre friction, by its definition."""
-    found = study.type_two
+    search = study.type_two
     two = [figure for figure, run in study.runs.twins.items() if _type(run) == "II"] + [
         r.experiment.figure for r in study.table if r.type == "II"
     ]
-    numbers = {**found.as_data(), "figures_whose_exact_type_is_two": sorted(two)}
-    parts = [(found.figures[n] >= 0, {"n": n}) for n in sorted(two)]
-    worst = max(found.figures, key=lambda n: found.figures[n])
+    numbers = {**search.as_data(), "figures_whose_exact_type_is_two": sorted(two)}
+    parts = [(search.figures[n] >= 0, {"n": n}) for n in sorted(two)]
+    worst = max(search.figures, key=lambda n: search.figures[n])
     return judged(
-        "type_two_with_lugre", not found.misses_all, numbers, parts, worst=worst, largest=max(abs(f) for f in found.friction.values())
+        "type_two_with_lugre", not search.misses_all, numbers, parts, worst=worst, largest=max(abs(f) for f in search.friction.values())
     )
 
 

@@ -30,14 +30,14 @@ class Range:
     f0 : float
     slide, rest : Followed
         The sliding motion, followed down to its end; and the motion reached from rest, followed up.
-    found : (float, float)
+    both : (float, float)
         First and last amplitude at which both were reached from the initial states [m].
     """
 
     f0: float
     slide: Followed
     rest: Followed
-    found: tuple[float, float]
+    both: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class Coexistence:
             "coexisting": int(self.two.sum()), "exact_coexisting": int((self.exact > APART).sum()), "cases": int(self.spread.size),
             "ranges": [
                 {"f0": r.f0, "from": r.slide.low.value, "from_kind": r.slide.low.kind, "to": r.rest.high.value, "to_kind": r.rest.high.kind,
-                 "found": r.found}
+                 "found": r.both}
                 for r in self.ranges
             ],
         }  # fmt: skip

@@ -11,7 +11,7 @@ from stickslip.show.paper.parameter_map import FULL
 from stickslip.show.paper.sentences import filled, texts
 from stickslip.show.paper.words import listed, percent, plain
 
-__all__ = ["beside", "content"]
+__all__ = ["content", "side_by_side"]
 
 #: The evidence figure for a claim.
 EVIDENCE = {"quasi_periodic": "evidence-step-size", "all_types_by_static": "evidence-static-friction"}
@@ -36,11 +36,11 @@ def _contents(result: Any) -> list[tuple[str, str, list[tuple[str, str]]]]:
 def _head(result: Any) -> dict[str, str]:
     """The title, and the results in a few sentences."""
     verdicts, fit = [c.verdict for c in result.claims], result.amplitudes.fits[0]
-    found: dict[str, str] = filled(texts("page"), {"verdicts": verdicts, "fit": fit, "errata": len(result.errata)})
-    return found
+    head: dict[str, str] = filled(texts("page"), {"verdicts": verdicts, "fit": fit, "errata": len(result.errata)})
+    return head
 
 
-def beside(result: Any) -> dict[str, Any]:
+def side_by_side(result: Any) -> dict[str, Any]:
     """All values for ``side_by_side.html``: each figure with what was printed, what we get, and why."""
     pictures = {p.key: p for p in result.figures}
     why = {key: {c.figure: filled(text, _of(result, c)) for c in CASES} for key, text in texts("side_by_side").items() if key == "case"}[
@@ -50,24 +50,24 @@ def beside(result: Any) -> dict[str, Any]:
     for number in range(6, 31):
         picture = pictures.get(f"figure-{number:02}")
         if picture is not None:
-            rows.append({"number": number, "picture": picture, **_beside(result, number, why)})
+            rows.append({"number": number, "picture": picture, **_row(result, number, why)})
     return {"rows": rows, "fast": result.fast, "title": "Printed, computed, and why: Figures 6 to 30"}
 
 
-def _beside(result: Any, number: int, cases: dict[int, Any]) -> dict[str, Any]:
+def _row(result: Any, number: int, cases: dict[int, Any]) -> dict[str, Any]:
     """What was printed, what we get, and why, for a figure."""
     if number in cases:
-        found: dict[str, Any] = cases[number]
-        return found
-    told, e = texts("side_by_side"), next((e for e in EXPERIMENTS if e.figure == number), None)
+        of_case: dict[str, Any] = cases[number]
+        return of_case
+    words, e = texts("side_by_side"), next((e for e in EXPERIMENTS if e.figure == number), None)
     if e is None:
-        return dict(filled(told["types"], {"table": result.table}))
+        return dict(filled(words["types"], {"table": result.table}))
     row = next(r for r in result.table if r.experiment is e)
     bracket = next(b for b in result.amplitudes.section4 if b.experiment is e)
     printed = next(
         b for f in result.amplitudes.fits if f.reading.name == "break-away at μ, weight (M+m)g" for b in f.brackets if b.experiment is e
     )
-    return dict(filled(told["experiment"], {"e": e, "row": row, "bracket": bracket, "other": printed, "say": span}))
+    return dict(filled(words["experiment"], {"e": e, "row": row, "bracket": bracket, "other": printed, "say": span}))
 
 
 def _of(result: Any, case: Any) -> dict[str, Any]:

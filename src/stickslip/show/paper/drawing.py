@@ -69,8 +69,8 @@ def render(
         mpl.rcParams.update({"svg.fonttype": "path", "svg.hashsalt": key})
         rows = -(-len(panels) // columns)
         whole = Figure(figsize=(WIDTH * min(columns, len(panels)), height * rows))
-        for place, draw in enumerate(panels):
-            draw(whole.add_subplot(rows, min(columns, len(panels)), place + 1))
+        for position, draw in enumerate(panels, start=1):
+            draw(whole.add_subplot(rows, min(columns, len(panels)), position))
         files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
         for file in files:
             drawn = io.BytesIO()
@@ -78,26 +78,26 @@ def render(
             write_whole(file, drawn.getvalue(), unwritable("reproduce"))
             whole.set_layout_engine("none")  # the second file reuses the layout of the first, which halves the work
         alone = tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels))
-        told = dict(texts("pictures")[text or key])
-        alt = told.pop("alt")
+        words = dict(texts("pictures")[text or key])
+        alt = words.pop("alt")
         alts = alt if isinstance(alt, list) else [alt] * len(panels)
         own = each or [{}] * len(panels)
         alternatives = tuple(filled(one, values | mine) for one, mine in zip(alts, own, strict=True))
-        return Picture(key=key, files=files, panels=alone, alts=alternatives, **filled(told, values))
+        return Picture(key=key, files=files, panels=alone, alts=alternatives, **filled(words, values))
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
     """The motion over the last drive periods of a run, sampled evenly and at each event; `phase` counts drive periods."""
     start, end = (float(run.strobe_times[i]) for i in (-1 - periods, -1))
     events = [e.t for e in run.events if start < e.t < end]
-    found = run.at(np.unique(np.concatenate([np.linspace(start, end, points), events])))
-    drift = (found["x"][-1] - found["x"][0]) / (end - start)
-    swing = found["x"] - drift * (found["t"] - start)
+    samples = run.at(np.unique(np.concatenate([np.linspace(start, end, points), events])))
+    drift = (samples["x"][-1] - samples["x"][0]) / (end - start)
+    swing = samples["x"] - drift * (samples["t"] - start)
     strobe = run.at(run.strobe_times[-1 - periods : -1])
     middle = 0.5 * (swing.max() + swing.min())
     return {
-        "phase": (found["t"] - start) / run.period_time,
-        "v": found["v"],
+        "phase": (samples["t"] - start) / run.period_time,
+        "v": samples["v"],
         "s": swing - middle,
         "strobe_v": strobe["v"],
         "strobe_s": strobe["x"] - drift * (strobe["t"] - start) - middle,
@@ -109,14 +109,14 @@ def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
     """Intervals of rest of the body, in drive periods from the start of the curve: exact, or by the rule for LuGre labels."""
     from stickslip.analysis.motion import motion
 
-    told = motion(run)
-    if told.type in ("rest", "presliding"):
+    judged = motion(run)
+    if judged.type in ("rest", "presliding"):
         return []
-    count, found = told.period or 1, []
+    count, rests = judged.period or 1, []
     for first in range(periods % count - count, periods, count):
-        found += [(first + a, first + a + b) for a, b, sign in told.intervals if sign == 0]
-        found += [(first - count + a, first - count + a + b) for a, b, sign in told.intervals if sign == 0 and a + b > count]
-    return [(max(a, 0.0), min(b, float(periods))) for a, b in found if b > 0 and a < periods]
+        rests += [(first + a, first + a + b) for a, b, sign in judged.intervals if sign == 0]
+        rests += [(first - count + a, first - count + a + b) for a, b, sign in judged.intervals if sign == 0 and a + b > count]
+    return [(max(a, 0.0), min(b, float(periods))) for a, b in rests if b > 0 and a < periods]
 
 
 def shade_rest(ax: Any, rests: list[tuple[float, float]], factor: float = 1.0) -> None:

@@ -41,8 +41,10 @@ def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture
 
 
 # ---- amplitudes of section 4 ----
-def _amplitudes(found: Amplitudes, folder: Path) -> Picture:
-    return render(folder, "evidence-amplitudes", [partial(_bracket, b) for b in found.section4], each=[{"b": b} for b in found.section4])
+def _amplitudes(amplitudes: Amplitudes, folder: Path) -> Picture:
+    return render(
+        folder, "evidence-amplitudes", [partial(_bracket, b) for b in amplitudes.section4], each=[{"b": b} for b in amplitudes.section4]
+    )
 
 
 def _bracket(b: Bracket, ax: Any) -> None:
@@ -103,18 +105,18 @@ def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
     )
 
 
-def _around(found: Around, folder: Path) -> Picture:
-    panels = [partial(_around_panel, found, quantity) for quantity in ("motion", "exponent")]
-    return render(folder, "section5-around", panels, height=3.6, found=found)
+def _around(around: Around, folder: Path) -> Picture:
+    panels = [partial(_around_panel, around, quantity) for quantity in ("motion", "exponent")]
+    return render(folder, "section5-around", panels, height=3.6, around=around)
 
 
-def _around_panel(found: Around, quantity: str, ax: Any) -> None:
+def _around_panel(around: Around, quantity: str, ax: Any) -> None:
     from stickslip.show.figures import chaos_map
 
-    chaos_map(found.grid, ax, quantity, found.curves)
+    chaos_map(around.grid, ax, quantity, around.curves)
     ax.xaxis.set_major_formatter(lambda value, _: f"{1e-3 * value:g}")  # as everywhere in this report: mm
     ax.set(xlabel="amplitude $A$ (mm)", ylabel="kinetic coefficient $\\mu_0$")
-    x, y = 1e6 * found.grid.amplitude.values, found.grid.mu0.values
+    x, y = 1e6 * around.grid.amplitude.values, around.grid.mu0.values
     for case in CASES:
         A, mu0 = 1e6 * case.amplitude, case.changes.get("mu0", 0.18)
         if case.section in ("5.1", "5.3") and x[0] <= A <= x[-1] and y[0] - 1e-9 <= mu0 <= y[-1] + 1e-9:
@@ -125,21 +127,21 @@ def _around_panel(found: Around, quantity: str, ax: Any) -> None:
             )  # fmt: skip
 
 
-def _static(found: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
+def _static(static_map: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
     panels = [
-        partial(_type_panel, found, found["exact"], "Exact motion, break-away at $f_0$"),
-        partial(_type_panel, found, next(iter(found["words"].values())), "LuGre labels, from rest"),
+        partial(_type_panel, static_map, static_map["exact"], "Exact motion, break-away at $f_0$"),
+        partial(_type_panel, static_map, next(iter(static_map["words"].values())), "LuGre labels, from rest"),
         partial(_both_panel, both),
     ]
     return render(folder, "evidence-static-friction", panels, height=2.9, columns=3, starts=STARTS, both=both)
 
 
-def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
+def _type_panel(static_map: dict[str, Any], types: Any, title: str, ax: Any) -> None:
     order = ["rest", "II", "I", "III", "IV", "other"]
     index = np.select([types == name for name in order[1:-1]] + [np.isin(types, ("rest", "presliding"))], [1, 2, 3, 4, 0], 5)
-    _mesh(ax, found["f0"], 1e3 * found["amplitude"], index, [TYPES[name] for name in order])
+    _mesh(ax, static_map["f0"], 1e3 * static_map["amplitude"], index, [TYPES[name] for name in order])
     _key(ax, [(_called(name, types), TYPES[name]) for i, name in enumerate(order) if (index == i).any()])
-    _frame(ax, found["f0"][found["printed"]], title)
+    _frame(ax, static_map["f0"][static_map["printed"]], title)
 
 
 def _called(name: str, types: Any) -> str:

@@ -30,12 +30,12 @@ def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: 
     jobs |= {e.figure: partial(_experiment, runs, rows[e.figure]) for e in EXPERIMENTS}
     jobs |= {c.figure: partial(_case, runs, c, judged[c.figure]) for c in CASES}
     wanted = [n for n in sorted(jobs) if not fast or n in FAST_FIGURES]
-    found = []
+    pictures = []
     for i, number in enumerate(wanted):
         tell(f"drawing Figure {number}", i, len(wanted))
-        found.append(jobs[number](folder))
+        pictures.append(jobs[number](folder))
     tell("drawing figures", len(wanted), len(wanted))
-    return tuple(found)
+    return tuple(pictures)
 
 
 # ---- Figure 6 ----
@@ -51,10 +51,10 @@ def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
 
 
 def _exact_panel(run: Any, row: Row, ax: Any) -> None:
-    found = curve(run, PERIODS)
-    shade_rest(ax, found["rest"])
+    motion_curve = curve(run, PERIODS)
+    shade_rest(ax, motion_curve["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-    ax.plot(found["phase"], 1e3 * found["v"], color=COULOMB["color"], linewidth=1.2)
+    ax.plot(motion_curve["phase"], 1e3 * motion_curve["v"], color=COULOMB["color"], linewidth=1.2)
     ax.set_title(f"type {row.type}: tilt {row.experiment.tilt_deg}°, $A$ = {millimetres(row.experiment.amplitude)}", loc="left")
     _time_axis(ax, "velocity $v$ (mm/s)")
 
@@ -133,32 +133,32 @@ def _case(runs: Runs, case: Case, judged: Motion, folder: Path) -> Picture:
     from stickslip.analysis.steady import mean_velocity
 
     run, twin = runs.figures[case.figure], motion(runs.twins[case.figure]).type
-    told = motion(run)
-    periods = 4 if (told.period or 1) > 1 else PERIODS
-    found = curve(run, periods)
+    label = motion(run)
+    periods = 4 if (label.period or 1) > 1 else PERIODS
+    motion_curve = curve(run, periods)
     presliding, scale = _presliding(run), _scale(run)[1]
     return render(
         folder,
         f"figure-{case.figure:02}",
-        [partial(_history, run, found, periods), partial(_portrait, run, found)],
+        [partial(_history, run, motion_curve, periods), partial(_portrait, run, motion_curve)],
         text="case",
         case=case,
         judged=judged,
-        word=told.type,
+        word=label.type,
         velocity=mean_velocity(run),
         twin=twin,
         presliding=presliding,
         periods=periods,
-        v=found["v"],
+        v=motion_curve["v"],
         scale=scale,
-        points=len(set(np.round(found["strobe_v"] / scale, 6))),
+        points=len(set(np.round(motion_curve["strobe_v"] / scale, 6))),
     )
 
 
-def _history(run: Any, found: dict[str, Any], periods: int, ax: Any) -> None:
-    shade_rest(ax, found["rest"])
+def _history(run: Any, motion_curve: dict[str, Any], periods: int, ax: Any) -> None:
+    shade_rest(ax, motion_curve["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-    ax.plot(found["phase"], found["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
+    ax.plot(motion_curve["phase"], motion_curve["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
     _time_axis(ax, "velocity $v/(A\\omega)$", periods)
     _powers(ax.yaxis)
 
@@ -177,12 +177,12 @@ def _powers(axis: Any) -> None:
     axis.set_major_formatter(made)
 
 
-def _portrait(run: Any, found: dict[str, Any], ax: Any) -> None:
+def _portrait(run: Any, motion_curve: dict[str, Any], ax: Any) -> None:
     A, scale = _scale(run)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-    ax.plot(found["s"] / A, found["v"] / scale, color=LUGRE["color"], linewidth=1.1)
+    ax.plot(motion_curve["s"] / A, motion_curve["v"] / scale, color=LUGRE["color"], linewidth=1.1)
     dots: dict[str, Any] = {"color": "#D55E00", "markersize": 3.5, "markeredgecolor": "white", "markeredgewidth": 0.5}
-    ax.plot(found["strobe_s"] / A, found["strobe_v"] / scale, "o", zorder=5, **dots)
+    ax.plot(motion_curve["strobe_s"] / A, motion_curve["strobe_v"] / scale, "o", zorder=5, **dots)
     ax.set(xlabel="displacement without drift $(x - Vt)/A$", ylabel="velocity $v/(A\\omega)$")
     ax.locator_params(axis="x", nbins=5)
     _powers(ax.xaxis)

@@ -54,9 +54,9 @@ def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitu
 
 def claims(study: Study) -> tuple[Claim, ...]:
     """Every claim, in the order of the paper."""
-    judges, keys, found = {name: getattr(module, name) for module in JUDGES for name in module.__all__}, list(texts("claims")), []
+    judges, keys, verdicts = {name: getattr(module, name) for module in JUDGES for name in module.__all__}, list(texts("claims")), []
     for i, key in enumerate(keys):
         study.tell(f"judging claims: {(judges[key].__doc__ or '').splitlines()[0].rstrip('.')}", i, len(keys))
-        found.append(judges[key](study))
+        verdicts.append(judges[key](study))
     study.tell("judging claims", len(keys), len(keys))
-    return tuple(found)
+    return tuple(verdicts)

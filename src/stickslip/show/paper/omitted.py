@@ -70,8 +70,8 @@ class Along:
             math.sqrt(a * b) if a > 0 and self.spaced else 0.5 * (a + b)
             for a, b in zip(self.values[ends - 1], self.values[ends], strict=True)
         ]
-        told = [f"{word} to {plain(float(f'{self.factor * end:.2g}'), 2)}" for (word, _), end in zip(runs, middle, strict=False)]
-        return ", ".join([*told, runs[-1][0] + (" beyond" if told else " throughout")])
+        parts = [f"{word} to {plain(float(f'{self.factor * end:.2g}'), 2)}" for (word, _), end in zip(runs, middle, strict=False)]
+        return ", ".join([*parts, runs[-1][0] + (" beyond" if parts else " throughout")])
 
     @property
     def spaced(self) -> bool:
@@ -115,10 +115,10 @@ def _along(name: str, symbol: str, unit: str, factor: float, low: float, high: f
     return Along(name, symbol, unit, factor, own[name], values, bristles.mean_velocity, speeds, bristles.motion_type, types)
 
 
-def draw(found: Omitted, folder: Path) -> Picture:
+def draw(omitted: Omitted, folder: Path) -> Picture:
     """A panel for each parameter."""
-    each = [{"a": a} for a in found.along]
-    return render(folder, "omitted-parameters", [partial(_panel, a) for a in found.along], height=2.1, each=each, found=found)
+    each = [{"a": a} for a in omitted.along]
+    return render(folder, "omitted-parameters", [partial(_panel, a) for a in omitted.along], height=2.1, each=each, omitted=omitted)
 
 
 def _panel(a: Along, ax: Any) -> None:

@@ -158,8 +158,8 @@ def _motions(A: Any) -> list[dict[str, Any]]:
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.models.presets import piezo_rig
 
-    seen = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
-    return [_judged(float(a), *map(float, row)) for a, *row in zip(A, seen.period, seen.exponent, seen.error, strict=True)]
+    computed = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
+    return [_judged(float(a), *map(float, row)) for a, *row in zip(A, computed.period, computed.exponent, computed.error, strict=True)]
 
 
 def _judged(A: float, period: float, exponent: float, error: float) -> dict[str, Any]:

@@ -100,7 +100,7 @@ class Reproduction(Study):
         verdicts = Counter({verdict: 0 for verdict in VERDICTS})
         verdicts.update(c.verdict for c in self.claims)
         kinds = Counter(m.word for m in self.motions.values()).most_common()
-        text: str = filled(texts("printed"), {"found": self, "verdicts": verdicts, "kinds": kinds})
+        text: str = filled(texts("printed"), {"result": self, "verdicts": verdicts, "kinds": kinds})
         return text
 
     def __repr__(self) -> str:
@@ -142,14 +142,14 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)
     judged = claims(study)
     tell("checking the errata", 0, 1)
-    found = errata(study)
-    result = _gathered(folder, study, judged, found)
+    corrections = errata(study)
+    result = _gathered(folder, study, judged, corrections)
     result = dataclasses.replace(result, seconds=time.perf_counter() - begun)
     _write(result, tell)
     return result
 
 
-def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tuple[Erratum, ...]) -> Reproduction:
+def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], corrections: tuple[Erratum, ...]) -> Reproduction:
     from stickslip.show.paper import evidence, figures
 
     drawn = figures.draw(study.runs, study.table, study.motions, folder / "figures", study.fast, study.tell) + evidence.draw(
@@ -160,7 +160,7 @@ def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tupl
         folder=folder,
         cases=tuple(_case(study.runs, c, study.motions[c.figure]) for c in CASES),
         claims=judged,
-        errata=found,
+        errata=corrections,
         equations=equations(),
         figures=drawn,
         provenance=_provenance(study.runs, study.fast),
@@ -194,10 +194,15 @@ def _case(runs: Runs, case: Any, judged: Motion) -> dict[str, Any]:
     from stickslip.analysis.steady import mean_velocity
 
     run, twin = runs.figures[case.figure], runs.twins[case.figure]
-    told, exact = motion(run), motion(twin)
+    judged_motion, exact = motion(run), motion(twin)
     return {
         **{name: value for name, value in vars(case).items() if name != "varied"},
-        "lugre": {"mean_velocity": mean_velocity(run), "period": told.period, "word": told.type, "pattern": told.pattern},
+        "lugre": {
+            "mean_velocity": mean_velocity(run),
+            "period": judged_motion.period,
+            "word": judged_motion.type,
+            "pattern": judged_motion.pattern,
+        },
         "coulomb": {"mean_velocity": mean_velocity(twin), "period": exact.period, "type": exact.type, "margin": exact.margin},
         "verdict": judged.as_data(),
     }
@@ -212,14 +217,14 @@ def _provenance(runs: Runs, fast: bool) -> dict[str, str]:
 
 
 def _write(result: Reproduction, tell: Tell) -> None:
-    from stickslip.show.paper.content import beside, content
+    from stickslip.show.paper.content import content, side_by_side
     from stickslip.show.reports import page, write
 
     tell("writing the report", 0, 1)
     text = json.dumps(result.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
     write(result.numbers, text + "\n")
     write(result.report, page("paper.html", **content(result, notes=rig(EXPERIMENTS[0]).notes)))
-    write(result.side_by_side, page("side_by_side.html", **beside(result)))
+    write(result.side_by_side, page("side_by_side.html", **side_by_side(result)))
     tell("writing the report", 1, 1)
 
 

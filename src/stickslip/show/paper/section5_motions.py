@@ -102,25 +102,25 @@ class Motion:
 
 def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
     """The verdict on every figure of section 5, by its number; each computation continues the run of the figure."""
-    found = {}
+    verdicts = {}
     for i, case in enumerate(CASES):
         tell("judging motions by multipliers and exponents", i, len(CASES))
-        found[case.figure] = _judged(case, runs)
+        verdicts[case.figure] = _judged(case, runs)
     tell("judging motions by multipliers and exponents", len(CASES), len(CASES))
-    return found
+    return verdicts
 
 
 def _judged(case: Any, runs: Runs) -> Motion:
     from stickslip.dynamics.exponents.motion_verdict import verdict
 
     robot, run = rig(case), runs.figures[case.figure]
-    told = verdict(robot, periods=PERIODS, settle=0, start=run)
-    if told.kind != "periodic":
-        told = verdict(robot, periods=LONG, settle=400, start=run)
-    multipliers = () if told.orbit is None else tuple(map(complex, told.orbit.multipliers))
+    judgement = verdict(robot, periods=PERIODS, settle=0, start=run)
+    if judgement.kind != "periodic":
+        judgement = verdict(robot, periods=LONG, settle=400, start=run)
+    multipliers = () if judgement.orbit is None else tuple(map(complex, judgement.orbit.multipliers))
     return Motion(
-        case.figure, told.kind, told.period, multipliers, told.exponents.largest, told.exponents.error,
-        None if told.orbit is None else told.orbit.residual, _of_twin(runs.twins[case.figure]), told.why,
+        case.figure, judgement.kind, judgement.period, multipliers, judgement.exponents.largest, judgement.exponents.error,
+        None if judgement.orbit is None else judgement.orbit.residual, _of_twin(runs.twins[case.figure]), judgement.why,
     )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def filled(template: Any, values: dict[str, Any]) -> Any:
 
     Examples
     --------
-    >>> filled(["{% for n in found %}{{ n }}{{ then(loop) }}{% endfor %}", "{{ percent(0.5) }}"], {"found": [1, 2, 3]})
+    >>> filled(["{% for n in numbers %}{{ n }}{{ then(loop) }}{% endfor %}", "{{ percent(0.5) }}"], {"numbers": [1, 2, 3]})
     ('1, 2 and 3', '50 %')
     """
     if isinstance(template, str):

@@ -54,9 +54,9 @@ def type_two(runs: Runs, fast: bool) -> TypeTwo:
     ratios, friction = {}, {}
     for figure, run in sorted(solved.items()):
         t = np.linspace(run.strobe_times[-3], run.strobe_times[-1], 4001)[:-1]
-        found = run.at(t)
-        ratios[figure] = float(found["v"].min() / found["v"].max())
-        friction[figure] = float(found["friction_force"].mean() / (run.model.total_mass * run.model.gravity))
+        samples = run.at(t)
+        ratios[figure] = float(samples["v"].min() / samples["v"].max())
+        friction[figure] = float(samples["friction_force"].mean() / (run.model.total_mass * run.model.gravity))
     A, tilt = AMPLITUDES[:: 4 if fast else 1, None], TILTS[None, :]
     many = batch(rig(CASES[-1], amplitude=A, tilt_deg=tilt, f0=0.21), periods=100, settle=80)
     slides = many.mean_velocity > 0.01 * np.asarray(many.model.mass_ratio * many.model.velocity_scale)
