@@ -49,7 +49,7 @@ def _done(words: list[str]) -> int:
     try:
         return contextvars.copy_context().run(_dispatch, words)  # the permissions of one command do not apply to the next
     except InputError as error:
-        return _say(_with_its_place(error), 2)
+        return _say(_with_its_source(error), 2)
     except StickslipError as error:
         return _say(str(error), 1)
     except KeyboardInterrupt as pressed:
@@ -68,7 +68,7 @@ def _done(words: list[str]) -> int:
         return _say(f"{type(error).__name__}: {error}\n{ours}", 1)
 
 
-def _with_its_place(error: InputError) -> str:
+def _with_its_source(error: InputError) -> str:
     """What is wrong, and where in the user's own code if an exception there is the cause."""
     from stickslip.show.cli.user_errors import in_your_code
 

@@ -30,7 +30,7 @@ _RTOL = 1e-4
 _POPULATION, _GENERATIONS = 32, 40
 _GAIN = 1e-4  # relative to the speed: the smallest gain that a reader would notice
 _END = 1e-3  # relative to the range of a slider: values this close to an end count as being there
-_TOLD = ("mean_velocity", "drive_power", "cost_of_transport", *LIMITS)
+_COMPARED = ("mean_velocity", "drive_power", "cost_of_transport", *LIMITS)
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None 
         best, after = here, before
         notes.append("no faster setting was found within the ranges of these sliders")
     ends = [each.name for each, u in zip(space.varied, best, strict=True) if min(u, 1.0 - u) < _END]
-    rows = [{"name": name, "unit": _unit(name), "before": before[name], "after": after[name]} for name in _TOLD if name in before]
+    rows = [{"name": name, "unit": _unit(name), "before": before[name], "after": after[name]} for name in _COMPARED if name in before]
     return {"kind": "faster", "values": space.changes(best), "rows": rows, "ends": ends, "tried": worth.tried, "notes": notes}
 
 

@@ -40,12 +40,12 @@ _ON_A_LINE = 0.05  # fraction of the axis ranges: marks closer to a line of thei
 
 
 @drawing
-def atlas(found: Atlas, ax: Ax = None, points: bool = True) -> Any:
+def atlas(atlas: Atlas, ax: Ax = None, points: bool = True) -> Any:
     """Regions of an atlas with their names, the followed borders as lines, and the special points that lie on no line.
 
     Parameters
     ----------
-    found : Atlas
+    atlas : Atlas
         From `stickslip.atlas`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -63,30 +63,30 @@ def atlas(found: Atlas, ax: Ax = None, points: bool = True) -> Any:
     >>> ss.plot.atlas(ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")).get_xlabel()
     'amplitude of the inner mass $A$ (µm)'
     """
-    if not isinstance(found, Atlas):
-        raise InputError("plot", [f"{found!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
-    across, up = (scaled(found.map, name) for name in found.parameters)
+    if not isinstance(atlas, Atlas):
+        raise InputError("plot", [f"{atlas!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
+    across, up = (scaled(atlas.map, name) for name in atlas.parameters)
     ax = axes(ax, 3.1)
-    fills = _fills(found)
+    fills = _fills(atlas)
     names = [*fills, _MISSING]
-    labels = found.map["region"].values.T
+    labels = atlas.map["region"].values.T
     codes = np.array([[names.index(label) if label in fills else len(fills) for label in row] for row in labels])
     inside = _regions(ax, across, up, codes, fills)
-    for border in found.borders:
+    for border in atlas.borders:
         x, y = np.array(border.values).T
         outlined(ax, x * across.factor, y * up.factor)
-    marks = _special(ax, found, across, up) if points else []
-    marks += _unsettled(ax, found, across, up)
+    marks = _special(ax, atlas, across, up) if points else []
+    marks += _unsettled(ax, atlas, across, up)
     _framed(ax, across, up)
-    _legend(ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(found.borders), marks, bool((labels == "").any()))
+    _legend(ax, {name: fill for name, fill in fills.items() if name not in inside}, bool(atlas.borders), marks, bool((labels == "").any()))
     return ax
 
 
-def _fills(found: Any) -> dict[str, str]:
+def _fills(atlas: Any) -> dict[str, str]:
     """A colour for each region: that of the motion type, if the region has a single plain motion."""
     known = {**TYPE_COLOURS, _UNSETTLED: UNSETTLED}
-    own = iter(_FILLS * (1 + len(found.regions) // len(_FILLS)))
-    return {label: known[label] if label in known and label != "other" else next(own) for label in found.regions}
+    own = iter(_FILLS * (1 + len(atlas.regions) // len(_FILLS)))
+    return {label: known[label] if label in known and label != "other" else next(own) for label in atlas.regions}
 
 
 def _regions(ax: Axes, across: Any, up: Any, codes: Any, fills: dict[str, str]) -> list[str]:
@@ -97,12 +97,12 @@ def _regions(ax: Axes, across: Any, up: Any, codes: Any, fills: dict[str, str]) 
     return [n for i, n in enumerate(fills) if (len(n) <= _LETTERS or n in TYPE_COLOURS) and name_region(ax, x, y, nearest_codes, i, n)]
 
 
-def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
+def _special(ax: Any, atlas: Any, across: Any, up: Any) -> list[Any]:
     """Draw the special points of stable motions, except those on a border line of their kind; returns handles for the legend."""
-    lines = {border.kind for border in found.borders}
+    lines = {border.kind for border in atlas.borders}
     handles = []
-    for i, kind in enumerate(sorted({s.kind for s in found.found})):
-        shown = [s.values for s in found.found if s.kind == kind and s.stable and (kind not in lines or not _on_a_line(found, s))]
+    for i, kind in enumerate(sorted({s.kind for s in atlas.special_points})):
+        shown = [s.values for s in atlas.special_points if s.kind == kind and s.stable and (kind not in lines or not _on_a_line(atlas, s))]
         if shown:
             x, y = np.array(shown).T
             style = {"color": COLOURS[i % 7], "markersize": 3.4, "linestyle": "", "zorder": 7}
@@ -110,9 +110,9 @@ def _special(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
     return handles
 
 
-def _unsettled(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
+def _unsettled(ax: Any, atlas: Any, across: Any, up: Any) -> list[Any]:
     """Mark points of the grid at which some starts have not settled beside those that have; returns handles for the legend."""
-    late = (found.map["unsettled"].values > 0) & (found.map["count"].values > 0)
+    late = (atlas.map["unsettled"].values > 0) & (atlas.map["count"].values > 0)
     if not late.any():
         return []
     i, j = np.nonzero(late)
@@ -120,10 +120,10 @@ def _unsettled(ax: Any, found: Any, across: Any, up: Any) -> list[Any]:
     return list(ax.plot(across.values[i], up.values[j], marker=UNSETTLED_MARK, label="some starts not settled", **style))
 
 
-def _on_a_line(found: Any, point: Any) -> bool:
+def _on_a_line(atlas: Any, point: Any) -> bool:
     """Whether a special point lies on a drawn border."""
-    spans = np.array([np.ptp(found.map[name].values) for name in found.parameters])
-    return any(border.distance(point.values, spans) < _ON_A_LINE for border in found.borders if border.kind == point.kind)
+    spans = np.array([np.ptp(atlas.map[name].values) for name in atlas.parameters])
+    return any(border.distance(point.values, spans) < _ON_A_LINE for border in atlas.borders if border.kind == point.kind)
 
 
 def _framed(ax: Axes, across: Any, up: Any) -> None:

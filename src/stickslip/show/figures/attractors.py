@@ -14,7 +14,7 @@ _BESIDE = ("period", "motion", "exponent", "error", "share", "share_low", "share
 
 
 @drawing
-def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
+def attractors(grid: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     """Attractors along a parameter, with a line for each; rings mark chaotic and quasi-periodic motions, crosses unsettled starts.
 
     A cross on the upper edge stands at each value where some starts have not settled: attractors may be missing there. In a figure of
@@ -22,7 +22,7 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
 
     Parameters
     ----------
-    found : xarray.Dataset
+    grid : xarray.Dataset
         From `stickslip.attractors`.
     quantity : str, optional
         "mean_velocity", "share" (the fraction of the initial states, with its 95 % interval as a band), or a coordinate of the strobe
@@ -37,31 +37,31 @@ def attractors(found: Grid, quantity: str | None = None, ax: Ax = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.attractors(ss.presets.piezo_rig, parameter="amplitude", values=[5e-4, 6e-4], starts=dict(v=[0.0, 0.01]), settle=30,
+    >>> lives = ss.attractors(ss.presets.piezo_rig, parameter="amplitude", values=[5e-4, 6e-4], starts=dict(v=[0.0, 0.01]), settle=30,
     ...                   tilt_deg=1.7, law="coulomb")
-    >>> ss.plot.attractors(found).get_ylabel()
+    >>> ss.plot.attractors(lives).get_ylabel()
     'mean velocity (mm/s)'
     """
-    if not {"share", "unsettled", "motion"} <= set(getattr(found, "data_vars", {})):
-        raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])
-    known = [*(name for name in map(str, found.data_vars) if found[name].ndim == 2 and name not in _BESIDE), "share"]
+    if not {"share", "unsettled", "motion"} <= set(getattr(grid, "data_vars", {})):
+        raise InputError("plot", [f"{type(grid).__name__} without attractors; allowed is the Dataset of ss.attractors"])
+    known = [*(name for name in map(str, grid.data_vars) if grid[name].ndim == 2 and name not in _BESIDE), "share"]
     quantity = known[0] if quantity is None and known else quantity
     if quantity not in known:
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(known)}"])
-    across, y = found[found.attrs["parameter"]], found[quantity]
+    across, y = grid[grid.attrs["parameter"]], grid[quantity]
     (right, side), (up, mark) = side_of(across), side_of(y)
     ax = axes(ax)
-    for k in range(found.sizes["attractor"]):
-        one, colour = found.isel(attractor=k), COLOURS[k % 7]
+    for k in range(grid.sizes["attractor"]):
+        one, colour = grid.isel(attractor=k), COLOURS[k % 7]
         x, values = across.values * right, one[quantity].values * up
         if quantity == "share":
             ax.fill_between(x, one.share_low.values, one.share_high.values, color=colour, alpha=0.15, linewidth=0)
         ax.plot(x, values, ".-", color=colour, markersize=4, label=_text(one))
         wild = one.period.values == 0
         ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
-    late = found.unsettled.values > 0
+    late = grid.unsettled.values > 0
     if late.any():
-        shares = found.unsettled.values[late] / found.attrs["starts"]
+        shares = grid.unsettled.values[late] / grid.attrs["starts"]
         position: dict[str, Any] = {} if quantity == "share" else {"transform": ax.get_xaxis_transform(), "clip_on": False}
         where = shares if quantity == "share" else np.ones(len(shares))
         label = f"starts not settled (up to {100 * shares.max():.2g} %)"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 #: Quantities listed in the last panel, if available.
-_TOLD = (
+_QUANTITIES = (
     "slow_forward", "slow_backward", "fall", "lag", "stiffness", "gap", "loss_share", "loss_exponent", "breakaway_slow", "breakaway_fast",
     "stick_slip", "stick_slip_period", "peak_velocity", "drift",
 )  # fmt: skip
@@ -26,12 +26,12 @@ _COLUMNS = ("steady", "lag", "hysteresis", "dissipation", "breakaway", "stick_sl
 
 
 @drawing
-def bench(found: Bench | Benches, figure: Page = None) -> Any:
+def bench(bench: Bench | Benches, figure: Page = None) -> Any:
     """The figure of a bench: a panel for each experiment and one for the numbers; for several laws, a row of panels for each law.
 
     Parameters
     ----------
-    found : Bench or Benches
+    bench : Bench or Benches
         From `stickslip.bench`.
     figure : matplotlib Figure or SubFigure, optional
         Where to draw; a new figure if not given.
@@ -43,15 +43,15 @@ def bench(found: Bench | Benches, figure: Page = None) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.bench(ss.Coulomb(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24))
-    >>> len(ss.plot.bench(found).axes)
+    >>> bench = ss.bench(ss.Coulomb(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24))
+    >>> len(ss.plot.bench(bench).axes)
     8
     """
-    if isinstance(found, Bench):
-        return _one(found, figure)
-    if isinstance(found, Benches):
-        return _many(found, figure)
-    raise InputError("plot", [f"{found!r} is not a bench; allowed is what ss.bench returns; type ss.plot.bench(ss.bench(ss.LuGre))"])
+    if isinstance(bench, Bench):
+        return _one(bench, figure)
+    if isinstance(bench, Benches):
+        return _many(bench, figure)
+    raise InputError("plot", [f"{bench!r} is not a bench; allowed is what ss.bench returns; type ss.plot.bench(ss.bench(ss.LuGre))"])
 
 
 def _figure(width: float, height: float) -> Any:
@@ -60,16 +60,16 @@ def _figure(width: float, height: float) -> Any:
     return plt.figure(figsize=(width, height), layout="constrained")
 
 
-def _one(found: Bench, figure: Any) -> Any:
-    rows, columns = (2, 4) if len(found.experiments) > 3 else (1, len(found.experiments) + 1)
+def _one(bench: Bench, figure: Any) -> Any:
+    rows, columns = (2, 4) if len(bench.experiments) > 3 else (1, len(bench.experiments) + 1)
     figure = figure or _figure(2.45 * columns, 2.25 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for ax, experiment in zip(panels, found.experiments, strict=False):
+    for ax, experiment in zip(panels, bench.experiments, strict=False):
         _draw(ax, experiment)
-    for ax in panels[len(found.experiments) + 1 :]:
+    for ax in panels[len(bench.experiments) + 1 :]:
         ax.set_axis_off()
-    _numbers(panels[len(found.experiments)], found)
-    figure.suptitle(f"{found.name}   (load {found.load:g} N, mass {found.mass:g} kg)", fontsize=9)
+    _numbers(panels[len(bench.experiments)], bench)
+    figure.suptitle(f"{bench.name}   (load {bench.load:g} N, mass {bench.mass:g} kg)", fontsize=9)
     return figure
 
 
@@ -130,12 +130,12 @@ def _no_noise(ax: Axes) -> None:
         ax.set_ylim(*((low - 0.5 * size, high + 0.5 * size) if size else (-1.0, 1.0)))
 
 
-def _numbers(ax: Axes, found: Bench) -> None:
+def _numbers(ax: Axes, bench: Bench) -> None:
     """Names and values in two columns of text."""
     ax.set_axis_off()
-    quantities = [q for q in found.quantities if q.key in _TOLD]
+    quantities = [q for q in bench.quantities if q.key in _QUANTITIES]
     for i, quantity in enumerate(quantities):
-        y = 0.98 - i * 0.97 / len(_TOLD)
+        y = 0.98 - i * 0.97 / len(_QUANTITIES)
         ax.text(-0.02, y, quantity.label, transform=ax.transAxes, fontsize=6.3, va="center")
         ax.text(1.04, y, _short(quantity), transform=ax.transAxes, fontsize=6.3, va="center", ha="right")
 
@@ -149,26 +149,26 @@ def _short(quantity: Any) -> str:
     return f"{factor * value:.3g} {letter}{quantity.unit}".replace("-", "\N{MINUS SIGN}") if abs(value) > 1e-14 else f"0 {quantity.unit}"
 
 
-def _many(found: Benches, figure: Any) -> Any:
+def _many(benches: Benches, figure: Any) -> Any:
     """A row of small panels for each law."""
-    shown = [key for key in _COLUMNS if any(e.key == key for e in found.benches[0].experiments)]
-    figure = figure or _figure(1.75 * (len(shown) + 0.9), 0.5 + 1.0 * len(found))
-    panels = figure.subplots(len(found), len(shown) + 1, squeeze=False, width_ratios=[0.75, *([1.0] * len(shown))])
-    for row, one in zip(panels, found, strict=True):
+    shown = [key for key in _COLUMNS if any(e.key == key for e in benches.benches[0].experiments)]
+    figure = figure or _figure(1.75 * (len(shown) + 0.9), 0.5 + 1.0 * len(benches))
+    panels = figure.subplots(len(benches), len(shown) + 1, squeeze=False, width_ratios=[0.75, *([1.0] * len(shown))])
+    for row, one in zip(panels, benches, strict=True):
         _name(row[0], one)
         for ax, key in zip(row[1:], shown, strict=True):
             _draw(ax, one[key], small=True)
             _sparse(ax, one[key])
     for ax, key in zip(panels[0][1:], shown, strict=True):
-        ax.set_title(_heading(found.benches[0][key]), fontsize=7)
+        ax.set_title(_heading(benches.benches[0][key]), fontsize=7)
     return figure
 
 
-def _name(ax: Axes, found: Bench) -> None:
+def _name(ax: Axes, bench: Bench) -> None:
     """The law's name, and its drift."""
     ax.set_axis_off()
-    drift = next((q for q in found.quantities if q.key == "drift"), None)
-    ax.text(0.0, 0.62, found.name, transform=ax.transAxes, fontsize=8, fontweight="bold")
+    drift = next((q for q in bench.quantities if q.key == "drift"), None)
+    ax.text(0.0, 0.62, bench.name, transform=ax.transAxes, fontsize=8, fontweight="bold")
     if drift is not None:
         ax.text(0.0, 0.3, f"drift {_short(drift)}", transform=ax.transAxes, fontsize=6.5)
         ax.text(0.0, 0.1, "per period", transform=ax.transAxes, fontsize=6.5)

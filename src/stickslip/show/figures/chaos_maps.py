@@ -27,12 +27,12 @@ _LOWEST = -2.0  # lower exponents all have one colour
 
 
 @drawing
-def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any = ()) -> Any:
+def chaos_map(grid: Grid, ax: Ax = None, quantity: str = "motion", curves: Any = ()) -> Any:
     """A map of motions over two parameters; over one, the largest exponent as a line.
 
     Parameters
     ----------
-    found : xarray.Dataset
+    grid : xarray.Dataset
         From `stickslip.chaos_map`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -49,23 +49,23 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.chaos_map(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb", settle=50, periods=20)
-    >>> ss.plot.chaos_map(found).get_xlabel()
+    >>> grid = ss.chaos_map(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb", settle=50, periods=20)
+    >>> ss.plot.chaos_map(grid).get_xlabel()
     'tilt of the track $θ$ (degrees)'
     """
-    if not {"period", "motion", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
-        raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
+    if not {"period", "motion", "exponent", "error"} <= set(getattr(grid, "data_vars", {})):
+        raise InputError("plot", [f"{type(grid).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
     if quantity not in ("motion", "exponent"):
         raise InputError("plot", [f"quantity = {quantity!r}; allowed is motion or exponent"])
     ax = axes(ax, height=3.0)
-    if len(found.period.dims) == 1:
-        return _line(found, ax)
-    upward, across = map(str, found.period.dims)
-    (right, side), (up, mark) = (side_of(found[n]) for n in (across, upward))
-    handles = (_motions if quantity == "motion" else _exponents)(found, ax, found[across].values * right, found[upward].values * up)
+    if len(grid.period.dims) == 1:
+        return _line(grid, ax)
+    upward, across = map(str, grid.period.dims)
+    (right, side), (up, mark) = (side_of(grid[n]) for n in (across, upward))
+    handles = (_motions if quantity == "motion" else _exponents)(grid, ax, grid[across].values * right, grid[upward].values * up)
     handles += _over(curves, ax, (across, right), (upward, up))
-    logarithmic(ax, "x", found[across].values)
-    logarithmic(ax, "y", found[upward].values)
+    logarithmic(ax, "x", grid[across].values)
+    logarithmic(ax, "y", grid[upward].values)
     ax.set(xlabel=side, ylabel=mark)
     if handles:
         ax.legend(
@@ -75,28 +75,28 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
     return ax
 
 
-def _motions(found: Any, ax: Axes, x: ArrayLike, y: ArrayLike) -> list[Any]:
+def _motions(grid: Any, ax: Axes, x: ArrayLike, y: ArrayLike) -> list[Any]:
     from matplotlib.patches import Patch
 
-    kinds = _kinds(found)
+    kinds = _kinds(grid)
     cells(ax, x, y, kinds, list(MOTIONS.values()))
     shown = [item for i, item in enumerate(MOTIONS.items()) if (kinds == i).any()]
     return [Patch(facecolor=colour, edgecolor=INK, linewidth=0.3, label=name) for name, colour in shown]
 
 
-def _kinds(found: Any) -> Any:
+def _kinds(grid: Any) -> Any:
     """The index of the kind of motion in `MOTIONS` at each point; masked where nothing was computed."""
-    period, motion, names = found.period.values, found.motion.values, list(MOTIONS)
+    period, motion, names = grid.period.values, grid.motion.values, list(MOTIONS)
     kinds = np.where(period > 0, np.searchsorted([1, 2, 3, 4, 7], period, side="left"), len(names) - 1)
     for word in ("chaotic", "quasi-periodic", "not settled"):
         kinds = np.where(motion == word, names.index(word), kinds)
     return np.ma.masked_where(motion == "not computed", kinds)
 
 
-def _exponents(found: Any, ax: Axes, x: Array, y: Array) -> list[Any]:
+def _exponents(grid: Any, ax: Axes, x: Array, y: Array) -> list[Any]:
     from matplotlib.colors import TwoSlopeNorm
 
-    values = np.ma.masked_invalid(np.where(np.isneginf(found.exponent.values), _LOWEST, found.exponent.values))
+    values = np.ma.masked_invalid(np.where(np.isneginf(grid.exponent.values), _LOWEST, grid.exponent.values))
     norm = TwoSlopeNorm(0.0, _LOWEST, max(0.5, float(np.max(values.filled(0.0), initial=0.0))))
     mesh = ax.pcolormesh(edges(x), edges(y), values, cmap="PuOr_r", norm=norm, rasterized=True)
     bar = ax.figure.colorbar(mesh, ax=ax, extend="min", pad=0.02, aspect=28)
@@ -118,14 +118,14 @@ def _over(curves: Any, ax: Axes, across: tuple[str, float], upward: tuple[str, f
     return list(handles.values())
 
 
-def _line(found: Any, ax: Axes) -> Any:
-    name = str(found.period.dims[0])
-    right, side = side_of(found[name])
-    x, y, error = found[name].values * right, found.exponent.values, found.error.values
+def _line(grid: Any, ax: Axes) -> Any:
+    name = str(grid.period.dims[0])
+    right, side = side_of(grid[name])
+    x, y, error = grid[name].values * right, grid.exponent.values, grid.error.values
     ax.axhline(0.0, color=INK, linewidth=0.5)
     ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
     ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
-    late = found.motion.values == "not settled"
+    late = grid.motion.values == "not settled"
     if late.any():
         ax.plot(x[late], y[late], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label="not settled")
         legend_above(ax)

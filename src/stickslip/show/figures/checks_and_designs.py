@@ -17,19 +17,19 @@ from stickslip.show.figures.style import COLOURS, INK, SHADE, axes, drawing, leg
 
 _SAME = 1e-17  # relative difference at which a difference of 0 is drawn
 _APART = 4.0  # difference of AICc below which the data do not distinguish two laws
-_TOLD = 25.0  # per cent: a parameter with a smaller error counts as determined
+_DETERMINED = 25.0  # per cent: a parameter with a smaller error counts as determined
 _ACROSS = 26  # number of letters of an experiment's name in a line
 _SHOWN = 8  # largest number of experiments shown
 _LEAST, _MOST = 1e-3, 1e3  # per cent: errors are clipped to this range
 
 
 @drawing
-def check(found: Check, ax: Ax = None) -> Any:
+def check(check: Check, ax: Ax = None) -> Any:
     """Distance of each method's mean velocity from the reference, on a logarithmic axis; skipped methods are left out.
 
     Parameters
     ----------
-    found : Check
+    check : Check
         From `stickslip.check`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -46,13 +46,13 @@ def check(found: Check, ax: Ax = None) -> Any:
     >>> ax.get_xlabel()
     'difference in mean velocity (m/s)'
     """
-    judges = [judge for judge in reversed(found.judges) if math.isfinite(judge.difference)]
+    judges = [judge for judge in reversed(check.judges) if math.isfinite(judge.difference)]
     if not judges:
-        raise InputError("plot", ["no method could be compared with another; print(found) says why"])
-    floor = _SAME * (abs(found.mean_velocity) or 1.0)
+        raise InputError("plot", ["no method could be compared with another; print(check) says why"])
+    floor = _SAME * (abs(check.mean_velocity) or 1.0)
     ax = axes(ax, 0.9 + 0.3 * len(judges))
-    if found.uncertainty > 0:
-        ax.axvspan(floor / 3, found.uncertainty, color=SHADE, linewidth=0, zorder=0, label="uncertainty")
+    if check.uncertainty > 0:
+        ax.axvspan(floor / 3, check.uncertainty, color=SHADE, linewidth=0, zorder=0, label="uncertainty")
     for counts, colour, marker, word in ((True, COLOURS[0], "o", "counts"), (False, COLOURS[1], "s", "does not count")):
         places = [i for i, judge in enumerate(judges) if judge.counts == counts]
         x = [max(abs(judges[i].difference), floor) for i in places]
@@ -70,14 +70,14 @@ def check(found: Check, ax: Ax = None) -> Any:
 
 
 @drawing
-def ranking(found: Ranking, ax: Ax = None) -> Any:
+def ranking(ranking: Ranking, ax: Ax = None) -> Any:
     """A bar for each law: the excess of its AICc over the smallest one. Laws in the grey band cannot be distinguished.
 
     Laws that the data support are filled; those that they do not support are hollow. A cross marks the BIC.
 
     Parameters
     ----------
-    found : Ranking
+    ranking : Ranking
         From `stickslip.rank`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -95,7 +95,7 @@ def ranking(found: Ranking, ax: Ax = None) -> Any:
     >>> [label.get_text() for label in ss.plot.ranking(ss.rank(both)).get_yticklabels()]
     ['coulomb', 'lugre']
     """
-    laws = list(reversed(found.rows))
+    laws = list(reversed(ranking.rows))
     finite = [value for row in laws for value in (row.aicc, row.bic) if math.isfinite(value)]
     end = 1.5 * max([2 * _APART, *finite])
     ax = axes(ax, 0.9 + 0.28 * len(laws))
@@ -104,7 +104,7 @@ def ranking(found: Ranking, ax: Ax = None) -> Any:
         (True, {"color": COLOURS[0]}, "supported"),
         (False, {"facecolor": "white", "edgecolor": COLOURS[1], "linewidth": 0.9}, "not supported"),
     ):
-        places = [i for i, row in enumerate(laws) if (row.label in found.supported) == supported]
+        places = [i for i, row in enumerate(laws) if (row.label in ranking.supported) == supported]
         if places:
             lengths = [min(laws[i].aicc, end) if laws[i].aicc > 0 else 0.0 for i in places]
             ax.barh(places, lengths, 0.5, label=word, zorder=2, **style)
@@ -121,14 +121,14 @@ def ranking(found: Ranking, ax: Ax = None) -> Any:
 
 
 @drawing
-def design(found: Design, ax: Ax = None) -> Any:
+def design(design: Design, ax: Ax = None) -> Any:
     """The expected standard error of each parameter for the best experiments, the best on top.
 
     Parameters at the right edge are not determined at all. In the grey band a parameter is known to within a quarter of its value.
 
     Parameters
     ----------
-    found : stickslip.inverse.identification.Design
+    design : stickslip.inverse.identification.Design
         From `stickslip.design`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -145,19 +145,19 @@ def design(found: Design, ax: Ax = None) -> Any:
     >>> ss.plot.design(plan).get_xlabel()
     'expected error (% of the value)'
     """
-    shown = list(reversed(found.experiments[:_SHOWN]))
+    shown = list(reversed(design.experiments[:_SHOWN]))
     rows = [textwrap.fill(e.words, _ACROSS) for e in shown]
     ax = axes(ax, 1.0 + 0.26 * len(shown) + 0.13 * sum(row.count("\n") for row in rows))
-    ax.axvspan(_LEAST / 10, _TOLD, color=SHADE, linewidth=0, zorder=0, label="determined")
+    ax.axvspan(_LEAST / 10, _DETERMINED, color=SHADE, linewidth=0, zorder=0, label="determined")
     everything: list[float] = []
-    for k, (name, value) in enumerate(found.values.items()):
+    for k, (name, value) in enumerate(design.values.items()):
         errors = np.array([e.errors[name] for e in shown]) * (100 / abs(value) if value else math.inf)
         x = np.clip(np.nan_to_num(errors, nan=_MOST, posinf=_MOST), _LEAST, _MOST)
         everything += list(x)
         marker = "osD^vPX"[k % 7]
         ax.plot(x, range(len(shown)), marker, color=COLOURS[k % 7], markersize=4.5, label=name, linewidth=0, zorder=3, clip_on=False)
     ax.set_xscale("log")
-    ax.set_xlim(0.5 * min(everything), max(2 * max(everything), 2 * _TOLD) if max(everything) < _MOST else _MOST)
+    ax.set_xlim(0.5 * min(everything), max(2 * max(everything), 2 * _DETERMINED) if max(everything) < _MOST else _MOST)
     name_rows(ax, rows, 0.6)
     ax.set_xlabel("expected error (% of the value)")
     legend_above(ax, ncols=3, columnspacing=1.0, handlelength=1.2)

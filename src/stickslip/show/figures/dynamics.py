@@ -98,12 +98,12 @@ def _sweep_style(i: int, size: float, several: bool) -> dict[str, Any]:
 
 
 @drawing
-def basins(found: Basins, ax: Ax = None, edges: Any = ()) -> Any:
+def basins(basins: Basins, ax: Ax = None, edges: Any = ()) -> Any:
     """The attractor of each initial state, over the first two axes of the grid that have several values.
 
     Parameters
     ----------
-    found : Basins
+    basins : Basins
         From `stickslip.basins`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -118,37 +118,37 @@ def basins(found: Basins, ax: Ax = None, edges: Any = ()) -> Any:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
-    >>> found = ss.basins(robot, v=[-0.01, 0.0, 0.01], z=[0.0, 1e-7], settle=60)
-    >>> ss.plot.basins(found).get_xlabel()
+    >>> basins = ss.basins(robot, v=[-0.01, 0.0, 0.01], z=[0.0, 1e-7], settle=60)
+    >>> ss.plot.basins(basins).get_xlabel()
     'velocity at the start (mm/s)'
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    if not isinstance(found, Basins):
-        raise InputError("plot", [f"found = {found!r}; allowed is what ss.basins gives"])
-    names = [str(d) for d in found.map.attractor.dims if found.map.sizes[d] > 1]
+    if not isinstance(basins, Basins):
+        raise InputError("plot", [f"basins = {basins!r}; allowed is what ss.basins gives"])
+    names = [str(d) for d in basins.map.attractor.dims if basins.map.sizes[d] > 1]
     if len(names) < 2:
         raise InputError("plot", ["a map needs two axes with several values; type for example ss.basins(robot, v=[...], z=[...])"])
     across, upward = names[:2]
-    flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
-    (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs.get("units", "1")) for n in (across, upward))
+    flat = basins.map.attractor.isel({d: 0 for d in basins.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
+    (right, side), (up, mark) = (scaled(basins.map[n].values, basins.map[n].attrs.get("units", "1")) for n in (across, upward))
     ax = axes(ax, height=2.8)
-    others = list(found.others)
+    others = list(basins.others)
     codes = np.where(flat.values >= 0, flat.values + len(others) + 1, 0)
-    words = found.map.motion.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across).values
+    words = basins.map.motion.isel({d: 0 for d in basins.map.attractor.dims if d not in (across, upward)}).transpose(upward, across).values
     for k, word in enumerate(others):
         codes = np.where((flat.values < 0) & (words == word), k + 1, codes)
     paints: list[Any] = [
         "#FFFFFF",
         *(_NO_ATTRACTOR[word] for word in others),
-        *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))],
+        *[_pale(COLOURS[k % 7]) for k in range(max(len(basins.attractors), 1))],
     ]
     norm = BoundaryNorm(np.arange(-0.5, len(paints) + 0.5), len(paints))
-    extent = (*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up))
+    extent = (*_edges(basins.map[across].values * right), *_edges(basins.map[upward].values * up))
     ax.imshow(codes, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest")
-    for k, a in enumerate(found.attractors):
+    for k, a in enumerate(basins.attractors):
         if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
             x, y = (a.orbit.state[a.orbit.names.index(name)] * factor for name, factor in ((across, right), (upward, up)))
             ax.plot(x, y, "o", markersize=5, color=COLOURS[k % 7], markeredgecolor="white")
@@ -156,11 +156,11 @@ def basins(found: Basins, ax: Ax = None, edges: Any = ()) -> Any:
     for edge in _edges_on(edges, names[:2]):
         points = edge.strobe_points[:, [edge.names.index(across), edge.names.index(upward)]]
         ax.plot(points[:, 0] * right, points[:, 1] * up, "x", markersize=5, color=INK)
-    ax.set(xlabel=labelled(found.map[across], side), ylabel=labelled(found.map[upward], mark))
-    handles: list[Any] = [Patch(color=paints[k + 1 + len(others)], label=_text(a)) for k, a in enumerate(found.attractors)]
+    ax.set(xlabel=labelled(basins.map[across], side), ylabel=labelled(basins.map[upward], mark))
+    handles: list[Any] = [Patch(color=paints[k + 1 + len(others)], label=_text(a)) for k, a in enumerate(basins.attractors)]
     handles += [
         Patch(facecolor=_NO_ATTRACTOR[word], edgecolor=INK, linewidth=0.3, label=f"{word}, {100 * share:.2g} %")
-        for word, (share, _) in found.others.items()
+        for word, (share, _) in basins.others.items()
     ]
     for count, marker, label in ((motions, "o", "strobe point of the motion"), (len(ax.lines) - motions, "x", "edge state")):
         handles += [Line2D([], [], marker=marker, linestyle="", color=INK, markersize=4, label=label)] if count else []

@@ -19,7 +19,7 @@ _NONE = 1e-12  # relative to the largest work: smaller ones are not drawn
 
 
 @drawing
-def energy(found: Energy, ax: Ax = None) -> Any:
+def energy(energy: Energy, ax: Ax = None) -> Any:
     """The energy balance of a run for each drive period: work supplied upwards, work dissipated downwards.
 
     The bars of a period add up to the change of kinetic and potential energy, which is drawn as a line; transient periods, left out of
@@ -27,7 +27,7 @@ def energy(found: Energy, ax: Ax = None) -> Any:
 
     Parameters
     ----------
-    found : Energy
+    energy : Energy
         From `stickslip.energy`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -43,14 +43,14 @@ def energy(found: Energy, ax: Ax = None) -> Any:
     >>> ss.plot.energy(balance).get_ylabel()
     'work in a drive period (µJ)'
     """
-    works = _works(found)
-    stored = np.asarray(found.kinetic) + np.asarray(found.potential)
+    works = _works(energy)
+    stored = np.asarray(energy.kinetic) + np.asarray(energy.potential)
     count = len(stored)
     factor, letter = prefix(*works.values(), stored)
     number = np.arange(1, count + 1)
     ax = axes(ax)
-    if found.settle and count > 1:
-        ax.axvspan(0.5, found.settle + 0.5, color=SHADE, linewidth=0, zorder=0, label="left out of the mean")
+    if energy.settle and count > 1:
+        ax.axvspan(0.5, energy.settle + 0.5, color=SHADE, linewidth=0, zorder=0, label="left out of the mean")
     above, below = np.zeros(count), np.zeros(count)
     for name, work in works.items():
         up = work >= 0
@@ -63,9 +63,9 @@ def energy(found: Energy, ax: Ax = None) -> Any:
     return ax
 
 
-def _works(found: Any) -> dict[str, Any]:
+def _works(energy: Any) -> dict[str, Any]:
     """The works to draw as bars, with the sign of their contribution to the energy."""
-    works = {name: (1.0 if name in ("drive", "gravity") else -1.0) * np.asarray(getattr(found, name)) for name in _COLOUR}
+    works = {name: (1.0 if name in ("drive", "gravity") else -1.0) * np.asarray(getattr(energy, name)) for name in _COLOUR}
     largest = max((np.max(abs(work), initial=0.0) for work in works.values()), default=0.0)
     return {name: work for name, work in works.items() if np.max(abs(work), initial=0.0) > _NONE * largest}
 

@@ -39,12 +39,12 @@ def _words(kind: str, unit: str) -> str:
 
 
 @drawing
-def comparison(found: Comparison, ax: Ax = None) -> Any:
+def comparison(comparison: Comparison, ax: Ax = None) -> Any:
     """A record and several laws over one drive period, as in Figs 7 to 10 of the paper.
 
     Parameters
     ----------
-    found : Comparison
+    comparison : Comparison
         From `stickslip.compare`.
     ax : matplotlib Axes, optional
 
@@ -56,20 +56,20 @@ def comparison(found: Comparison, ax: Ax = None) -> Any:
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.58e-4, law="coulomb-static")
-    >>> found = ss.compare(ss.virtual_rig(robot, noise=1e-4, seed=1), robot, laws=["coulomb"])
-    >>> ss.plot.comparison(found).get_xlabel()
+    >>> comparison = ss.compare(ss.virtual_rig(robot, noise=1e-4, seed=1), robot, laws=["coulomb"])
+    >>> ss.plot.comparison(comparison).get_xlabel()
     'drive periods'
     """
     ax = axes(ax)
-    phase, y = found.samples
-    middle = {"velocity": 0.0}.get(found.kind, float(np.mean(y)))
+    phase, y = comparison.samples
+    middle = {"velocity": 0.0}.get(comparison.kind, float(np.mean(y)))
     factor, unit = prefix(y - middle)
     _measured(ax, phase, y - middle, factor, "record")
-    for k, row in enumerate(found.laws):
-        value = row.value - (0.0 if found.kind == "velocity" else row.value.mean())
+    for k, row in enumerate(comparison.laws):
+        value = row.value - (0.0 if comparison.kind == "velocity" else row.value.mean())
         ax.plot(np.mod(row.phase, 1.0)[: len(row.phase)], value * factor, color=COLOURS[k % 6], linestyle=DASHES[k % 6], label=row.label)
-    ax.set(xlabel="drive periods", ylabel=_words(found.kind, unit), xlim=(0, 1))
-    legend_above(ax, ncols=len(found.laws) + 1, columnspacing=1.2)
+    ax.set(xlabel="drive periods", ylabel=_words(comparison.kind, unit), xlim=(0, 1))
+    legend_above(ax, ncols=len(comparison.laws) + 1, columnspacing=1.2)
     return ax
 
 

@@ -14,14 +14,14 @@ from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_abo
 
 
 @drawing
-def sensitivity(found: Sensitivity, ax: Ax = None) -> Any:
+def sensitivity(sensitivity: Sensitivity, ax: Ax = None) -> Any:
     """A bar for each number of a machine: the relative change of the mean velocity per relative change of the number.
 
     Numbers without a relative derivative, such as those that are zero, are left out.
 
     Parameters
     ----------
-    found : Sensitivity
+    sensitivity : Sensitivity
         From `stickslip.sensitivity`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -43,10 +43,12 @@ def sensitivity(found: Sensitivity, ax: Ax = None) -> Any:
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['drive.amplitude', 'friction.mu_plus']
     """
-    relative = dict(zip(found.names, np.asarray(found.relative, float), strict=True))
+    relative = dict(zip(sensitivity.names, np.asarray(sensitivity.relative, float), strict=True))
     known = sorted((name for name, value in relative.items() if np.isfinite(value)), key=lambda name: abs(relative[name]))
     if not known:
-        raise InputError("plot", ["no number has a relative derivative (the mean velocity may be 0); print(found) shows the derivatives"])
+        raise InputError(
+            "plot", ["no number has a relative derivative (the mean velocity may be 0); print(sensitivity) shows the derivatives"]
+        )
     ax = axes(ax, 0.7 + 0.2 * len(known))
     for sign, colour, word in ((1.0, COLOURS[0], "faster"), (-1.0, COLOURS[1], "slower")):
         places = [i for i, name in enumerate(known) if sign * relative[name] >= 0]
@@ -60,12 +62,12 @@ def sensitivity(found: Sensitivity, ax: Ax = None) -> Any:
 
 
 @drawing
-def indices(found: Indices, ax: Ax = None) -> Any:
+def indices(indices: Indices, ax: Ax = None) -> Any:
     """First and total Sobol index of each uncertain number, with the 95 % intervals of the sample.
 
     Parameters
     ----------
-    found : Indices
+    indices : Indices
         The `indices` of a result of `stickslip.propagate` with ``indices=True``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -82,8 +84,8 @@ def indices(found: Indices, ax: Ax = None) -> Any:
     >>> ss.plot.indices(ss.propagate(robot, uncertain=spread, samples=64, indices=True).indices).get_xlabel()
     'fraction of the variance'
     """
-    order = sorted(found.total, key=lambda name: found.total[name])
-    kinds = (("first: alone", found.first, found.first_interval), ("total: with the others", found.total, found.total_interval))
+    order = sorted(indices.total, key=lambda name: indices.total[name])
+    kinds = (("first: alone", indices.first, indices.first_interval), ("total: with the others", indices.total, indices.total_interval))
     ax = axes(ax, 0.8 + 0.28 * len(order))
     for (word, values, ends), colour, marker, aside in zip(kinds, COLOURS, "os", (0.14, -0.14), strict=False):
         x, span = np.array([values[n] for n in order]), np.array([ends[n] for n in order])

@@ -34,7 +34,7 @@ def name_of(kind: str) -> str:
     return _KINDS[kind][1] if kind in _KINDS else kind
 
 
-def name_once(kind: str, told: set[str]) -> str | None:
+def name_once(kind: str, named: set[str]) -> str | None:
     """The name at its first occurrence, then None: a legend has one line for each kind.
 
     Examples
@@ -43,6 +43,6 @@ def name_once(kind: str, told: set[str]) -> str | None:
     >>> name_once("fold", told), name_once("fold", told)
     ('fold', None)
     """
-    new = kind not in told
-    told.add(kind)
+    new = kind not in named
+    named.add(kind)
     return name_of(kind) if new else None

@@ -110,8 +110,8 @@ def symbols(text: str) -> str:
     ('Stribeck velocity $v_{s}$', 'tilt of the track $θ$', 'rise')
     """
 
-    def typeset(found: re.Match[str]) -> str:
-        letter, long, short = found.groups()
+    def typeset(match: re.Match[str]) -> str:
+        letter, long, short = match.groups()
         index = (long or short or "").translate(LINES)
         return f"${letter}_{{{index.replace('-', '{-}')}}}$" if index else f"${letter}$"
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def tornado(found: Propagated, ax: Ax = None) -> Any:
+def tornado(propagated: Propagated, ax: Ax = None) -> Any:
     """A bar for each uncertain number: the result at its 5 % and at its 95 % quantile, with the others fixed.
 
     The grey band is the joint effect of all of them: the central 90 % of the sample. First and total Sobol indices are shown at the
@@ -22,7 +22,7 @@ def tornado(found: Propagated, ax: Ax = None) -> Any:
 
     Parameters
     ----------
-    found : Propagated
+    propagated : Propagated
         From `stickslip.propagate`.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
@@ -40,34 +40,36 @@ def tornado(found: Propagated, ax: Ax = None) -> Any:
     >>> [label.get_text() for label in ax.get_yticklabels()]
     ['friction.mu_minus', 'friction.mu_plus']
     """
-    swings = found.swings
+    swings = propagated.swings
     if not swings:
         raise InputError("plot", ["what was propagated has no swings; give what ss.propagate returns"])
     order = sorted(swings, key=lambda name: abs(swings[name][1] - swings[name][0]))
-    band = [found.quantile(q) for q in (0.05, 0.95)]
-    factor, letter = scaled([*band, found.nominal, *(v for pair in swings.values() for v in pair)], found.unit)
+    band = [propagated.quantile(q) for q in (0.05, 0.95)]
+    factor, letter = scaled([*band, propagated.nominal, *(v for pair in swings.values() for v in pair)], propagated.unit)
     ax = axes(ax, 0.95 + 0.26 * len(order))
     for i, name in enumerate(order):
         for end, colour, word in zip(swings[name], COLOURS, ("number at 5 %", "at 95 %"), strict=False):
             label = word if i == 0 else None
-            ax.barh(i, factor * (end - found.nominal), left=factor * found.nominal, height=0.62, color=colour, label=label, zorder=2)
+            ax.barh(
+                i, factor * (end - propagated.nominal), left=factor * propagated.nominal, height=0.62, color=colour, label=label, zorder=2
+            )
     ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
-    ax.axvline(factor * found.nominal, color=INK, linewidth=0.7, zorder=3)
+    ax.axvline(factor * propagated.nominal, color=INK, linewidth=0.7, zorder=3)
     name_rows(ax, order)
-    ax.set_xlabel(named(found.of.replace("_", " "), found.unit, letter))
-    _indices(ax, found, order)
+    ax.set_xlabel(named(propagated.of.replace("_", " "), propagated.unit, letter))
+    _indices(ax, propagated, order)
     handles, labels = ax.get_legend_handles_labels()  # the band comes last: it belongs to all numbers
     order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))
     legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
 
 
-def _indices(ax: Axes, found: Any, order: list[str]) -> None:
+def _indices(ax: Axes, propagated: Any, order: list[str]) -> None:
     """First and total index at the right end of each row."""
-    if found.indices is None:
+    if propagated.indices is None:
         return
     side = ax.secondary_yaxis("right")
-    parts = ((found.indices.first, found.indices.first_interval), (found.indices.total, found.indices.total_interval))
+    parts = ((propagated.indices.first, propagated.indices.first_interval), (propagated.indices.total, propagated.indices.total_interval))
     name_rows(side, [" / ".join(f"{value[n]:z.2f}({50 * (ends[n][1] - ends[n][0]):.0f})" for value, ends in parts) for n in order])
     side.spines["right"].set_visible(False)
     side.set_ylabel("first / total index")

@@ -13,7 +13,7 @@ _ROWS = 400  # largest number of rows in a table
 _CAPTION = "Regions by the motions that attract there; lines are borders that were followed in both numbers."
 
 
-def atlas_page(found: Any, title: str, command: str = "") -> str:
+def atlas_page(atlas: Any, title: str, command: str = "") -> str:
     """The page on an atlas.
 
     Parameters
@@ -39,51 +39,51 @@ def atlas_page(found: Any, title: str, command: str = "") -> str:
     return page(
         "atlas.html",
         title=title,
-        axes=_axes(found),
-        tables=tables_of((_regions(found), _special(found), _borders(found), _branches(found)), _ROWS),
-        notes=list(found.notes),
-        figures=[Figure(_CAPTION, svg(lambda ax: drawn(found, ax), 5.2, 4.2))],
+        axes=_axes(atlas),
+        tables=tables_of((_regions(atlas), _special(atlas), _borders(atlas), _branches(atlas)), _ROWS),
+        notes=list(atlas.notes),
+        figures=[Figure(_CAPTION, svg(lambda ax: drawn(atlas, ax), 5.2, 4.2))],
         command=command,
         provenance=_provenance(),
         sources=[],
     )
 
 
-def _axes(found: Any) -> list[tuple[str, str]]:
+def _axes(atlas: Any) -> list[tuple[str, str]]:
     """Both axes with their ranges, and the fixed numbers."""
     rows = []
-    for name in found.parameters:
-        axis = found.map[name]
+    for name in atlas.parameters:
+        axis = atlas.map[name]
         unit = "" if axis.attrs["units"] in ("", "1") else f" {axis.attrs['units']}"
         rows.append((name, f"{axis.size} values, {float(axis[0]):.6g} to {float(axis[-1]):.6g}{unit}"))
-    rows.append(("starts", f"{found.plane.count} at each point"))
-    return [*rows, *((name, str(value)) for name, value in found.plane.family.fixed.items())]
+    rows.append(("starts", f"{atlas.plane.count} at each point"))
+    return [*rows, *((name, str(value)) for name, value in atlas.plane.family.fixed.items())]
 
 
-def _regions(found: Any) -> Table:
-    rows = [(label, f"{100 * share:.1f} %") for label, share in found.regions.items()]
+def _regions(atlas: Any) -> Table:
+    rows = [(label, f"{100 * share:.1f} %") for label, share in atlas.regions.items()]
     return "Regions, by the motions that coexist in them.", ("region", "share of the grid"), rows
 
 
-def _special(found: Any) -> Table:
-    head = ("special point", *found.parameters, "accuracy", "what changes")
-    return "Special points, to the digits that are certain.", head, found.rows()
+def _special(atlas: Any) -> Table:
+    head = ("special point", *atlas.parameters, "accuracy", "what changes")
+    return "Special points, to the digits that are certain.", head, atlas.rows()
 
 
-def _borders(found: Any) -> Table:
+def _borders(atlas: Any) -> Table:
     rows = []
-    for border in found.borders:
+    for border in atlas.borders:
         ends = [", ".join(f"{v:.6g}" for v in border.values[k]) for k in (0, -1)]
         worst = max(max(pair) for pair in border.accuracy)
         rows.append((border.kind, border.change, ends[0], ends[1], f"{worst:.1g}", "; ".join(dict.fromkeys(border.ended))))
     return "Borders that were followed in both numbers.", ("kind", "what changes", "from", "to", "accuracy", "ends"), rows
 
 
-def _branches(found: Any) -> Table:
-    other = {found.parameters[0]: found.parameters[1], found.parameters[1]: found.parameters[0]}
+def _branches(atlas: Any) -> Table:
+    other = {atlas.parameters[0]: atlas.parameters[1], atlas.parameters[1]: atlas.parameters[0]}
     rows = [
         (b.parameter, f"{b.values[0]:.6g} to {b.values[-1]:.6g}", f"{other[b.parameter]} = {b.other:.6g}", str(b.period), b.ended)
-        for b in found.branches
+        for b in atlas.branches
     ]
     return "Branches that were followed.", ("along", "range", "at", "period", "ended"), rows
 

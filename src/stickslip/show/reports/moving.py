@@ -97,8 +97,8 @@ def stage(model: Model) -> list[dict[str, Any]]:
     for name in mechanics.bodies:
         base = under[name] or name
         storeys[base] = storeys.get(base, 0) + (base != name)
-        place = [order.index(base), storeys[base] if base != name else 0]
-        stage_bodies.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": place})
+        position = [order.index(base), storeys[base] if base != name else 0]
+        stage_bodies.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": position})
     return stage_bodies
 
 

@@ -77,27 +77,27 @@ def _axes(grid: xr.Dataset) -> list[tuple[str, str]]:
     """Each axis with its range, and each single argument with its value."""
     import json
 
-    found = []
+    rows = []
     for name in grid.coords:
         values, unit = grid[name].values, str(grid[name].attrs.get("units", ""))
         unit = "" if unit in ("", "1") else f" {unit}"
         if values.ndim == 0:
-            found.append((str(name), f"{plain(values.item())}{unit}"))
+            rows.append((str(name), f"{plain(values.item())}{unit}"))
         elif values.dtype.kind in "if":
-            found.append((str(name), f"{len(values)} values, {plain(values.min())} to {plain(values.max())}{unit}"))
+            rows.append((str(name), f"{len(values)} values, {plain(values.min())} to {plain(values.max())}{unit}"))
         else:
-            found.append((str(name), ", ".join(map(str, values))))
+            rows.append((str(name), ", ".join(map(str, values))))
     fixed = json.loads(grid.attrs.get("fixed", "{}"))
-    return [*found, *((name, str(value)) for name, value in fixed.items() if name not in grid.coords)]
+    return [*rows, *((name, str(value)) for name, value in fixed.items() if name not in grid.coords)]
 
 
 def _numbers(grid: xr.Dataset) -> list[tuple[str, str, str]]:
     """The numbers that the robots of all cases share, besides the axes and arguments."""
     import json
 
-    found = json.loads(grid.attrs.get("numbers", "{}"))
+    shared = json.loads(grid.attrs.get("numbers", "{}"))
     described = json.loads(grid.attrs.get("described", "{}"))
-    own = {name: value for name, value in found.items() if name not in grid.coords}
+    own = {name: value for name, value in shared.items() if name not in grid.coords}
     return numbers(((name, value, described.get(name)) for name, value in own.items()), units=bool(speeds(grid)[1]))
 
 
@@ -130,9 +130,9 @@ def _best(grid: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     dims = [str(d) for d in grid["mean_velocity"].dims]
     head = [*(headed(grid, d) for d in dims), headed(grid, "mean_velocity"), "type", "period", "margin"]
     rows = []
-    for place in order(grid, _BEST):
-        case = grid.isel(place)
-        axes = [plain(case[d].values[()]) if d in case.coords else str(place[d]) for d in dims]
+    for indices in order(grid, _BEST):
+        case = grid.isel(indices)
+        axes = [plain(case[d].values[()]) if d in case.coords else str(indices[d]) for d in dims]
         types, period = " | ".join(map(str, case["motion_type"].values.ravel())), str(int(case["period"]) or "none")
         rows.append([*axes, f"{float(case['mean_velocity']):.6g}", types, period, f"{float(case['margin'].min()):.3g}"])
     return head, rows
@@ -151,5 +151,5 @@ def _notes(grid: xr.Dataset) -> list[str]:
     from stickslip.results.steadiness import unsettled_note
 
     late = unsettled_note(grid["steadiness"].values, grid["settling_error"].values) if "steadiness" in grid else []
-    told = late + [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
-    return told if speeds(grid)[1] else [*told, UNITLESS]
+    notes = late + [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    return notes if speeds(grid)[1] else [*notes, UNITLESS]

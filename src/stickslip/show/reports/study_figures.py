@@ -27,25 +27,25 @@ def figures(grid: xr.Dataset) -> list[Figure]:
     from stickslip.show import figures as plot
     from stickslip.show.reports.study_charts import along, chosen, cuts, together, types_of
 
-    axes, found = _numeric(grid), []
+    axes, drawn = _numeric(grid), []
     parts = _parts(grid, axes)
     if len(axes) == 1 and len(parts) > 1:
         named = [(label.strip(" ()"), part) for label, part in parts]
-        found.append(
+        drawn.append(
             Figure("Mean velocity, all curves in one figure.", svg(lambda ax: _lines(named, axes[0], ax)), together(named, axes[0]))
         )
     for label, part in parts:
         if len(axes) == 2:
-            found += _type_maps(part, label)
-            found.append(Figure(f"Mean velocity{label}.", svg(_drawer(plot.velocity_map, part), 4.6, 3.6)))
+            drawn += _type_maps(part, label)
+            drawn.append(Figure(f"Mean velocity{label}.", svg(_drawer(plot.velocity_map, part), 4.6, 3.6)))
             for across, other in (axes, axes[::-1]):
                 lines = part[other].values[chosen(part.sizes[other])]
                 picture = svg(_drawer(plot.line_cut, part, along=across, lines=lines), 5.2, 3.2)
-                found.append(Figure(f"Cuts through the mean velocity along {across}{label}.", picture, cuts(part, across, other, label)))
+                drawn.append(Figure(f"Cuts through the mean velocity along {across}{label}.", picture, cuts(part, across, other, label)))
         elif len(axes) == 1:
             caption = f"Mean velocity{label}" + (", coloured by motion type." if types_of(part).any() else ".")
-            found.append(Figure(caption, svg(_drawer(_curve, part)), along(part, axes[0], label)))
-    return found
+            drawn.append(Figure(caption, svg(_drawer(_curve, part)), along(part, axes[0], label)))
+    return drawn
 
 
 def _type_maps(part: Any, label: str) -> list[Figure]:
@@ -65,12 +65,12 @@ def _parts(grid: xr.Dataset, axes: list[str]) -> list[tuple[str, Any]]:
 
     others = [str(d) for d in grid["mean_velocity"].dims if d not in axes]
     choices = islice(product(*(range(grid.sizes[d]) for d in others)), 4)
-    found = []
+    parts = []
     for choice in choices:
         where = dict(zip(others, choice, strict=True))
         label = ", ".join(f"{d} = {plain(grid[d].values[i])}" for d, i in where.items() if grid.sizes[d] > 1 and d in grid.coords)
-        found.append((f" ({label})" if label else "", grid.isel(where)))
-    return found
+        parts.append((f" ({label})" if label else "", grid.isel(where)))
+    return parts
 
 
 def _drawer(draw: Any, grid: xr.Dataset, **more: Any) -> Any:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
 
-_TOLD = (
+_QUANTITIES = (
     ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
     ("stroke", "stroke", "m"), ("relative velocity", "relative_velocity", "m/s"),
     ("relative acceleration", "relative_acceleration", "m/s^2"),
@@ -149,8 +149,8 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
     from stickslip.models.naming import unit_in
 
     best_values, given = record["best"], record["given"]
-    quantities = [row for row in _TOLD if row[1] in best_values] + (
-        [] if best.of in [row[1] for row in _TOLD] else [(best.of, best.of, "")]
+    quantities = [row for row in _QUANTITIES if row[1] in best_values] + (
+        [] if best.of in [row[1] for row in _QUANTITIES] else [(best.of, best.of, "")]
     )
     rows = [
         *(
