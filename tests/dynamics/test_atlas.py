@@ -47,10 +47,10 @@ def test_a_border_that_is_known_in_closed_form_is_found_to_rounding(found):
 
 
 def test_special_points_are_those_of_one_parameter_with_their_accuracy(found):
-    assert found.found and not found.notes
-    for point in found.found:
+    assert found.special_points and not found.notes
+    for point in found.special_points:
         assert point.stable and abs(strengths(*point.values)[1] - 1.0) < 1e-12 + max(point.accuracy) / 1e-4
-    level = found.found[0].values[1]
+    level = found.special_points[0].values[1]
     branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.9e-4, stop=3.3e-4, step=0.2, mu0=0.17, **RIG)
     (special,) = branch.special  # at a value that the atlas has not: its curve passes there
     p, q = np.array(found.borders[0].values).T
@@ -73,7 +73,12 @@ def test_what_is_kept_is_not_computed_again(found, folder, monkeypatch):
     for name in ("look_at", "followed"):
         monkeypatch.setattr(making_an_atlas, name, never)
     again = ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, resume=True, **RIG)
-    assert (again.points, again.borders, again.found, again.notes) == (found.points, found.borders, found.found, found.notes)
+    assert (again.points, again.borders, again.special_points, again.notes) == (
+        found.points,
+        found.borders,
+        found.special_points,
+        found.notes,
+    )
 
 
 def test_a_folder_of_another_atlas_is_refused(folder, found, tmp_path):
@@ -124,7 +129,7 @@ def test_results_do_not_depend_on_threads(found, monkeypatch):
 
 def test_an_atlas_has_a_dataset_a_figure_a_face_and_a_page(found):
     assert found.map.motion.sel(amplitude=3.9e-4, mu0=0.165).values.tolist() == ["I"] and found.map.share.units == "1"
-    assert found.special.kind.values.tolist() == ["type-border"] * len(found.found)
+    assert found.special.kind.values.tolist() == ["type-border"] * len(found.special_points)
     axes = found.plot()
     assert len(axes.lines) == 2 and {text.get_text() for text in axes.texts} == {"I", "II"}  # the border, black on white
     page = atlas_page(found, "Where it walks")
@@ -203,7 +208,7 @@ def test_folds_and_flips_of_a_capsule_part_the_motions_that_brute_force_finds():
         for motion in (m for m in motions if m.period):
             orbit = ss.periodic_orbit(robot, motion.period, guess=np.array(motion.state))
             assert orbit.stable and abs(orbit.mean_velocity - motion.mean_velocity) < 1e-6
-    flips = [s for s in found.found if s.kind == "flip"]
+    flips = [s for s in found.special_points if s.kind == "flip"]
     for flip in flips[:3]:  # each is the flip of the branch at that value, found from elsewhere
         omega, ratio = flip.values
         orbit = ss.periodic_orbit(ss.presets.capsule(force_ratio=ratio, omega=omega), guess=None)

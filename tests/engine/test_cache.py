@@ -45,7 +45,7 @@ _HALF = 'from numba import njit\n@njit("float64(float64)", cache=CACHE)\ndef hal
 def unsafe_place(tmp_path, monkeypatch):
     """A cache folder to be spoilt; the private one lies beside it."""
     monkeypatch.setattr(trust.tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setattr(cache, "_told", set())
+    monkeypatch.setattr(cache, "_reported", set())
     monkeypatch.setattr(cache, "_loaded", {})
     trust.private_folder.cache_clear()
     place = tmp_path / "kernels"
@@ -108,7 +108,7 @@ def test_what_another_user_has_put_into_the_cache_is_deleted_and_not_run(unsafe_
     for file in planted:
         os.chown(file, 4243, -1)
     monkeypatch.setattr(cache, "_loaded", {})
-    monkeypatch.setattr(cache, "_told", set())
+    monkeypatch.setattr(cache, "_reported", set())
     assert cache.load(_HALF, "half", "a test").half(3.0) == 1.5
     assert capfd.readouterr().err == 2 * "compiling a test, once …\n"
     assert len(planted) >= 2 and {file.stat().st_uid for file in (unsafe_place / "__pycache__").iterdir()} == {0}
@@ -168,7 +168,7 @@ def compiled_half(tmp_path, monkeypatch):
 
     def load():
         monkeypatch.setattr(cache, "_loaded", {})
-        monkeypatch.setattr(cache, "_told", set())
+        monkeypatch.setattr(cache, "_reported", set())
         return cache.load(_HALF, "half", "a test").half(3.0)
 
     assert load() == 1.5
@@ -227,7 +227,7 @@ def test_a_file_where_the_folder_of_compiled_code_should_be_gives_way_to_it(tmp_
     damage(tmp_path / "__pycache__")
     for said in ("compiling a test, once …\n", ""):
         monkeypatch.setattr(cache, "_loaded", {})
-        monkeypatch.setattr(cache, "_told", set())
+        monkeypatch.setattr(cache, "_reported", set())
         assert cache.load(_HALF, "half", "a test").half(3.0) == 1.5
         assert capfd.readouterr().err == said
 
@@ -237,7 +237,7 @@ def test_a_disk_that_is_full_at_the_kth_write_still_gives_the_kernel(tmp_path, m
     """Every file is opened for writing by one of two doors; the k-th opening and all after it fail."""
     monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(cache, "_loaded", {})
-    monkeypatch.setattr(cache, "_told", set())
+    monkeypatch.setattr(cache, "_reported", set())
     count, numbas, ours = iter(range(100)), IndexDataCacheFile._open_for_write, cache.write_whole
 
     def full(door):
@@ -272,7 +272,7 @@ def test_kernels_that_were_not_used_for_long_are_let_go_and_are_not_compiled_aga
     monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(cache, "_loaded", {})
     monkeypatch.setattr(cache, "KEPT", 3)
-    monkeypatch.setattr(cache, "_told", set())
+    monkeypatch.setattr(cache, "_reported", set())
     sources = [_HALF.replace("x / 2", f"x / {n}") for n in range(1, 7)]
     for _ in range(2):
         assert [cache.load(source, "part", source[-2]).half(60.0) for source in sources] == [60.0 / n for n in range(1, 7)]

@@ -175,13 +175,13 @@ def _say(call: _Call) -> None:
     """A sentence on stderr after Ctrl-C, since the script goes on."""
     if CTRL_C in call.ended:
         ended_early.append(call.name)
-        told = f"{call.name} was interrupted; what is finished is returned (Ctrl-C three times at once ends the program)"
+        sentence = f"{call.name} was interrupted; what is finished is returned (Ctrl-C three times at once ends the program)"
     elif call.stop.why == CTRL_C:
         complete_before.append(call.name)
-        told = f"{call.name} was complete when Ctrl-C came"
+        sentence = f"{call.name} was complete when Ctrl-C came"
     else:
         return
-    print(f"stickslip: {told}", file=sys.stderr, flush=True)
+    print(f"stickslip: {sentence}", file=sys.stderr, flush=True)
 
 
 def look() -> None:

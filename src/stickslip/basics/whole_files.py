@@ -139,7 +139,7 @@ class Deferred(io.RawIOBase):
         super().__init__()
         self._raw = getattr(file, "raw", file)  # without a buffer a write succeeds or fails when it is made
         self._error: OSError | None = None
-        self._place = self._size = 0
+        self._position = self._size = 0
         self._pages: dict[int, bytearray] = {}  # of what is not on the disk
 
     def check(self) -> None:
@@ -162,12 +162,12 @@ class Deferred(io.RawIOBase):
     def readinto(self, buffer: Any) -> int:
         """Read bytes into a buffer."""
         view = memoryview(buffer).cast("B")
-        count = max(0, min(len(view), self._size - self._place))
-        view[:count] = self._on_disk(self._place, count)
-        for page, within, part in _pages_of(self._place, count):
+        count = max(0, min(len(view), self._size - self._position))
+        view[:count] = self._on_disk(self._position, count)
+        for page, within, part in _pages_of(self._position, count):
             if page in self._pages:
                 view[part] = self._pages[page][within]
-        self._place += count
+        self._position += count
         return count
 
     def write(self, data: Any) -> int:
@@ -175,33 +175,33 @@ class Deferred(io.RawIOBase):
         view = memoryview(data).cast("B")
         if self._error is None:
             try:
-                self._raw.seek(self._place)
+                self._raw.seek(self._position)
                 done = 0
                 while done < len(view):
                     done += self._raw.write(view[done:]) or 0
             except OSError as error:
                 self._error = error
         if self._error is not None:
-            for page, within, part in _pages_of(self._place, len(view)):
+            for page, within, part in _pages_of(self._position, len(view)):
                 if page not in self._pages:
                     self._pages[page] = bytearray(self._on_disk(page * _PAGE, _PAGE))
                 self._pages[page][within] = view[part]
-        self._place += len(view)
-        self._size = max(self._size, self._place)
+        self._position += len(view)
+        self._size = max(self._size, self._position)
         return len(view)
 
     def seek(self, offset: int, whence: int = 0) -> int:
         """Go to a place."""
-        self._place = offset + (0, self._place, self._size)[whence]
-        return self._place
+        self._position = offset + (0, self._position, self._size)[whence]
+        return self._position
 
     def tell(self) -> int:
         """The place."""
-        return self._place
+        return self._position
 
     def truncate(self, size: int | None = None) -> int:
         """Set the length."""
-        self._size = self._place if size is None else size
+        self._size = self._position if size is None else size
         if self._error is None:
             try:
                 self._raw.truncate(self._size)
@@ -209,21 +209,21 @@ class Deferred(io.RawIOBase):
                 self._error = error
         return self._size
 
-    def _on_disk(self, place: int, count: int) -> bytes:
+    def _on_disk(self, offset: int, count: int) -> bytes:
         """Bytes of the file on the disk, with zeros for what it does not have."""
         data = b""
         with contextlib.suppress(OSError):
-            self._raw.seek(place)
+            self._raw.seek(offset)
             while len(data) < count and (more := self._raw.read(count - len(data))):
                 data += more
         return data.ljust(count, b"\0")
 
 
-def _pages_of(place: int, count: int) -> Iterator[tuple[int, slice, slice]]:
+def _pages_of(offset: int, count: int) -> Iterator[tuple[int, slice, slice]]:
     """The pages that some bytes lie on: the number of each, the part of the page, and the part of the bytes."""
     done = 0
     while done < count:
-        page, first = divmod(place + done, _PAGE)
+        page, first = divmod(offset + done, _PAGE)
         size = min(_PAGE - first, count - done)
         yield page, slice(first, first + size), slice(done, done + size)
         done += size

@@ -41,8 +41,8 @@ def outside(context: Any, functions: dict[str, str], shared: dict[str, str]) -> 
 def call(context: Any, builder: Any, sig: Any, args: list[Any]) -> Any:
     """A call of the function at the address args[0] with the arguments after it."""
     kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
-    place = builder.inttoptr(args[0], kind.as_pointer())
-    return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
+    function = builder.inttoptr(args[0], kind.as_pointer())
+    return context.call_conv.call_function(builder, function, sig.return_type, sig.args[1:], args[1:])[1]
 
 
 def as_array(context: Any, builder: Any, kind: Any, view: View) -> Any:

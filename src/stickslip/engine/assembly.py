@@ -42,4 +42,4 @@ class Assembly:
     def position(self, number: int) -> Sym:
         """A position by its number among the states."""
         zero = self.m.graph.constant(0.0)
-        return [place for place in self.m.places if place is not zero][number - len(self.m.y) - len(self.inner)]
+        return [position for position in self.m.places if position is not zero][number - len(self.m.y) - len(self.inner)]

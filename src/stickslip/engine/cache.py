@@ -33,7 +33,7 @@ KEPT = 256
 
 _loaded: dict[str, types.ModuleType] = {}  # the least recently used first
 _lock = threading.RLock()
-_told: set[str] = set()
+_reported: set[str] = set()
 
 
 def folder() -> Path:
@@ -307,6 +307,6 @@ def _numba_as_asked(source: str) -> Iterator[None]:
 
 
 def _say(sentence: str) -> None:
-    if sentence not in _told:
-        _told.add(sentence)
+    if sentence not in _reported:
+        _reported.add(sentence)
         print(sentence, file=sys.stderr, flush=True)

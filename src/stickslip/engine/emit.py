@@ -60,8 +60,8 @@ class _Vector(Expressions):
         self.builder.store(self.known[name], self.place(at), align=8)
 
     def place(self, at: int) -> Any:
-        place = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)])
-        return self.builder.bitcast(place, self.real.as_pointer())
+        pointer = self.builder.gep(self.data, [ir.Constant(INT64, at + self.first)])
+        return self.builder.bitcast(pointer, self.real.as_pointer())
 
     def held_row(self, name: str, at: int) -> None:
         """A row of fields that the lanes hold, from the one that begins at `at`."""
@@ -73,8 +73,8 @@ class _Vector(Expressions):
         if row is None or index.type != INT64:
             self.refuse(node)
         begin, apart = row
-        place = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(INT64, apart))])
-        return self.builder.bitcast(place, self.real.as_pointer())
+        pointer = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(INT64, apart))])
+        return self.builder.bitcast(pointer, self.real.as_pointer())
 
     # ---- statements ----
     def visit_Assign(self, node: ast.Assign) -> None:
@@ -232,14 +232,14 @@ def _condition(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
 
 def _count(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
     """For how many lanes something holds."""
-    found = ir.Constant(INT64, 0)
+    count = ir.Constant(INT64, 0)
     for vector in vectors:
         holds = vector.visit(test)
         if holds.type != vector.truth:
             vector.refuse(test)
         bits = builder.zext(builder.bitcast(holds, ir.IntType(vector.lanes)), INT64)
-        found = builder.add(found, builder.ctpop(bits))
-    return found
+        count = builder.add(count, builder.ctpop(bits))
+    return count
 
 
 def _rounds(builder: Any, vectors: list[_Vector], node: ast.For) -> None:

@@ -157,9 +157,9 @@ def clipped_sides(y: Any, least: int = 3) -> Any:
     (True, False)
     """
     y = np.asarray(y, float)
-    found = np.zeros(len(y), int)
+    sides = np.zeros(len(y), int)
     if len(y) < 8 or not np.nanmax(y, initial=-np.inf) > np.nanmin(y, initial=np.inf):
-        return found
+        return sides
     for side, value in ((1, np.nanmax(y)), (-1, np.nanmin(y))):
         there = y == value
         if value == 0.0 or int(there.sum()) < least:  # zero is rest
@@ -169,8 +169,8 @@ def clipped_sides(y: Any, least: int = 3) -> Any:
         if len(runs) > 1:  # the counts of a coarse record are no jumps
             runs = runs[_jumps(y, runs) > 2 * max(_usual_bend(y), float(np.median(np.diff(np.unique(y[np.isfinite(y)])))))]
         if len(runs) > 1 or _crowded(y, side):
-            found[there] = side
-    return found
+            sides[there] = side
+    return sides
 
 
 def _crowded(y: Any, side: int) -> bool:
@@ -178,8 +178,8 @@ def _crowded(y: Any, side: int) -> bool:
     known = side * y[np.isfinite(y)]
     grain = 1e-9 * float(np.ptp(known))
     values, counts = np.unique(np.round(known / grain), return_counts=True)
-    beside = counts[-1 - _NEXT : -1]
-    return len(values) > _NEXT and bool(counts[-1] >= _MANY * max(int(beside.max()), 1))
+    neighbours = counts[-1 - _NEXT : -1]
+    return len(values) > _NEXT and bool(counts[-1] >= _MANY * max(int(neighbours.max()), 1))
 
 
 def _usual_bend(y: Any) -> float:

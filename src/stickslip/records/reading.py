@@ -110,8 +110,8 @@ def _record(
     _rename(raw, columns, problems)
     _give_units(raw, units, problems)
     scaled(raw, scale, problems)
-    roles_told = roles_in(raw.info.get("preamble", ""))
-    raw.columns = [dataclasses.replace(c, role=roles_told.get(c.name, c.role)) for c in raw.columns]
+    in_preamble = roles_in(raw.info.get("preamble", ""))
+    raw.columns = [dataclasses.replace(c, role=in_preamble.get(c.name, c.role)) for c in raw.columns]
     _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")

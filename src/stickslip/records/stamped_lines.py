@@ -124,10 +124,10 @@ class _Times:
     part: Array
     places: list[tuple[Array, int, int, bytes]]
 
-    def put(self, which: Array, dated: bool, day: Array, part: Array, place: tuple[int, int, bytes]) -> None:
+    def put(self, which: Array, dated: bool, day: Array, part: Array, cell: tuple[int, int, bytes]) -> None:
         """Add the times of some lines."""
         self.known[which], self.dated[which], self.day[which], self.part[which] = True, dated, day, part
-        self.places.append((which, *place))
+        self.places.append((which, *cell))
 
 
 class _Reader:
@@ -187,7 +187,7 @@ class _Form:
     def __init__(self, match: re.Match[str], comma: bool, day_first: bool):
         self._spans = {name: match.span(name) for name, text in match.groupdict().items() if text}
         self._date, self._dated = date_groups(match, day_first), match["between"] is not None
-        self._place = (*match.span(), date_cell(match).encode())
+        self._time_at = (*match.span(), date_cell(match).encode())
         self._ends = b"\n;" if comma else b"\n;,"
         self._kinds = self._kinds_of(np.frombuffer(match.string[: match.end()].encode(), np.uint8)[None])
 
@@ -210,7 +210,7 @@ class _Form:
         fits = (self._kinds_of(letters[:, :width]) == self._kinds).all(axis=1) & closed & some.is_plain(which, width)
         day, part = self._times(letters[fits])
         good = (day >= 0) & (part >= -DAY)
-        times.put(which[fits][good], self._dated, day[good], part[good], self._place)
+        times.put(which[fits][good], self._dated, day[good], part[good], self._time_at)
         long[long] = fits
         return left[~long]
 

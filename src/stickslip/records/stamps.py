@@ -22,12 +22,12 @@ def timestamp_in(line: str, comma: bool, words: bool) -> re.Match[str] | None:
     """The timestamp of a line whose rest is numbers, or whatever it is."""
     if ":" not in line:
         return None
-    found = _CELL[comma].search(line)
-    if found is None or not (words or (_REST.fullmatch(line[: found.start()]) and _REST.fullmatch(line[found.end() :]))):
+    match = _CELL[comma].search(line)
+    if match is None or not (words or (_REST.fullmatch(line[: match.start()]) and _REST.fullmatch(line[match.end() :]))):
         return None
-    before = line[: found.start()].rstrip(" ")
-    alone = (not before.strip() or before[-1] in ",;\t") and re.match(r"\s*([,;\t ]|$)", line[found.end() :])
-    return found if alone else None
+    before = line[: match.start()].rstrip(" ")
+    alone = (not before.strip() or before[-1] in ",;\t") and re.match(r"\s*([,;\t ]|$)", line[match.end() :])
+    return match if alone else None
 
 
 def date_cell(match: re.Match[str]) -> str:

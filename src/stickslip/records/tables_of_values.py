@@ -111,13 +111,13 @@ def _in_pieces(text: str) -> _ByName | None:
     opening = _OPENING.match(text)
     if opening is None or len(text) < 2 * _PIECE:
         return None
-    rows, place = _Rows(), opening.end()
-    seam = _SEAMS[text[place]]
+    rows, position = _Rows(), opening.end()
+    seam = _SEAMS[text[position]]
     try:
-        while (between := seam.search(text, place + _PIECE)) is not None:
-            rows.add(json.loads(f"[{text[place : between.start() + 1]}]"))
-            place = between.end()
-        rows.add(json.loads(f"[{text[place:]}"))
+        while (between := seam.search(text, position + _PIECE)) is not None:
+            rows.add(json.loads(f"[{text[position : between.start() + 1]}]"))
+            position = between.end()
+        rows.add(json.loads(f"[{text[position:]}"))
     except ValueError:  # a seam within a row or a text, or damage, of which the whole says more
         return None
     return rows.columns()
@@ -149,21 +149,21 @@ class _Rows:
         if not rows:
             return
         if self._parts and isinstance(rows[0], list):
-            names, found = list(self._parts), rows
+            names, added = list(self._parts), rows
             if not all(isinstance(row, list) and len(row) == len(names) for row in rows):
                 raise ValueError("rows of different lengths")
         else:
-            names, found = _rows(rows)
+            names, added = _rows(rows)
         self._given += sum(map(len, rows))
         width = len({*self._parts, *names})
         check_columns(width, "the JSON")
-        _check_filled(self._given, width, max(self._count + len(found), 1))
-        for name, values in _by_column(names, found).items():
+        _check_filled(self._given, width, max(self._count + len(added), 1))
+        for name, values in _by_column(names, added).items():
             self._fill(name)
             numbers = _array(values)
             self._parts[name].append(values if numbers is None else numbers)
             self._sizes[name] += len(values)
-        self._count += len(found)
+        self._count += len(added)
 
     def _fill(self, name: str) -> None:
         """What the rows so far do not have in a column is missing."""
@@ -174,15 +174,15 @@ class _Rows:
 
     def columns(self) -> _ByName | None:
         """The columns, if there is more than one row."""
-        found = _ByName()
+        columns = _ByName()
         for name in self._parts:
             self._fill(name)
             parts, self._parts[name] = self._parts[name], []
             numbers = all(isinstance(part, np.ndarray) for part in parts)
-            found[name] = (
+            columns[name] = (
                 np.concatenate(parts) if numbers else [x for part in parts for x in (part if type(part) is list else part.tolist())]
             )
-        return found if self._count > 1 else None
+        return columns if self._count > 1 else None
 
 
 def _broken(error: Exception) -> Any:

@@ -34,12 +34,12 @@ class Columns(Mapping[str, Any]):
     """
 
     def __init__(self, made: dict[str, Callable[[], Any]]):
-        self._made, self._found = made, dict[str, Any]()
+        self._made, self._computed = made, dict[str, Any]()
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._found:
-            self._found[name] = seal(self._made[name]())
-        return self._found[name]
+        if name not in self._computed:
+            self._computed[name] = seal(self._made[name]())
+        return self._computed[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self._made

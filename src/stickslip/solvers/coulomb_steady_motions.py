@@ -21,7 +21,7 @@ from stickslip.solvers.request import Request
 
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
 _CHUNK = 16384
-_FOUND = 1
+_REPEATS = 1
 _WAYS = ("forward_way", "backward_way")
 
 
@@ -84,7 +84,7 @@ def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
     rows[~easy] = exact.AT_REST
     raw = orbit_rows(rows, None, todo.workers, todo.progress)
-    hard = np.flatnonzero(~easy | (raw["status"] != _FOUND))
+    hard = np.flatnonzero(~easy | (raw["status"] != _REPEATS))
     if not len(hard):  # half a dozen segments of the 32 that there is room for
         most = max(int(raw["seg_count"].max(initial=0)), 1)
         raw |= {name: np.ascontiguousarray(raw[name][:, :most]) for name in ("seg_time", "seg_code")}
@@ -114,8 +114,8 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
 def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
     """Distances travelled forwards and backwards in the motions that runs of `exact.solve_batch` reached [m]; NaN if they reached none."""
     rows, _ = exact.rows_of(arcs, raw["v_end"])
-    settled = (raw["status"] <= _FOUND) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
+    settled = (raw["status"] <= _REPEATS) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
     rows[~settled] = exact.AT_REST
     ways = orbit_rows(rows, np.where(settled, raw["period"], 0), workers)
     metres = np.where(arcs.drive > 0, arcs.drive, np.nan) / arcs.omega**2
-    return {name: np.where(settled & (ways["status"] == _FOUND), ways[name] * metres, np.nan) for name in _WAYS}
+    return {name: np.where(settled & (ways["status"] == _REPEATS), ways[name] * metres, np.nan) for name in _WAYS}

@@ -91,8 +91,8 @@ def _shaped(make: Callable[[], Any], shape: tuple[int, ...]) -> Any:
 
 def _summary(todo: Request, method: str, columns: Mapping[str, Any], failures: dict[int, str]) -> Summary:
     shape, first = todo.labels.shape, sorted(failures.items())[:FAILURES]
-    told = {tuple(map(int, np.unravel_index(case, shape))): sentence for case, sentence in first}
-    return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol), told)
+    reasons = {tuple(map(int, np.unravel_index(case, shape))): sentence for case, sentence in first}
+    return Summary(todo.model, todo.labels, columns, provenance(todo, method, None if method == "exact" else todo.rtol), reasons)
 
 
 class _Cases:

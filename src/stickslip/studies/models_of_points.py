@@ -90,9 +90,9 @@ def parted(made: Made, counts: list[int]) -> list[Made]:
     """What was made for several tiles together, with so many points each, as what would have been made for each of them."""
     ends = np.cumsum([0, *counts])
     parts: list[Made] = [([], {}) for _ in counts]
-    for place, why in made[1].items():
-        k = int(np.searchsorted(ends, place, side="right")) - 1
-        parts[k][1][place - int(ends[k])] = why
+    for point, why in made[1].items():
+        k = int(np.searchsorted(ends, point, side="right")) - 1
+        parts[k][1][point - int(ends[k])] = why
     for group in made[0]:
         order = np.argsort(group.at, kind="stable")
         cuts = np.searchsorted(group.at[order], ends)

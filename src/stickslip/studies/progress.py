@@ -83,7 +83,7 @@ class Watch:
         self.cases, self.callback = cases, progress_callback(callback, "progress")
         self._begun: dict[int, int] = {}
         self._statuses = Counter[str]()
-        self._finished, self._resumed, self._began, self._told = 0, 0, time.monotonic(), 0.0
+        self._finished, self._resumed, self._began, self._reported = 0, 0, time.monotonic(), 0.0
         self._lock = threading.Lock()
 
     def resumed(self, cases: int) -> None:
@@ -117,8 +117,8 @@ class Watch:
         if self.callback is None or is_stopped():
             return
         with self._lock:
-            if time.monotonic() - self._told < pause:
+            if time.monotonic() - self._reported < pause:
                 return
-            self._told = time.monotonic()
+            self._reported = time.monotonic()
             if self.callback(self.now()) is False and self._finished < self.cases:
                 stop_call(PROGRESS)

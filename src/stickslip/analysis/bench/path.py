@@ -11,7 +11,7 @@ from stickslip.analysis.bench.setup import HELD, Setup
 #: Turning points of the hysteresis, in units of its reach: an inner loop from 0 to 1/2 and back within the second outer loop.
 TURNS, REACH = (1.0, -1.0, 1.0, 0.0, 0.5, 0.0, -1.0, 1.0), 1.5
 #: Amplitudes of the cycles in typical deflections; the one whose loss is in the table; the maximum number of cycles until they repeat.
-AMPLITUDES, TOLD, CYCLES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0), 10.0, 150
+AMPLITUDES, IN_TABLE, CYCLES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0), 10.0, 150
 
 
 def hysteresis(bench: Setup) -> Experiment:
@@ -53,7 +53,7 @@ def dissipation(bench: Setup) -> Experiment:
     """Work dissipated in a steady cycle against its amplitude."""
     amplitudes = [a * bench.length for a in (AMPLITUDES[1:7] if bench.random else AMPLITUDES)]
     losses = [_loss(bench, a) for a in amplitudes]
-    shown = amplitudes.index(TOLD * bench.length)
+    shown = amplitudes.index(IN_TABLE * bench.length)
     box = 2.0 * amplitudes[shown] * (bench.steady_force(bench.crawl) - bench.steady_force(-bench.crawl))
     return Experiment(
         "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle W", "J"),

@@ -100,7 +100,8 @@ def atlas(
     Returns
     -------
     Atlas
-        `map` (labelled Dataset), `regions`, `borders`, `found` and `special` (special points with their accuracy), `branches`, `notes`.
+        `map` (labelled Dataset), `regions`, `borders`, `special_points` with their accuracy (`special` has them as a dataset), `branches`,
+        `notes`.
 
     Raises
     ------
@@ -111,8 +112,8 @@ def atlas(
     --------
     >>> import stickslip as ss
     >>> over = {"amplitude": [3.3e-4, 3.6e-4, 3.9e-4], "mu0": [0.17, 0.18]}
-    >>> found = ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
-    >>> [border.kind for border in found.borders], found.at(amplitude=3.7e-4, mu0=0.18), found.at(amplitude=3.71e-4, mu0=0.18)
+    >>> atlas = ss.atlas(ss.presets.piezo_rig, over=over, tilt_deg=1.7, law="coulomb")
+    >>> [border.kind for border in atlas.borders], atlas.at(amplitude=3.7e-4, mu0=0.18), atlas.at(amplitude=3.71e-4, mu0=0.18)
     (['type-border'], ('II',), ('I',))
     """
     plane, look = _planned("atlas", make, over, starts, settle, limit, rtol, branches, refine, workers, resume, out, fixed)

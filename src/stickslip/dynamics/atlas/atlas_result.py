@@ -41,7 +41,7 @@ class Atlas(Drawn):
         What was found at each point of the grid, by its place.
     borders : tuple of Border
         Curves that separate motions, with their accuracy.
-    found : tuple of PointOfBorder
+    special_points : tuple of PointOfBorder
         Special points, each with its accuracy: those of the branches that were followed, and where borders meet.
     branches : tuple of FollowedBranch
         Branches of periodic motions that were followed across the plane.
@@ -53,20 +53,26 @@ class Atlas(Drawn):
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.19]}, tilt_deg=1.7, law="coulomb")
-    >>> found.regions, found.at(amplitude=5.9e-4, mu0=0.18)
+    >>> atlas = ss.atlas(ss.presets.piezo_rig, over={"amplitude": [5e-4, 6e-4], "mu0": [0.17, 0.19]}, tilt_deg=1.7, law="coulomb")
+    >>> atlas.regions, atlas.at(amplitude=5.9e-4, mu0=0.18)
     ({'I': 0.5, 'III': 0.5}, ('III',))
     """
 
     plane: Plane
     points: dict[Cell, PointOfGrid]
     borders: tuple[Border, ...]
-    found: tuple[PointOfBorder, ...]
+    special_points: tuple[PointOfBorder, ...]
     branches: tuple[FollowedBranch, ...]
     notes: tuple[str, ...]
     closer: tuple[RefinementLevel, ...] = ()
 
     _drawn_by, _inches = "atlas", (4.4, 3.4)
+
+    if not TYPE_CHECKING:  # a type checker would take every name for one of ours
+
+        def __getattr__(self, name: str) -> Any:
+            hint = "; its special points are special_points" if name == "found" else ""
+            raise AttributeError(f"an atlas has no {name!r}{hint}")
 
     @property
     def parameters(self) -> tuple[str, str]:
@@ -143,10 +149,10 @@ class Atlas(Drawn):
 
         columns: dict[str, Any] = {}
         for i, name in enumerate(self.parameters):
-            columns[name] = ("point", [s.values[i] for s in self.found], self.plane.family.describe(name))
-            columns[f"{name}_accuracy"] = ("point", [s.accuracy[i] for s in self.found])
+            columns[name] = ("point", [s.values[i] for s in self.special_points], self.plane.family.describe(name))
+            columns[f"{name}_accuracy"] = ("point", [s.accuracy[i] for s in self.special_points])
         for name in ("kind", "change", "stable"):
-            columns[name] = ("point", [getattr(s, name) for s in self.found])
+            columns[name] = ("point", [getattr(s, name) for s in self.special_points])
         return xr.Dataset(columns)
 
     @explains_arguments
@@ -182,7 +188,7 @@ class Atlas(Drawn):
 
     @cached_property
     def _uncertain(self) -> UncertainPlaces:
-        return UncertainPlaces((RefinementLevel(self.plane, self.points), *self.closer), self.borders, self.found)
+        return UncertainPlaces((RefinementLevel(self.plane, self.points), *self.closer), self.borders, self.special_points)
 
     @explains_arguments
     def doubt(self, **values: float) -> str:
@@ -226,7 +232,7 @@ class Atlas(Drawn):
         return f"Atlas over {' and '.join(self.parameters)}"
 
     def _facts(self) -> dict[str, Any]:
-        counts = {"borders": len(self.borders), "branches": len(self.branches), "special points": len(self.found)}
+        counts = {"borders": len(self.borders), "branches": len(self.branches), "special points": len(self.special_points)}
         points = f"{len(self.points)} of {self.plane.cells}, {self.plane.count} starts at each"
         return {"points of the grid": points, "several motions at": f"{len(self.coexisting())} points"} | {
             n: str(k) for n, k in counts.items()
@@ -235,19 +241,19 @@ class Atlas(Drawn):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         regions: list[tuple[str, ...]] = [("region", "share"), *((label, f"{100 * share:.1f} %") for label, share in self.regions.items())]
         points = [("special point", *self.parameters, "accuracy", "what changes"), *self.rows()[:_ROWS]]
-        return [regions, points] if self.found else [regions]
+        return [regions, points] if self.special_points else [regions]
 
     def rows(self) -> list[tuple[str, ...]]:
         """The special points as text, with their certain digits."""
-        known = [tuple(map(certain, s.values, s.accuracy)) for s in self.found]
-        return [(s.kind, *at, f"{max(s.accuracy):.1g}", s.change) for s, at in zip(self.found, known, strict=True)]
+        known = [tuple(map(certain, s.values, s.accuracy)) for s in self.special_points]
+        return [(s.kind, *at, f"{max(s.accuracy):.1g}", s.change) for s, at in zip(self.special_points, known, strict=True)]
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{label} {100 * share:.0f} %" for label, share in list(self.regions.items())[:6])
         notes = "".join(f"\n  {note}" for note in self.notes)
         return (
             f"<Atlas over {' and '.join(self.parameters)}, {self.plane.shape[0]} × {self.plane.shape[1]} points: {shares}; "
-            f"{len(self.borders)} borders, {len(self.found)} special points{notes}>"
+            f"{len(self.borders)} borders, {len(self.special_points)} special points{notes}>"
         )
 
 

@@ -18,7 +18,7 @@ from stickslip.dynamics.continuation.special_points.accuracy import Special, cer
 from stickslip.dynamics.continuation.two_parameters import Curve, special_curve
 from stickslip.models.switching_flow import is_flow
 
-_TOLD = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
+_MEANING = {"flip": "a multiplier of -1: the period doubles", "fold": "a multiplier of 1: the motion ends, or turns back unstable"}
 _USUAL, _LONG = 0.02, 0.25  # first steps of a branch across the plane, and of one to the next neighbour
 _SAME = 1e-6  # of the plane: special points nearer to one another are one
 
@@ -166,7 +166,7 @@ def _point(seed: Seed, special: Special, other: float, branch: Branch) -> PointO
     nearest = int(np.argmin(abs(branch.values - special.value)))
     around = branch.orbits[max(nearest - 1, 0) : nearest + 2]
     stable = any(bool(orbit.stable) for orbit in around)
-    note = "; ".join(special.orbit.notes) or _TOLD.get(special.kind, "")
+    note = "; ".join(special.orbit.notes) or _MEANING.get(special.kind, "")
     values, unsure = (float(special.value), other), (float(special.accuracy), 0.0)
     return PointOfBorder(special.kind, _in_order(seed.axis, values), _in_order(seed.axis, unsure), note, stable)
 

@@ -49,7 +49,7 @@ class _Track:
     """One attractor through the values: a strobe state on it, its features, and what it was at each value where it is."""
 
     state: Array
-    found: dict[int, Attractor]
+    at_values: dict[int, Attractor]
     means: Any = ()
     between: tuple[float, float] | None = None  # where it vanished
     became: str = ""  # and to what its last state led
@@ -178,7 +178,7 @@ class _Along:
 def _at_value(along: _Along, k: int, tracks: list[_Track]) -> list[int]:
     """Go on with the tracks at one value, and begin new ones. Returns how many starts have not settled, run away, and were not solved."""
     model = along.robots.robot(float(along.values[k]))
-    first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.found]
+    first, alive = on_grid(along.table, model), [track for track in tracks if k - 1 in track.at_values]
     whole = along.settled(model, np.vstack([*(track.state[None, :] for track in alive), first]))
     motions, number = along.numbered(model, whole)
     if len(_claims(motions, number[: len(alive)], [track.means for track in alive])) < len(alive):  # one ends, or the step was too long
@@ -194,7 +194,7 @@ def _at_value(along: _Along, k: int, tracks: list[_Track]) -> list[int]:
     for n, track in taken.items():
         _note(track, k, number == n, ours == n, whole, motions)
     for track, n in zip(alive, carried.tolist(), strict=True):
-        if k not in track.found:
+        if k not in track.at_values:
             track.between = track.between or (float(along.values[k - 1]), float(along.values[k]))
             track.became = f"attractor {tracks.index(taken[n])}" if n in taken else "no attractor"
     return [int(np.count_nonzero(whole.kind[len(alive) :] == kind)) for kind, _ in _LOST.values()]
@@ -238,19 +238,19 @@ def _note(track: _Track, k: int, members: Array, hit: Array, settled: Settled, m
     track.state, track.means = settled.points[first, -1], motions.means[first]
     exponent, error = (float(np.mean(each[members])) for each in (settled.exponent, settled.error))
     kind, period = str(motions.kind[first]), int(motions.period[first])
-    track.found[k] = Attractor(kind, period, V, track.state, hits / count, wilson(hits, count), None, exponent, error)
+    track.at_values[k] = Attractor(kind, period, V, track.state, hits / count, wilson(hits, count), None, exponent, error)
 
 
 def _begins(track: _Track, values: Array) -> str:
     """Between which values an attractor appears."""
-    k = min(track.found)
+    k = min(track.at_values)
     return f"appears between {values[k - 1]:.9g} and {values[k]:.9g}" if k else "is there at the first value"
 
 
 def _ends(track: _Track, values: Array) -> str:
     """Between which values an attractor vanishes, and what becomes of a motion on it."""
     if track.between is None:
-        return "is there at the last value" if max(track.found) == len(values) - 1 else "is there at the last value that was computed"
+        return "is there at the last value" if max(track.at_values) == len(values) - 1 else "is there at the last value that was computed"
     return f"vanishes between {track.between[0]:.9g} and {track.between[1]:.9g}; its last state leads to {track.became}"
 
 
@@ -261,7 +261,7 @@ def _dataset(robots: Family, parameter: str, values: Array, tracks: list[_Track]
     period, numbers = np.full(shape, UNDONE), np.full((*shape, 6 + len(at.names)), np.nan)
     motion = np.full(shape, "", dtype="<U16")
     for i, track in enumerate(tracks):
-        for k, a in track.found.items():
+        for k, a in track.at_values.items():
             period[i, k], motion[i, k] = a.period, a.kind
             numbers[i, k] = [a.mean_velocity, a.share, *a.interval, a.exponent, a.error, *a.state]
     both, flow = ("attractor", parameter), is_flow(robots.robot(values[0]))

@@ -274,7 +274,7 @@ def _as_orbit(judge: SideJudge, track: list[Array], period: int) -> EdgeState | 
     if len(sides) < 2 or sides[0] != 0:
         return None
     kind = "saddle" if len(orbit.multipliers) > 1 else "repeller"
-    sentences, notes = _sides_told(judge, sides[:2]), _remarks(ways)
+    sentences, notes = _names_of_sides(judge, sides[:2]), _remarks(ways)
     return EdgeState(judge.model, kind, state, _accuracy(at, orbit), orbit, miss, sentences, judge.ends, np.array(track), notes)
 
 
@@ -300,7 +300,7 @@ def _remarks(ways: Array) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _sides_told(judge: SideJudge, sides: list[int]) -> tuple[str, str]:
+def _names_of_sides(judge: SideJudge, sides: list[int]) -> tuple[str, str]:
     names = [f"the {order} motion, {named_motion(judge.model, judge.motions, k)}" for k, order in enumerate(("first", "second"))]
     names.append("another motion, or none within the time")
     return names[sides[0]], names[sides[1]]
@@ -332,4 +332,6 @@ def _without_period(judge: SideJudge, track: list[Array], pair: Array) -> EdgeSt
 
 def _of_track(judge: SideJudge, kind: str, track: list[Array], apart: float, note: str) -> EdgeState:
     """The edge state of a track that is not a periodic orbit."""
-    return EdgeState(judge.model, kind, track[-1], apart, None, np.nan, _sides_told(judge, [0, 1]), judge.ends, np.array(track), (note,))
+    return EdgeState(
+        judge.model, kind, track[-1], apart, None, np.nan, _names_of_sides(judge, [0, 1]), judge.ends, np.array(track), (note,)
+    )

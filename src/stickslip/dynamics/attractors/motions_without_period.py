@@ -113,11 +113,11 @@ class GroupOfStarts:
                     state = np.asarray(orbit.strobe_state, float)[None, :]
                     points = np.vstack([state, strobe_orbit(self.model, state, p, self.rtol)[0][:-1, 0]]) if p > 1 else state
                     largest = float(np.max(abs(orbit.multipliers), initial=0.0)) ** (1.0 / p)
-                    orbit_found = (points, largest, np.asarray(orbit.monodromy, float))
+                    candidate = (points, largest, np.asarray(orbit.monodromy, float))
                     if any(np.min(of.at.distance(points[0], other[0])) < 1e-6 for other in self.orbits):
                         continue
-                    if _approaches(of.at, long, *orbit_found):
-                        return orbit_found
+                    if _approaches(of.at, long, *candidate):
+                        return candidate
         return None
 
     def _take(self, i: int, orbit: tuple[Array, float, Array]) -> bool:

@@ -27,7 +27,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
 if TYPE_CHECKING:
     import xarray as xr
 
-_TOLD = {
+_COLUMNS = {
     "period": {"long_name": "drive periods until it repeats (0: none, -1: not computed)", "units": "1"},
     "mean_velocity": {"long_name": "mean velocity", "units": "m/s"},
     **OF_MOTIONS,
@@ -112,7 +112,7 @@ def chaos_map(
             for column, values in zip(whole, results, strict=True):
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
-    columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
+    columns = {name: (tuple(axes), column.reshape(shape), _COLUMNS[name]) for name, column in zip(_COLUMNS, whole, strict=True)}
     attrs: dict[str, Any] = {"settle": settle, "limit": most, "periods": periods, "rtol": rtol}
     if ending.interrupted:
         attrs["note"] = ending.note(f"{int((whole[0] != UNDONE).sum())} of {whole[0].size} points are computed")

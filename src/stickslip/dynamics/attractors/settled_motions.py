@@ -144,7 +144,7 @@ def settled_motions(
         run = StartsRun(some_of(batch, part), np.array(states[part], float), at, rtol, points)
         run.settle(settle, limit, tell)
         run.look_long(exponents)
-        return run.seen
+        return run.watched
 
     with partial_result() if partly else nullcontext(Ending()) as ending:
         for part, watched in shared(cases, work, workers, progress):

@@ -53,29 +53,29 @@ class StartsRun:
 
     def __init__(self, batch: Any, states: Array, at: Coordinates, rtol: float, points: int):
         self.batch, self.at, self.rtol, self.starts = batch, at, rtol, states
-        self.tolerance, self.seen = return_tolerance(rtol), Watched(at, states.shape[0], states.shape[1], points)
+        self.tolerance, self.watched = return_tolerance(rtol), Watched(at, states.shape[0], states.shape[1], points)
         self.left = np.zeros(0, int)
         self.sizes: list[Array] = []  # of all states in their scales, after each stage
 
     def settle(self, first: int, limit: int, tell: Callable[[float], None]) -> None:
         """Run all for the first drive periods and what does not repeat twice as long each time, up to the limit."""
-        rows, count = np.arange(len(self.starts)), self.seen.count
+        rows, count = np.arange(len(self.starts)), self.watched.count
         self._take(rows, _first(self.batch, self.starts, self.at, first, self.rtol, count, tell), first)
         total, halfway = first, limit // 2
         while len(self.left):
-            if total >= halfway and not self.seen.half.any():
-                self.seen.half[self.left] = ~self._closing_in(self.left)
+            if total >= halfway and not self.watched.half.any():
+                self.watched.half[self.left] = ~self._closing_in(self.left)
             if total >= limit:
                 break
             step, rows = min(total, limit - total), self.left
-            self._take(rows, _later(some_of(self.batch, rows), self.seen.points[rows, -1], step, self.rtol, count), total + step)
+            self._take(rows, _later(some_of(self.batch, rows), self.watched.points[rows, -1], step, self.rtol, count), total + step)
             total += step
             tell(0.2 + 0.4 * total / limit)
-        self.seen.end[self.left] = ~self._closing_in(self.left)
+        self.watched.end[self.left] = ~self._closing_in(self.left)
 
     def _take(self, rows: Array, result: tuple[Any, ...], total: int) -> None:
         """Note what a look shows: what repeats is settled, what is not solved has ended, and the rest is left."""
-        watched = self.seen
+        watched = self.watched
         watched.points[rows], watched.ways[rows], good = result
         fine = good & np.isfinite(watched.points[rows]).all(axis=(1, 2))
         period = np.where(fine, periods_of(watched.points[rows], self.at.scales, self.tolerance), 0)
@@ -87,12 +87,12 @@ class StartsRun:
 
     def _closing_in(self, rows: Array) -> Array:
         """Which starts come steadily nearer to a periodic motion, and so are not irregular."""
-        ask, scales, last = recurrence().approach, np.array(self.at.scales, float), self.seen.count - 1
-        return np.array([bool(ask(rows_of_points(self.seen.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
+        ask, scales, last = recurrence().approach, np.array(self.at.scales, float), self.watched.count - 1
+        return np.array([bool(ask(rows_of_points(self.watched.points[i]), last, last, LONGEST, scales)) for i in rows], bool)
 
     def look_long(self, exponents: int) -> None:
         """Run what is left over a long stretch, and measure its exponents; find what ran away."""
-        watched, rows = self.seen, self.left
+        watched, rows = self.watched, self.left
         if len(rows):
             model, begun, count = some_of(self.batch, rows), watched.points[rows, -1], max(STRETCH, watched.count)
             kept, ways = strobe_orbit(model, begun, count, self.rtol)

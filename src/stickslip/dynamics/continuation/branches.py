@@ -89,8 +89,8 @@ class Branch(Drawn):
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         names, when = self.orbits[0].names, "on the strobe" if self.orbits[0].model.period is not None else "at the start of the cycle"
         columns: dict[str, Any] = {n: ("point", [o.state[i] for o in self.orbits], state_attrs(n, when, flow)) for i, n in enumerate(names)}
-        known = [name for name in _TOLD if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
-        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
+        known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _COLUMNS.get(name, {})) for name in known}
         if flow:
             columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
         elif single:
@@ -188,7 +188,7 @@ class Branch(Drawn):
 
 
 _OF_ONE = ("pattern", "margin")  # known of one body on one contact
-_TOLD = {
+_COLUMNS = {
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
     "stable": {"units": "1", "long_name": "whether the motion is stable"},
     "pattern": {"units": "1", "long_name": "signs of the velocity over one motion period"},

@@ -16,7 +16,7 @@ from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_n
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 
 _LEAST = 100
-_TURNS, _SEEN = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
+_TURNS, _COORDINATES = 2000, 4  # strobe points of a motion, and among how many numbers of its state two are looked for
 _ROUGH = 0.25  # of the radius: neighbours on a closed curve differ by less, as seen from inside
 
 
@@ -126,7 +126,7 @@ def rotation_of_strobe(model: Model, state: Array, rtol: float) -> tuple[Rotatio
     """
     at = coordinates(model)
     points = strobe_orbit(model, state[None, :], _TURNS, rtol)[0][:, 0]
-    for i, j in combinations(range(min(at.smooth, _SEEN)), 2):
+    for i, j in combinations(range(min(at.smooth, _COORDINATES)), 2):
         rotation = rotation_on_curve(points[:, [i, j]])
         if rotation is not None:
             sentence = f"its strobe points lie on one closed curve in {at.names[i]} and {at.names[j]}: a torus of two frequencies"

@@ -112,12 +112,12 @@ class FlowOrbit(Repeating):
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
     def _facts(self) -> dict[str, Any]:
-        stability = f"{self.stability}; {self._multipliers_told}"
+        stability = f"{self.stability}; {self._multipliers_text}"
         return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        length, stability = f"{self.duration:.9g} long, {len(self.events)} switches", f"{self.stability} ({self._multipliers_told})"
+        length, stability = f"{self.duration:.9g} long, {len(self.events)} switches", f"{self.stability} ({self._multipliers_text})"
         return f"<FlowOrbit: {length}, {stability}, mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
 
 

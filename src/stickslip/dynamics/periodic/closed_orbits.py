@@ -46,7 +46,7 @@ class Repeating(Drawn, ABC):
         return stability_of(self.multipliers)
 
     @property
-    def _multipliers_told(self) -> str:
+    def _multipliers_text(self) -> str:
         return "multipliers " + ", ".join(f"{m:.6g}" for m in self.multipliers)
 
 

@@ -128,11 +128,11 @@ class LimitCycle(ClosedMotion):
         return "stick-slip" if machine_of(self.model).has_inner_states else "reversing"
 
     def _facts(self) -> dict[str, Any]:
-        stability = f"{self.stability}; {self._multipliers_told}"
+        stability = f"{self.stability}; {self._multipliers_text}"
         return {"type": self.type, "duration": f"{self.duration:.9g} s", "stability": stability}
 
     def __repr__(self) -> str:
-        stability = f"{self.stability} ({self._multipliers_told})"
+        stability = f"{self.stability} ({self._multipliers_text})"
         return f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {stability}, residual {self.residual:.1e}>"
 
 

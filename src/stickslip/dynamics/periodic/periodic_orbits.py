@@ -171,7 +171,7 @@ class PeriodicOrbit(ClosedMotion):
             "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
             **{name: text.replace("-", "−") for name, text in patterns.items()},
             "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
-            "stability": f"{self.stability}; {self._multipliers_told}",
+            "stability": f"{self.stability}; {self._multipliers_text}",
         }
 
     def __repr__(self) -> str:
@@ -180,7 +180,7 @@ class PeriodicOrbit(ClosedMotion):
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
-            f"{self.stability} ({self._multipliers_told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"{self.stability} ({self._multipliers_text}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 

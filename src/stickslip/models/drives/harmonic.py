@@ -10,7 +10,7 @@ from stickslip.basics.maths import cos, pi, sin
 from stickslip.basics.quantities import AMPLITUDE, OMEGA, PHASE
 from stickslip.models.drives.drive import Drive, OfFrequency, Remarked, angular_frequency, taken
 
-_FOUND = "the amplitude was found for"
+_KNOWN = "the amplitude was found for"
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -57,10 +57,10 @@ class Harmonic(OfFrequency, Remarked, Drive):
 
     def _of_another_frequency(self) -> tuple[str, ...] | None:
         """The remark on an amplitude that was found for another frequency: this one, or the one that it is said of already."""
-        if not self.notes or self.notes[0].startswith(_FOUND):
+        if not self.notes or self.notes[0].startswith(_KNOWN):
             return self.notes
         return (
-            f"{_FOUND} {_range(self.frequency)} Hz and is kept at another frequency, where the same actuator has another amplitude (near a "
+            f"{_KNOWN} {_range(self.frequency)} Hz and is kept at another frequency, where the same actuator has another amplitude (near a "
             "resonance by a multiple); make the drive anew, such as drive=PiezoBeam().drive(voltage=20, frequency=32.7)",
         )
 

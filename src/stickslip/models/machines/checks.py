@@ -86,10 +86,10 @@ def _check_body(name: Any, body: Any, problems: Problems) -> None:
         return
     for what in ("force", "gravity"):
         takes, example = ("time", "position", "velocity"), f"{what}=lambda t, x, v: sin(t)"
-        _check_told(f"bodies()[{name!r}].{what}", getattr(body, what), takes, problems, None, "a force [N]", example)
+        _check_force(f"bodies()[{name!r}].{what}", getattr(body, what), takes, problems, None, "a force [N]", example)
 
 
-def _check_told(where: str, value: Numeric, takes: tuple[str, ...], problems: Problems, rule: Any, allowed: str, example: str) -> None:
+def _check_force(where: str, value: Numeric, takes: tuple[str, ...], problems: Problems, rule: Any, allowed: str, example: str) -> None:
     """Note what is neither a number as it should be, nor a function of so many arguments."""
     if not callable(value):
         checked_number(where, value, problems, rule, f"{allowed}, or a function of {' and '.join(takes)}", example)
@@ -119,7 +119,7 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
     if contact.load is not None:
         example = "load=lambda t, x: 1.0" if callable(contact.load) else "load=1.0"
-        _check_told(f"{where}.load", contact.load, ("time", "position"), problems, positive, "a positive force [N]", example)
+        _check_force(f"{where}.load", contact.load, ("time", "position"), problems, positive, "a positive force [N]", example)
     own = Problems(problems.what)
     check_law(contact.friction, own)
     for sentence in own.mistakes:

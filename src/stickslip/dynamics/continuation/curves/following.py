@@ -70,13 +70,13 @@ def followed_curve(
                 if not any(m.kind == met.kind and np.allclose(m.values, met.values, atol=_AGAIN * problem.span) for m in special):
                     special.append(met)
                 if met.kind in _ENDS.get(kind, ()):
-                    return FollowedCurve([*roots, point.found], special, _TURNED_REAL.format(met.kind))
+                    return FollowedCurve([*roots, point.root], special, _TURNED_REAL.format(met.kind))
             here, before = there, now
-            roots.append(there.found)
+            roots.append(there.root)
             report(kind, len(roots), most)
             if ended := _left(problem, here, sign):
                 return FollowedCurve(roots, special, ended)
-            step = min(_LARGEST, 1.3 * step) if there.found.iterations <= 4 else step
+            step = min(_LARGEST, 1.3 * step) if there.root.iterations <= 4 else step
     if ending.interrupted:
         return FollowedCurve(roots, special, f"it was {ending.words}")
     return FollowedCurve(roots, special, f"it was followed for {most} points")
@@ -84,15 +84,15 @@ def followed_curve(
 
 def settled(problem: CurveProblem, root: Root) -> tuple[Array, Array]:
     """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
-    if problem.beside is None:
+    if problem.farther is None:
         return problem.values(root.at), problem.accuracy(root)
     tangent = tangent_of(root.jacobian[:-1], np.eye(len(root.at))[-1])
     across = np.eye(len(root.at))[-1 if tangent[-1] > _UPRIGHT * abs(tangent[-2]) else -2]
     J, kept = np.vstack([root.jacobian[:-1], across]), [root, root]
     unsure = [problem.accuracy(root)]
     for times in _TIMES:
-        way = problem.beside(times)
-        there = _settled_beside(way, 3.0 * kept[-1].at - 2.0 * kept[-2].at, J)
+        way = problem.farther(times)
+        there = _root_near(way, 3.0 * kept[-1].at - 2.0 * kept[-2].at, J)
         if not there.good:
             return problem.values(root.at), unsure[0] + problem.span
         kept.append(there)
@@ -102,7 +102,7 @@ def settled(problem: CurveProblem, root: Root) -> tuple[Array, Array]:
     return value, abs(_CUBIC) @ np.array(unsure) + abs(value - problem.values(_PARABOLA @ places))
 
 
-def _settled_beside(way: CurveProblem, guess: Array, J: Array) -> Root:
+def _root_near(way: CurveProblem, guess: Array, J: Array) -> Root:
     """The point of a problem near a guess, by Newton's method with slopes from nearby, which are not computed anew."""
 
     def slopes(u: Array) -> tuple[Array, Array]:
@@ -150,16 +150,16 @@ def _between(problem: CurveProblem, a: CurvePoint, b: CurvePoint) -> Iterator[tu
     for name, point in sorted(places, key=lambda item: float((item[1].u - a.u) @ a.tangent)):
         kind = problem.named(point.u, name) if problem.named else None
         if kind is not None:
-            yield _meeting(problem, point.found, kind, _accuracy(problem, point, name)), point
+            yield _meeting(problem, point.root, kind, _accuracy(problem, point, name)), point
 
 
 def _root(problem: CurveProblem, a: CurvePoint, b: CurvePoint, name: str) -> CurvePoint | None:
     """Where a test vanishes between two points; None where it jumps."""
-    best = root_between(partial(_beside, problem, a), a, b, lambda p: p.tests.get(name, np.nan))
+    best = root_between(partial(_ahead, problem, a), a, b, lambda p: p.tests.get(name, np.nan))
     return best if abs(best.tests[name]) <= _VANISHED * max(abs(a.tests[name]), abs(b.tests[name])) else None
 
 
-def _beside(problem: CurveProblem, a: CurvePoint, s: float) -> CurvePoint | None:
+def _ahead(problem: CurveProblem, a: CurvePoint, s: float) -> CurvePoint | None:
     """The point of a curve that lies s ahead of another, along the tangent there."""
     root = _corrected(problem, a.u + s * a.tangent, a.tangent)
     return _point(problem, root, a.tangent, a.facing) if root.good else None
@@ -167,12 +167,12 @@ def _beside(problem: CurveProblem, a: CurvePoint, s: float) -> CurvePoint | None
 
 def _accuracy(problem: CurveProblem, p: CurvePoint, name: str) -> Array:
     """By how much the two parameters may be wrong: across the curve, and along it by what is not known of the test that vanishes."""
-    across, aside = problem.accuracy(p.found), _beside(problem, p, _ASIDE) or _beside(problem, p, -_ASIDE)
+    across, aside = problem.accuracy(p.root), _ahead(problem, p, _ASIDE) or _ahead(problem, p, -_ASIDE)
     if aside is None or name not in aside.tests or problem.tests is None:
         return across + problem.span
     h = float(np.linalg.norm(aside.u - p.u))
     slope = abs(aside.tests[name] - p.tests[name]) / h
-    worse = problem.tests(p.found, p.tangent, p.facing, True)[0].get(name, np.nan)
+    worse = problem.tests(p.root, p.tangent, p.facing, True)[0].get(name, np.nan)
     unsure = abs(p.tests[name]) + abs(worse - p.tests[name]) + _KNOWN
     along = unsure / slope if unsure < slope else 1.0
     bend = abs(aside.tangent[-2:] - p.tangent[-2:]) / h

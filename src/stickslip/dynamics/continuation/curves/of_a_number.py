@@ -122,7 +122,7 @@ class _Touching:
         """The problem so many times as far from the curve as it is followed, where it is followed beside it."""
         if self.touch.what[0] == BOTH_SIDES:
             return _problem(self.path, self.memory, self.kind, self.value, apart=self.followed)
-        return _problem(self.path, self.memory, self.kind, self.value, _DISTANCE * times, apart=self.followed, beside=self.problem)
+        return _problem(self.path, self.memory, self.kind, self.value, _DISTANCE * times, apart=self.followed, farther=self.problem)
 
     def value(self, path: Path, u: Array) -> float:
         """The number at a place, in its size; NaN where there is none about then."""
@@ -162,7 +162,7 @@ def _apart(a: float, b: float) -> float:
 def _vanishing(branch: Branch, special: Special) -> _Vanishing | None:
     """The number that falls to zero, in the straightest line, towards a special point, from one side of it or the other."""
     span, best = float(np.ptp(branch.values)) or 1.0, None
-    for k, after in _beside(branch, special):
+    for k, after in _nearest_motions(branch, special):
         path, side = path_of(branch.family, branch.orbits[k], special.value, span), float(np.sign(branch.values[k] - special.value))
         u, then = (path.scaled(branch.orbits[i], branch.values[i]) for i in (k, after))
         along = (then - u) / (then[-1] - u[-1])
@@ -173,7 +173,7 @@ def _vanishing(branch: Branch, special: Special) -> _Vanishing | None:
     return best if best is not None and best.straight < _STRAIGHT else None
 
 
-def _beside(branch: Branch, special: Special) -> Iterator[tuple[int, int]]:
+def _nearest_motions(branch: Branch, special: Special) -> Iterator[tuple[int, int]]:
     """The motions of a branch that are nearest to a special point, each with its neighbour that is farther away."""
     away = abs(branch.values - special.value)
     for k in np.argsort(away)[:_ASKED]:

@@ -18,7 +18,7 @@ _FLOOR = 1e-14  # of residuals: their own rounding
 class CurvePoint(NamedTuple):
     """A point of a curve, its direction, what vanishes at special points of the curve, and a vector that keeps its side along the curve."""
 
-    found: Root
+    root: Root
     tangent: Array
     tests: dict[str, float]
     facing: Array | None = None
@@ -26,7 +26,7 @@ class CurvePoint(NamedTuple):
     @property
     def u(self) -> Array:
         """Where it is in the scaled space."""
-        return self.found.at
+        return self.root.at
 
 
 @sealed
@@ -58,7 +58,7 @@ class CurveProblem:
         How well each equation is known.
     apart : callable
         Why the special point is none any more at a point, each after the last; "" where it is one.
-    beside : callable, optional
+    farther : callable, optional
         Of a problem whose equations hold on one side only, and that is solved a little beside: the same problem so many times as far away.
     """
 
@@ -75,7 +75,7 @@ class CurveProblem:
     named: Callable[[Array, str], tuple[str, str] | None] | None = None
     known: Any = _FLOOR
     apart: Callable[[Array], str] = lambda u: ""
-    beside: Callable[[int], CurveProblem] | None = None
+    farther: Callable[[int], CurveProblem] | None = None
 
     def values(self, u: Array) -> Array:
         """The two parameters."""
