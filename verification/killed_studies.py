@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.studies.folder import Study
+from stickslip.studies.folder import StudyFolder
 
 KILLS, SPAN = 200, 0.25  # how many, and the longest time after the first new tile [s]
 AXES: dict[str, Any] = dict(amplitude=np.linspace(3e-4, 9e-4, 120), mu=np.linspace(0.1, 0.2, 50), tile=10)
@@ -32,16 +32,16 @@ def rig(amplitude: float, mu: float) -> ss.Robot:
 
 def resumed(folder: Path, pipe: int) -> None:
     """Go on with a study; the time to its first new tile goes to a pipe."""
-    began, write, told = time.monotonic(), Study.write, False
+    began, write, told = time.monotonic(), StudyFolder.write, False
 
-    def timed(study: Study, *tile: Any) -> None:
+    def timed(study: StudyFolder, *tile: Any) -> None:
         nonlocal told
         write(study, *tile)
         if not told:
             told = True
             os.write(pipe, f"{time.monotonic() - began:.4f}\n".encode())
 
-    Study.write = timed  # type: ignore[method-assign]
+    StudyFolder.write = timed  # type: ignore[method-assign]
     ss.sweep(rig, **AXES, out=folder, resume=True)
 
 

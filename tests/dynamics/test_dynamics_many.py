@@ -316,10 +316,10 @@ def test_ranges_by_a_factor_need_numbers_of_one_sign(capsys):
 
 def test_commands_tell_how_far_they_are(capsys, monkeypatch):
     """A line now and then where nobody watches; a bar on a terminal."""
-    from stickslip.basics.progress import Line
+    from stickslip.basics.progress import ProgressLine
 
     shown = []
-    monkeypatch.setattr(Line, "__call__", lambda self, now: shown.append(now.line()))
+    monkeypatch.setattr(ProgressLine, "__call__", lambda self, now: shown.append(now.line()))
     robot = ["piezo_rig", "law=coulomb", "tilt_deg=1.7", "amplitude=8e-4"]
     assert main(["bifurcation", *robot, "mu0=0.15..0.2:3", "settle=5"]) == 0
     assert main(["basins", *robot, "v=-0.01,0.01", "settle=5"]) == 0

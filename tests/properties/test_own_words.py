@@ -12,7 +12,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.basics.progress import Line
+from stickslip.basics.progress import ProgressLine
 from stickslip.maths import exp, where
 from stickslip.models.tables import document_of
 from stickslip.studies import folder
@@ -269,7 +269,7 @@ def test_a_bar_of_progress_is_one_line(monkeypatch):
             return True
 
     monkeypatch.setenv("TERM", "xterm")
-    line = Line("starts", out=(out := Terminal()))
+    line = ProgressLine("starts", out=(out := Terminal()))
     line(1, 2), line("drawing", 1, 2), line(ss.Progress(done=2, cases=2))
     said = out.getvalue()
     assert said.count("\r") == 3 and said.count("\n") == 1 and said.endswith("\n")
@@ -286,7 +286,7 @@ def test_a_log_has_a_line_of_progress_ever_more_rarely(monkeypatch, terminal):
 
     monkeypatch.setenv("TERM", "dumb")
     monkeypatch.setattr("time.monotonic", lambda: now)
-    line, told = Line(out=(out := Log())), []
+    line, told = ProgressLine(out=(out := Log())), []
     for second in range(1, 60):
         now = float(second)
         line(second, 60)

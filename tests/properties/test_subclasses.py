@@ -413,7 +413,7 @@ def test_thirty_robots_of_random_methods_move_as_plain_python_says(seed):
 
 @record
 class Sled:
-    """A pushed mass of a user's own, with nothing but what the contract asks for (`stickslip.basics.contracts.Machine`)."""
+    """A pushed mass of a user's own, with nothing but what the contract asks for (`stickslip.basics.contracts.OneContact`)."""
 
     mass: float
     push: float

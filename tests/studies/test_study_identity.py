@@ -394,15 +394,15 @@ def test_shards_are_not_merged_into_a_folder_of_another_model(tmp_path):
 
 
 def test_a_maker_that_changes_its_mind_on_the_way_keeps_nothing_wrong(tmp_path, monkeypatch):
-    from stickslip.studies.folder import Study
+    from stickslip.studies.folder import StudyFolder
 
-    numbers, write = {"factor": 1.0}, Study.write
+    numbers, write = {"factor": 1.0}, StudyFolder.write
 
     def write_and_change(study, k, *more):
         write(study, k, *more)
         numbers["factor"] = 0.5
 
-    monkeypatch.setattr(Study, "write", write_and_change)
+    monkeypatch.setattr(StudyFolder, "write", write_and_change)
     options = dict(amplitude=AMPLITUDES, tile=2)
     # a maker of arrays is called for each tile: the second tile is of another model
     with pytest.raises(ss.InputError, match=r"cases 2 to 3 were computed with other models than those of the study"):

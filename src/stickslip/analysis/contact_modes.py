@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
-from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
+from stickslip.analysis.run_segments import WatchedContact, WatchedOf, clipped, elastic_segments
 from stickslip.basics.contracts import Array
 from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
@@ -41,14 +41,14 @@ def contact_modes(run: Trajectory, start: float, end: float) -> dict[str, list[S
     return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
 
 
-def watched_contacts(run: Trajectory) -> dict[str, Watched]:
+def watched_contacts(run: Trajectory) -> dict[str, WatchedContact]:
     """The contacts of a run, of one or of several, by name."""
     if machine_of(run.model).is_single:
-        return {name: Watched(run) for name in run.contacts}
+        return {name: WatchedContact(run) for name in run.contacts}
     return {name: WatchedOf(run.parted, i) for i, name in enumerate(run.contacts)}
 
 
-def _stretches(watched: Watched, start: float, end: float, aloft: Array) -> list[Stretch]:
+def _stretches(watched: WatchedContact, start: float, end: float, aloft: Array) -> list[Stretch]:
     """The stretches of one contact."""
     run = watched.run
     if not watched.law.has_slip_ratio:

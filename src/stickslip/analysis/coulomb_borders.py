@@ -22,7 +22,7 @@ _FINE = 601  # points of each axis of the field on which curves are traced
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Border:
+class BorderPiece:
     """A piece of a border on a plane.
 
     Parameters
@@ -67,7 +67,7 @@ def border_functions(alpha_plus: Array, alpha_minus: Array) -> dict[tuple[str, s
 
 
 @explains_arguments
-def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> list[Border]:
+def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> list[BorderPiece]:
     """The exact borders of the motion types of the robot with Coulomb friction, over the plane of a map.
 
     The columns alpha_plus and alpha_minus of the dataset give the effect of the two axes; between its points they are interpolated
@@ -83,7 +83,7 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
 
     Returns
     -------
-    list of Border
+    list of BorderPiece
 
     Examples
     --------
@@ -106,7 +106,7 @@ def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> l
     borders = []
     for types, values in border_functions(plus, minus).items():
         lines = contourpy.contour_generator(fine_x, fine_y, np.ma.masked_invalid(values)).lines(0.0)
-        borders += [Border(types, *np.asarray(line).T) for line in lines if len(line) > 1]
+        borders += [BorderPiece(types, *np.asarray(line).T) for line in lines if len(line) > 1]
     return borders
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, raw_segments
+from stickslip.analysis.run_segments import Segments, WatchedContact, WatchedOf, clipped, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Law
@@ -199,7 +199,7 @@ def motion(run: Trajectory | Record, slip_ratio: float = SLIP_RATIO, dwell: floa
     if hasattr(run, "model") and not machine_of(run.model).is_single:
         return _of_contacts(run.parted, slip_ratio, dwell)
     single: Trajectory = needs_run("motion", run, "its types and patterns are those of one velocity")
-    return _motion(single, Watched(single), _One(single), slip_ratio, dwell)
+    return _motion(single, WatchedContact(single), _One(single), slip_ratio, dwell)
 
 
 def _of_contacts(run: Trajectory, slip_ratio: float, dwell: float) -> Motions:
@@ -215,7 +215,7 @@ def _of_contacts(run: Trajectory, slip_ratio: float, dwell: float) -> Motions:
     return Motions(motions, still, period, int(np.sign(net)) if abs(net) > floor else 0, own)
 
 
-def _never_moves(run: Trajectory, watched: Watched, motion: Motion) -> bool:
+def _never_moves(run: Trajectory, watched: WatchedContact, motion: Motion) -> bool:
     """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
     if watched.law.has_slip_ratio:
         return motion.type in ("rest", "presliding")
@@ -256,7 +256,7 @@ class _Slip(_One):
         return self.run.slip[:, self.number]
 
 
-def _motion(run: Any, watched: Watched, moved: _One, slip_ratio: float, dwell: float) -> Motion:
+def _motion(run: Any, watched: WatchedContact, moved: _One, slip_ratio: float, dwell: float) -> Motion:
     """The motion of one contact."""
     period = period_number(run)
     raw = raw_segments(run, period or 1, slip_ratio, watched)
@@ -284,7 +284,7 @@ def _check(run: Trajectory | FlowRun, slip_ratio: float, dwell: float) -> None:
         raise InputError("motion", problems)
 
 
-def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: Watched, moved: _One) -> dict[str, Any]:
+def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: WatchedContact, moved: _One) -> dict[str, Any]:
     count, dynamic = period or 1, watched.law.dynamic
     net, speed = moved.net(count), machine_of(run.model).velocity_scale
     floor = (float(run.rtol) if dynamic else 1e-12) * speed * run.period_time * count
@@ -368,6 +368,6 @@ def threshold_table(
     for slip_ratio in slip_ratios:
         raw = raw_segments(run, period or 1, slip_ratio)
         for dwell in dwells:
-            typed = _typed(run, raw, period, dwell, Watched(run), _One(run))
+            typed = _typed(run, raw, period, dwell, WatchedContact(run), _One(run))
             rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": typed["type"], "pattern": typed["pattern"]})
     return rows

@@ -37,7 +37,7 @@ class Segments:
         return np.array([len(self.time)]), self.time[None, :], self.code[None, :]
 
 
-class Watched:
+class WatchedContact:
     """The only contact of a run, as its segments are told from it."""
 
     def __init__(self, run: Trajectory):
@@ -68,7 +68,7 @@ class Watched:
         return normal_load(self.run.model, t, x)
 
 
-class WatchedOf(Watched):
+class WatchedOf(WatchedContact):
     """One contact of several, by its number."""
 
     def __init__(self, run: Trajectory, number: int):
@@ -107,9 +107,9 @@ class WatchedOf(Watched):
         return columns(run.model, mode, t, x, v, np.moveaxis(z, -1, 0), np.moveaxis(rates, -1, 0), memory)
 
 
-def raw_segments(run: Any, period: int, slip_ratio: float, watched: Watched | None = None) -> Segments:
+def raw_segments(run: Any, period: int, slip_ratio: float, watched: WatchedContact | None = None) -> Segments:
     """Segments of the last `period` drive periods of a run: of its only contact, or of the one that is watched."""
-    watched = watched or Watched(run)
+    watched = watched or WatchedContact(run)
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
     if watched.law.has_slip_ratio:
@@ -136,7 +136,7 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 
 
 # ---- dynamic laws: where does the bristle yield? ----
-def elastic_segments(watched: Watched, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
+def elastic_segments(watched: WatchedContact, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
     """Ends and codes of the segments within a span: +2, -2 slipping, +1, -1 elastic."""
     edges, index = clipped(watched.run.pieces, start, end)
     left, span = edges[:-1], np.diff(edges)
@@ -152,7 +152,7 @@ def elastic_segments(watched: Watched, start: float, end: float, slip_ratio: flo
     return np.append(times[new], end), codes[new]
 
 
-def _bisected(watched: Watched, low: Array, high: Array, index: Array, above_low: Array, slip_ratio: float) -> Array:
+def _bisected(watched: WatchedContact, low: Array, high: Array, index: Array, above_low: Array, slip_ratio: float) -> Array:
     """Where the slip ratio crosses its threshold, to the last bit of t."""
     if len(low) == 0:
         return low
@@ -161,7 +161,7 @@ def _bisected(watched: Watched, low: Array, high: Array, index: Array, above_low
 
 
 # ---- set-valued laws: distance of the net applied force from break-away ----
-def _force_margin(watched: Watched, edges: Array, index: Array) -> float:
+def _force_margin(watched: WatchedContact, edges: Array, index: Array) -> float:
     """Smallest relative distance to break-away, at reversals without rest and at extremes of the net applied force during rest."""
     mode = watched.modes[index]
     reversals = edges[1:-1][(mode[1:] * mode[:-1]) == -1]
@@ -182,7 +182,7 @@ def _force_margin(watched: Watched, edges: Array, index: Array) -> float:
     return float(np.nanmin(np.minimum(*distances), initial=np.inf))
 
 
-def _extremes(watched: Watched, start: float, end: float) -> Array:
+def _extremes(watched: WatchedContact, start: float, end: float) -> Array:
     """Times inside a rest at which the net applied force has an extreme (parabolas, sharpened twice)."""
     t = np.linspace(start, end, 257)
     F = watched.offered(t)

@@ -18,15 +18,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeAlias, TypeVar
 
 from stickslip.basics.contracts import (
+    DataFrame,
+    DeclaresContact,
+    DeclaresParts,
     DynamicLaw,
     Law as AnyLaw,
-    Machine,
     Model as AnyModel,
     Numeric,
-    OneBody,
+    OneContact,
     SetValuedLaw,
-    SeveralBodies,
-    Table,
 )
 from stickslip.basics.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
 from stickslip.basics.fields import check_arguments, checked_number, number
@@ -83,7 +83,7 @@ def _is_law(value: Any) -> bool:
 
 
 def _is_model(value: Any) -> bool:
-    return isinstance(value, (OneBody, SeveralBodies)) and not isinstance(value, type)
+    return isinstance(value, (DeclaresContact, DeclaresParts)) and not isinstance(value, type)
 
 
 def _is_of(module: str, name: str, or_none: bool = False) -> Callable[[Any], bool]:
@@ -98,7 +98,7 @@ _PAGE = "a figure of matplotlib; type for example plt.figure()"
 _AX = "axes of matplotlib; type for example plt.subplots()[1]"
 #: Used in annotations for what has a type, but no class that says what to type.
 Model = Annotated[AnyModel, Kind(_is_model, f"a Robot, a mechanism or a machine; {ROBOT}")]
-Single = Annotated[Machine, Kind(_is_model, f"a Robot or a mechanism; {ROBOT}")]
+Single = Annotated[OneContact, Kind(_is_model, f"a Robot or a mechanism; {ROBOT}")]
 Maker = Annotated[AnyModel | Callable[..., Any], Kind(lambda value: callable(value) or _is_model(value), _MAKER)]
 Law = Annotated[AnyLaw, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
 LawOrModel = Annotated[
@@ -107,9 +107,9 @@ LawOrModel = Annotated[
 ]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Recorded = Annotated[
-    str | os.PathLike[str] | Mapping[str, Any] | Table,
+    str | os.PathLike[str] | Mapping[str, Any] | DataFrame,
     Kind(
-        lambda value: isinstance(value, (str, os.PathLike, Mapping, Table)),
+        lambda value: isinstance(value, (str, os.PathLike, Mapping, DataFrame)),
         'the path of a record, or a data frame; type for example ss.read("run.csv")',
     ),
 ]

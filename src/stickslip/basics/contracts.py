@@ -112,7 +112,7 @@ class Track(Protocol):
         """Component of gravity along the track, forwards [m/s^2]."""
 
 
-class Machine(Protocol):
+class OneContact(Protocol):
     """The protocol of a robot or a mechanism: one body with one contact."""
 
     @property
@@ -151,8 +151,8 @@ class Model(Protocol):
 
 
 @runtime_checkable
-class OneBody(Protocol):
-    """What tells a model of one body on one contact from other objects; all that it needs is in `Machine`."""
+class DeclaresContact(Protocol):
+    """What tells a model of one body on one contact from other objects; all that it needs is in `OneContact`."""
 
     @property
     def friction(self) -> Any:
@@ -163,7 +163,7 @@ class OneBody(Protocol):
 
 
 @runtime_checkable
-class SeveralBodies(Protocol):
+class DeclaresParts(Protocol):
     """What tells a model that lists its parts from other objects."""
 
     def bodies(self) -> Any:
@@ -177,7 +177,7 @@ class SeveralBodies(Protocol):
 
 
 @runtime_checkable
-class Table(Protocol):
+class DataFrame(Protocol):
     """A data frame of any library: columns by name."""
 
     @property

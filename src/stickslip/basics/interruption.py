@@ -1,10 +1,10 @@
 """Interruption of long calls: Ctrl-C, or a progress function that returns False, ends them where their numbers are complete.
 
 A long call is a function decorated with `interruptible`. While one runs in the main thread, Ctrl-C raises nothing: it sets the call's
-`Stop`, and `look`, which every loop asks between two pieces of work, raises `Interrupted`. So neither an import, nor the compiler, nor a
-file is ever left half done. A block under `partial_result` ends there and goes on with what is finished; only the outermost call has a
-partial result, since an inner one would be taken for a complete one by its caller. A second Ctrl-C before the call has ended raises
-KeyboardInterrupt at once, and so do three at once, which end a loop of short calls.
+`StopRequest`, and `look`, which every loop asks between two pieces of work, raises `Interrupted`. So neither an import, nor the
+compiler, nor a file is ever left half done. A block under `partial_result` ends there and goes on with what is finished; only the
+outermost call has a partial result, since an inner one would be taken for a complete one by its caller. A second Ctrl-C before the call
+has ended raises KeyboardInterrupt at once, and so do three at once, which end a loop of short calls.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class _AtOnce(KeyboardInterrupt):
     """Raised by Ctrl-C again: no partial result is made of it."""
 
 
-class Stop:
+class StopRequest:
     """Whether a call, or a part of its work in threads, is to end, and why.
 
     Examples
@@ -61,7 +61,7 @@ class Stop:
     ('Ctrl-C', True)
     """
 
-    def __init__(self, whole: Stop | None = None):
+    def __init__(self, whole: StopRequest | None = None):
         self._whole, self._why = whole, ""
         self.blocks, self.is_finishing = 0, False  # under `partial_result`: how many are open, and whether the last one was left
 
@@ -108,7 +108,7 @@ class _Call(NamedTuple):
     """The long call that runs in this context."""
 
     name: str
-    stop: Stop
+    stop: StopRequest
     depth: int  # 1: the outermost call; 2: a call within it
     some_cases: bool  # whether a batch within it may end with cases that are not computed
     ended: list[str]  # why it ended early, where it did
@@ -142,7 +142,7 @@ def interruptible(function: Callable[P, T]) -> Callable[P, T]:
     @functools.wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> T:
         outer = _call.get()
-        call = _Call(function.__name__, Stop(), 1, False, []) if outer is None else outer._replace(depth=outer.depth + 1)
+        call = _Call(function.__name__, StopRequest(), 1, False, []) if outer is None else outer._replace(depth=outer.depth + 1)
         token, listens = _call.set(call), False
         try:
             if outer is not None:
@@ -318,10 +318,10 @@ def taking_some_cases(taken: bool = True) -> Iterator[None]:
 
 
 # ---- threads ----
-def in_threads() -> tuple[Stop, Callable[..., Any]]:
-    """A `Stop` for work in threads, which that of the call ends too, and what runs a function in a thread as a part of the call."""
+def in_threads() -> tuple[StopRequest, Callable[..., Any]]:
+    """A `StopRequest` for work in threads, which that of the call ends too, and what runs a function in a thread as a part of the call."""
     call = _call.get()
-    stop = Stop(None if call is None else call.stop)
+    stop = StopRequest(None if call is None else call.stop)
     inside = _Call("", stop, 2, False, []) if call is None else call._replace(stop=stop, depth=call.depth + 1)
 
     context = contextvars.copy_context()
@@ -330,7 +330,7 @@ def in_threads() -> tuple[Stop, Callable[..., Any]]:
 
 
 # ---- the signal ----
-_listening: Stop | None = None  # of the outermost call of the main thread
+_listening: StopRequest | None = None  # of the outermost call of the main thread
 _held = 0  # blocks of the main thread in which nothing is raised
 _due = False  # whether KeyboardInterrupt is raised at their end
 _pressed_at = (-math.inf, -math.inf)  # the last two times
@@ -355,8 +355,8 @@ def _takes_signals() -> bool:
     return threading.current_thread() is threading.main_thread() and _interpreter.getsignal(_SIGINT) is signal.default_int_handler
 
 
-def _begin_listening(stop: Stop) -> bool:
-    """Let Ctrl-C set a `Stop`, where it would have raised KeyboardInterrupt; whether it would."""
+def _begin_listening(stop: StopRequest) -> bool:
+    """Let Ctrl-C set a `StopRequest`, where it would have raised KeyboardInterrupt; whether it would."""
     global _listening
     if not _takes_signals():
         return False

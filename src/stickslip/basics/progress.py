@@ -45,7 +45,7 @@ def progress_callback(progress: Any, what: str) -> Callable[..., Any] | None:
     if progress is None or progress is False:
         return None
     if progress is True:
-        return Line()
+        return ProgressLine()
     if callable(progress):
         return progress
     allowed = "a function that is called as the work goes on, True for a line on the terminal, or None"
@@ -77,7 +77,7 @@ def _is_watched(out: Any) -> bool:
     return (bool(out.isatty()) and os.environ.get("TERM") != "dumb") or type(out).__module__.startswith("ipykernel.")
 
 
-class Line:
+class ProgressLine:
     """Progress in one line: a bar that is updated in place on a terminal and in a notebook; in a log, a line from time to time.
 
     Parameters

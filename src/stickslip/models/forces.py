@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics.batch import flat, labels_of
-from stickslip.basics.contracts import Array, Machine, Model, Numeric
+from stickslip.basics.contracts import Array, Model, Numeric, OneContact
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.field_types import field_types
 from stickslip.basics.fields import is_array, leaves
@@ -125,7 +125,7 @@ def inner_start(model: Model, x: Numeric = 0.0) -> Any:
     return inner
 
 
-def rest_velocity(model: Machine) -> Any:
+def rest_velocity(model: OneContact) -> Any:
     """Velocity of the body at which the contact does not slip [m/s]: 0, or the speed of the belt."""
     return 0.0 - model.contact_velocity(0.0)
 

@@ -10,7 +10,7 @@ from functools import reduce
 from operator import add
 from typing import Any, Protocol
 
-from stickslip.basics.contracts import Machine, Model, Numeric
+from stickslip.basics.contracts import Model, Numeric, OneContact
 from stickslip.models.controllers import NO_CONTROLLERS, Controllers
 from stickslip.models.friction.law_adapter import LawAdapter, law_of
 
@@ -159,7 +159,7 @@ class OneBody(Mechanics):
 
     bodies, contacts, directions, coordinates = ("body",), ("contact",), ((1.0,),), 1
 
-    def __init__(self, model: Machine):
+    def __init__(self, model: OneContact):
         self.model = model
 
     @property

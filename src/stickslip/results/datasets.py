@@ -66,7 +66,7 @@ def flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> di
 
 
 @dataclass(frozen=True)
-class Table:
+class FileColumns:
     """The columns of a run, as files hold them.
 
     Parameters
@@ -93,11 +93,11 @@ class Table:
     about: dict[str, Any]
 
 
-def table_of(run: Any) -> Table:
+def table_of(run: Any) -> FileColumns:
     """The columns of a trajectory for a file."""
     columns, parts = trajectory_columns(run), flat_columns(run)
     units = {name: unit_of(name, run.model) or "1" for name in columns}
-    return Table(columns, units, names_of(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
+    return FileColumns(columns, units, names_of(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
 
 
 def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:

@@ -17,7 +17,7 @@ _ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 
 
-class Pieces:
+class DensePieces:
     """Base of the dense outputs. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
 
     `mode` (pieces, contacts) is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
@@ -49,7 +49,7 @@ def _columns(array: Array) -> Array:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class PolynomialPieces(Pieces):
+class PolynomialPieces(DensePieces):
     r"""A polynomial for each state on each step, as an integrator returns them.
 
     With :math:`\theta = (t - t_i)/h_i`, every state of the bodies and contacts is :math:`\sum_k c_k \theta^k`. A way is the integral of
@@ -194,7 +194,7 @@ def _horner(c: Array, index: Array, theta: Array) -> Array:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class HarmonicArcs(Pieces):
+class HarmonicArcs(DensePieces):
     r"""Closed arcs of a body with Coulomb friction under a harmonic drive: exact, no interpolation.
 
     While it slides, :math:`\dot v = a\sin\omega t - r` with r = `resist_plus` forwards and -`resist_minus` backwards; while stuck v = 0.
@@ -294,7 +294,7 @@ def _halves(a: Array) -> tuple[Array, Array]:
 KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs}
 
 
-def kind_of(pieces: Pieces) -> str:
+def kind_of(pieces: DensePieces) -> str:
     """The name of the kind of these pieces in a file."""
     return next(name for name, cls in KINDS.items() if type(pieces) is cls)
 

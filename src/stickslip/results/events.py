@@ -46,7 +46,7 @@ def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None
 
     Parameters
     ----------
-    pieces : Pieces
+    pieces : DensePieces
     impulses : sequence of (float, float or array)
         Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact has an impulse if its slip jumps.
     lost : sequence of str

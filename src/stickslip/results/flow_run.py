@@ -16,7 +16,7 @@ from stickslip.basics.errors import InputError, as_path, did_you_mean
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.status import INTERRUPTED
-from stickslip.results.datasets import Table
+from stickslip.results.datasets import FileColumns
 from stickslip.results.run_files import RunFiles
 from stickslip.results.storage import FORMAT, NETCDF, save_columns, save_datasets
 
@@ -227,13 +227,13 @@ class FlowRun(RunFiles, Drawn):
         """The columns as a `pandas.DataFrame` over time."""
         return self.to_xarray().to_dataframe()
 
-    def _table(self) -> Table:
+    def _table(self) -> FileColumns:
         """The columns as files hold them; states have no unit."""
         data = self.to_xarray()
         columns = {"time": self.t, **{str(name): data[name].values for name in data.data_vars}}
         meanings = {"time": "time", "mode": "mode of the flow"}
         head = [(name, "", meanings.get(name, "state of the flow")) for name in columns]
-        return Table(columns, dict.fromkeys(columns, "1"), {}, head, list(columns.values()), dict(data.attrs))
+        return FileColumns(columns, dict.fromkeys(columns, "1"), {}, head, list(columns.values()), dict(data.attrs))
 
     @explains_arguments
     def save(self, path: str | Path) -> Path:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from stickslip.results.datasets import Table
+    from stickslip.results.datasets import FileColumns
 
 
 class RunFiles:
@@ -19,7 +19,7 @@ class RunFiles:
 
     __slots__ = ()
 
-    def _table(self) -> Table:
+    def _table(self) -> FileColumns:
         """The columns as files hold them."""
         from stickslip.results.datasets import table_of
 

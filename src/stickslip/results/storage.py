@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.basics import hdf5
-from stickslip.basics.contracts import Machine
+from stickslip.basics.contracts import OneContact
 from stickslip.basics.errors import InputError, as_path, is_one_of
 from stickslip.basics.jsontext import plain
 from stickslip.basics.unpacking import Allowance
@@ -94,7 +94,7 @@ def save_datasets(path: Path, groups: dict[str, tuple[Any, dict[str, Any]]], doi
     return path
 
 
-def _model_attributes(model: Machine) -> dict[str, str]:
+def _model_attributes(model: OneContact) -> dict[str, str]:
     """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
     if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"

@@ -124,7 +124,7 @@ class Trajectory(Drawn, RunFiles):
     ----------
     model : Robot or a mechanism
         What was solved.
-    pieces : Pieces
+    pieces : DensePieces
         The dense output.
     periods, settle : int
         Drive periods simulated, and how many of them the mean velocity excludes.

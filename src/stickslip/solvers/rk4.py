@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.batch import rows_of, with_row
-from stickslip.basics.contracts import Array, Machine, Model
+from stickslip.basics.contracts import Array, Model, OneContact
 from stickslip.basics.errors import InputError, SolveError, is_whole
 from stickslip.basics.interruption import is_stopped, look
 from stickslip.basics.pool import shared
@@ -76,7 +76,7 @@ def _message(todo: Request, march: _March, steps: int) -> str:
     return f"the run stopped in period {march.done + 1} of {todo.periods}: {Status.NOT_A_NUMBER.sentence}; type more than steps={steps}"
 
 
-def _check_load(model: Machine) -> None:
+def _check_load(model: OneContact) -> None:
     """Refuse a load that falls to zero within a drive period: fixed steps do not end where contact is lost."""
     if not callable(model.load):
         return

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class SweepDesign:
     """Columns of values along one dimension.
 
     Parameters
@@ -45,7 +45,7 @@ class Design:
 
 
 @explains_arguments
-def zipped(dim: str = "case", /, **columns: Any) -> Design:
+def zipped(dim: str = "case", /, **columns: Any) -> SweepDesign:
     """Columns combined value by value: point i has the i-th value of each.
 
     Parameters
@@ -57,7 +57,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
 
     Returns
     -------
-    Design
+    SweepDesign
         One point for each row of values.
 
     Examples
@@ -87,11 +87,11 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
         problems.add(f"the columns have the shapes {shapes}; allowed are flat ones of the same length, from one value on")
     problems.check()
     columns = {name: a.astype(float) if a.dtype.kind in "iuf" else a for name, a in arrays.items()}
-    return Design(dim, columns, {"design": "zipped"})
+    return SweepDesign(dim, columns, {"design": "zipped"})
 
 
 @explains_arguments
-def table(rows: Any, dim: str = "case") -> Design:
+def table(rows: Any, dim: str = "case") -> SweepDesign:
     r"""Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
 
     Parameters
@@ -103,7 +103,7 @@ def table(rows: Any, dim: str = "case") -> Design:
 
     Returns
     -------
-    Design
+    SweepDesign
         A point for each row.
 
     Examples
@@ -120,7 +120,7 @@ def table(rows: Any, dim: str = "case") -> Design:
     if not isinstance(rows, Mapping):
         raise InputError("table", [f"rows = {rows!r}; allowed is a dict of columns, a DataFrame or the path of a CSV file"])
     made = zipped(dim, **{str(name): values for name, values in rows.items()})
-    return Design(dim, made.columns, {"design": "table"})
+    return SweepDesign(dim, made.columns, {"design": "table"})
 
 
 def _read(path: str | Path) -> dict[str, list[Any]]:
@@ -147,7 +147,7 @@ def _numbers(texts: list[str]) -> list[Any]:
 
 
 @explains_arguments
-def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
+def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> SweepDesign:
     """A scrambled Sobol sequence: points that fill a box evenly; further points fill the gaps (Sobol 1967, Owen 1998).
 
     Parameters
@@ -163,7 +163,7 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
 
     Returns
     -------
-    Design
+    SweepDesign
         `count` points, with seed and ranges among its attributes.
 
     Examples
@@ -183,7 +183,7 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
 
 
 @explains_arguments
-def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
+def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> SweepDesign:
     """A Latin hypercube: each argument has exactly one point in each of `count` equal strips (McKay, Beckman and Conover 1979).
 
     Parameters
@@ -193,7 +193,7 @@ def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tupl
 
     Returns
     -------
-    Design
+    SweepDesign
         As from `sobol`.
 
     Examples
@@ -207,7 +207,7 @@ def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tupl
     return _random("latin_hypercube", lambda n, d: qmc.LatinHypercube(d, rng=seed).random(n), count, seed, dim, bounds)
 
 
-def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[str, Any]) -> Design:
+def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[str, Any]) -> SweepDesign:
     problems = Problems(kind)
     problems.whole("count", count, 1, example=1024, most=100_000_000)
     problems.whole("seed", seed, 0, example=1)
@@ -218,7 +218,7 @@ def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[
     points = unit(count, len(ranges))
     columns = {name: scale(points[:, i]) for i, (name, scale) in enumerate(ranges.items())}
     ranges_given = {name: list(value) for name, value in bounds.items()}
-    return Design(dim, columns, {"design": kind, "seed": seed, "bounds": ranges_given})
+    return SweepDesign(dim, columns, {"design": kind, "seed": seed, "bounds": ranges_given})
 
 
 def _bounds(name: str, value: Any, problems: Problems) -> Any:

@@ -116,7 +116,7 @@ def shard_of(shard: Any) -> tuple[int, int] | None:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class StudyFolder:
     """A study folder in use.
 
     Parameters
@@ -135,7 +135,7 @@ class Study:
     identities: ModelIdentities | None = None
 
     @classmethod
-    def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None, keep: bool = False) -> Study:
+    def begin(cls, folder: Path, plan: Plan, resume: bool = False, shard: Any = None, keep: bool = False) -> StudyFolder:
         """Begin a new folder for a plan, or continue an existing one if it belongs to the same study and may be resumed.
 
         With `keep` the models that are made are kept for the tiles that are to be solved.

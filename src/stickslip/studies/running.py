@@ -18,7 +18,7 @@ from stickslip.basics.pool import shared
 from stickslip.basics.status import Status
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import takes_closed_arcs
-from stickslip.studies.designs import Design
+from stickslip.studies.designs import SweepDesign
 from stickslip.studies.labelling import dataset, provenance_of
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import Plan, planned
@@ -36,7 +36,7 @@ Done = tuple[int, dict[str, Array], dict[str, int], str]  # index, columns, note
 @interruptible
 def sweep(
     make: Maker,
-    *designs: Design,
+    *designs: SweepDesign,
     periods: int = 200,
     duration: float | None = None,
     settle: int | str | None = "auto",
@@ -68,7 +68,7 @@ def sweep(
     make : callable or Robot
         A function that makes a robot from the keyword arguments, such as a preset; or a robot, whose fields then have dotted names:
         ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
-    *designs : stickslip.designs.Design
+    *designs : stickslip.studies.designs.SweepDesign
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
     periods, duration, settle, rtol, method, slip_ratio, dwell
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
@@ -162,11 +162,11 @@ def carried_out(
     watch = Watch(plan.cases, progress)
     if out is None:
         return _in_memory(plan, tile, workers, client, retries, watch)
-    from stickslip.studies.folder import Study
+    from stickslip.studies.folder import StudyFolder
     from stickslip.studies.opening import open_study
     from stickslip.studies.tiles import read_tile
 
-    study = Study.begin(Path(out), plan, resume=resume, shard=shard, keep=client is None and plan.along is None)
+    study = StudyFolder.begin(Path(out), plan, resume=resume, shard=shard, keep=client is None and plan.along is None)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
     todo = study.todo
     with partial_result() as ending:

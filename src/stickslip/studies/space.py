@@ -16,7 +16,7 @@ from stickslip.basics.fields import leaves, masked_in
 from stickslip.basics.number_names import numbers_meant
 from stickslip.models.naming import in_its_unit
 from stickslip.models.switching_flow import is_flow
-from stickslip.studies.designs import Design
+from stickslip.studies.designs import SweepDesign
 
 #: Initial values that may also be axes.
 START = ("start.x", "start.v", "start.z")
@@ -109,7 +109,7 @@ def _count(space: Space, make: Model | Callable[..., Any]) -> None:
 def _check_designs(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> None:
     taken: set[str] = set(axes)
     for design in designs:
-        if not isinstance(design, Design):
+        if not isinstance(design, SweepDesign):
             raise InputError("sweep", [_no_design(design)])
         for name in [n for n in design.columns if n in taken]:
             problems.add(f"{name} is given twice")
@@ -122,7 +122,7 @@ def _no_design(given: Any) -> str:
     return f"{reprlib.repr(given)} is not a design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"
 
 
-def _add_design(space: Space, design: Design) -> None:
+def _add_design(space: Space, design: SweepDesign) -> None:
     dim, n = design.dim, len(design)
     space.sizes[dim] = n
     labels = np.arange(n) if design.labels is None else np.asarray(design.labels)

@@ -244,17 +244,17 @@ def test_the_report_and_the_numbers_have_the_verdicts(result, html):
 
 
 def test_words_of_motions_that_are_not_periodic():
-    from stickslip.show.paper.section5_motions import Motion
+    from stickslip.show.paper.section5_motions import FigureMotion
 
-    wild = Motion(0, "chaotic", None, (), 0.4531, 0.0081, None, None, "")
+    wild = FigureMotion(0, "chaotic", None, (), 0.4531, 0.0081, None, None, "")
     assert (wild.word, wild.multiplier, wild.exponents) == ("chaotic", "none", "0.453 ± 0.008")
-    still = Motion(0, "periodic", 1, (1e-15 + 0j,), -math.inf, 0.0, 0.0, 0.0, "")
+    still = FigureMotion(0, "periodic", 1, (1e-15 + 0j,), -math.inf, 0.0, 0.0, 0.0, "")
     assert (still.multiplier, still.exponents, still.from_multiplier) == ("below 10⁻¹²", "−∞", None)
-    sharp = Motion(0, "periodic", 1, (0.0381 + 0j,), -3.26781, 4e-12, 0.0, 0.0, "")
+    sharp = FigureMotion(0, "periodic", 1, (0.0381 + 0j,), -3.26781, 4e-12, 0.0, 0.0, "")
     assert sharp.exponents == "−3.26781"  # an error below the last digit is not printed
-    tiny = Motion(0, "periodic", 1, (1e-15 + 0j,), -46.97, 0.1, 0.0, 0.0, "")
+    tiny = FigureMotion(0, "periodic", 1, (1e-15 + 0j,), -46.97, 0.1, 0.0, 0.0, "")
     assert tiny.exponents == "below −28"  # as the multiplier beside it
-    turning = Motion(0, "periodic", 1, (1e-3 + 1e-3j,), -6.56, 0.2, 0.0, 0.0, "")
+    turning = FigureMotion(0, "periodic", 1, (1e-3 + 1e-3j,), -6.56, 0.2, 0.0, 0.0, "")
     assert turning.multiplier.startswith("|λ| = 0.00141")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.analysis.bench.envelopes import envelope
-from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
+from stickslip.analysis.bench.findings import Experiment, ExperimentCurve, Quantity
 from stickslip.analysis.bench.setup import Setup, shorter
 from stickslip.models.machines import ForcedOscillator
 
@@ -38,7 +38,7 @@ def drift(bench: Setup) -> Experiment:
     way = _per_period(run, periods, T)
     t, x = envelope(run, "x", 0.0, periods * T, periods * _SHOWN, bench.pace)
     return Experiment(
-        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, x),),
+        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (ExperimentCurve("mass", t, x),),
         (Quantity("drift", "drift", way, "m", f"displacement per period of {T:.3g} s, mean of the last {periods // 2}"),),
         {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
         _remark(bench, pushed),

@@ -56,7 +56,7 @@ class Quantity:
 
 
 @sealed
-class Curve:
+class ExperimentCurve:
     """One line of a figure: a name and two arrays of equal length, in the units of its experiment."""
 
     name: str
@@ -74,7 +74,7 @@ class Experiment:
         Short name and title.
     x, y : tuple of str
         Label and unit of the axes.
-    curves : tuple of Curve
+    curves : tuple of ExperimentCurve
     numbers : tuple of Quantity
     conditions : dict
         Settings: name -> (value, unit).
@@ -88,7 +88,7 @@ class Experiment:
     title: str
     x: tuple[str, str]
     y: tuple[str, str]
-    curves: tuple[Curve, ...]
+    curves: tuple[ExperimentCurve, ...]
     numbers: tuple[Quantity, ...]
     conditions: dict[str, tuple[float, str]] = field(default_factory=dict)
     remark: str = ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stickslip.analysis.bench.contact import MovedContact, swing
-from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
+from stickslip.analysis.bench.findings import Experiment, ExperimentCurve, Quantity
 from stickslip.analysis.bench.setup import HELD, Setup
 
 #: Turning points of the hysteresis, in units of its reach: an inner loop from 0 to 1/2 and back within the second outer loop.
@@ -26,7 +26,7 @@ def hysteresis(bench: Setup) -> Experiment:
     stiffness = math.inf if bench.set_valued and bench.holds[1] > 0 else bench.contact_stiffness
     return Experiment(
         "hysteresis", "pre-sliding hysteresis", ("displacement x", "m"), ("friction force R", "N"),
-        (Curve("to and fro", *zip(*points, strict=True)),),
+        (ExperimentCurve("to and fro", *zip(*points, strict=True)),),
         (
             Quantity("stiffness", "contact stiffness", stiffness, "N/m", "slope of the force over the displacement of a fresh contact"),
             Quantity("loop_loss", "loss of the loop", marks[2][0] - marks[0][0], "J", f"over +-{reach:.3g} m, slowly"),
@@ -58,8 +58,8 @@ def dissipation(bench: Setup) -> Experiment:
     return Experiment(
         "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle W", "J"),
         (
-            Curve("slow cycles", amplitudes, losses),
-            Curve("sliding all the way", amplitudes, [box * a / amplitudes[shown] for a in amplitudes]),
+            ExperimentCurve("slow cycles", amplitudes, losses),
+            ExperimentCurve("sliding all the way", amplitudes, [box * a / amplitudes[shown] for a in amplitudes]),
         ),
         (
             Quantity("loss", "loss per cycle", losses[shown], "J", f"at an amplitude of {amplitudes[shown]:.3g} m, slowly"),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.bench.envelopes import envelope
-from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
+from stickslip.analysis.bench.findings import Experiment, ExperimentCurve, Quantity
 from stickslip.analysis.bench.setup import FAST, HELD, Setup, shorter
 from stickslip.basics.contracts import Array
 from stickslip.models.machines import PulledMass
@@ -32,7 +32,7 @@ def breakaway(bench: Setup) -> Experiment:
     rates = [r * bench.force * bench.pace for r in (RATES[3:6] if bench.short else RATES)]
     forces = [bench.holds[1] if bench.set_valued else _breakaway(bench, rate) for rate in rates]
     return Experiment(
-        "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force F", "N"), (Curve("forwards", rates, forces),),
+        "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force F", "N"), (ExperimentCurve("forwards", rates, forces),),
         (
             Quantity("breakaway_slow", "break-away, slow", forces[0], "N",
                      f"largest friction before sliding, force rising by {rates[0]:.3g} N/s"),
@@ -92,7 +92,7 @@ def stick_slip(bench: Setup) -> Experiment:
     return Experiment(
         "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip",
         ("time t", "s"), ("velocity v", "m/s"),
-        (Curve("mass", t - begin, v), Curve("pull", (0.0, end - begin), (speed, speed))),
+        (ExperimentCurve("mass", t - begin, v), ExperimentCurve("pull", (0.0, end - begin), (speed, speed))),
         (
             Quantity("stick_slip", "stick-slip", sticks, "", "whether the mass stays still for a part of each cycle"),
             Quantity("stick_slip_period", "its period", period if sticks else math.nan, "s",

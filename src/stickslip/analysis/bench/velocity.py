@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from stickslip.analysis.bench.findings import Curve, Experiment, Quantity
+from stickslip.analysis.bench.findings import Experiment, ExperimentCurve, Quantity
 from stickslip.analysis.bench.setup import Setup
 
 #: Speeds of the steady curve, and angular frequencies of the lag experiment, in typical units of the law.
@@ -23,7 +23,11 @@ def steady_friction(bench: Setup) -> Experiment:
     low, high = bench.holds
     return Experiment(
         "steady", "steady friction", ("speed |v|", "m/s"), ("friction force |R|", "N"),
-        (Curve("forwards", speeds, forward), Curve("backwards", speeds, [-R for R in backward]), *_at_rest(bench, speeds[0])),
+        (
+            ExperimentCurve("forwards", speeds, forward),
+            ExperimentCurve("backwards", speeds, [-R for R in backward]),
+            *_at_rest(bench, speeds[0]),
+        ),
         (
             Quantity("slow_forward", "static or slow, forwards", high, "N", _holding(bench)),
             Quantity("slow_backward", "static or slow, backwards", abs(low), "N", "the same for motion backwards"),
@@ -34,10 +38,10 @@ def steady_friction(bench: Setup) -> Experiment:
     )  # fmt: skip
 
 
-def _at_rest(bench: Setup, edge: float) -> tuple[Curve, ...]:
+def _at_rest(bench: Setup, edge: float) -> tuple[ExperimentCurve, ...]:
     """The static friction limits if rest is exact; a logarithmic axis has no place for speed 0, so they stand at its end."""
     low, high = bench.holds
-    return (Curve("at rest", (edge, edge), (high, -low)),) if bench.set_valued and high - low > 0 else ()
+    return (ExperimentCurve("at rest", (edge, edge), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
 def shown(bench: Setup, v: float) -> float:
@@ -70,8 +74,8 @@ def lag(bench: Setup) -> Experiment:
     widths = [_area(loop) / (2.0 * swing) if bench.remembers else 0.0 for loop in loops]
     shown = max(range(len(widths)), key=lambda k: abs(widths[k]))
     curves = [
-        Curve(f"{omega:.3g} rad/s", *zip(*loop, strict=True)) for omega, loop in zip(frequencies, loops, strict=True)
-    ] if bench.remembers else [Curve("any frequency", *zip(*loops[0], strict=True))]  # fmt: skip
+        ExperimentCurve(f"{omega:.3g} rad/s", *zip(*loop, strict=True)) for omega, loop in zip(frequencies, loops, strict=True)
+    ] if bench.remembers else [ExperimentCurve("any frequency", *zip(*loops[0], strict=True))]  # fmt: skip
     lagging = "rising minus falling velocity, mean over the swing of the velocity"
     return Experiment(
         "lag", "frictional lag", ("velocity v", "m/s"), ("friction force R", "N"), tuple(curves),

@@ -12,7 +12,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.attractors.kinds_of_motion import CHAOTIC, PERIODIC, QUASI_PERIODIC, RUNS_AWAY, UNSETTLED
 from stickslip.dynamics.attractors.period_numbers import LONGEST, long_period, return_tolerance
-from stickslip.dynamics.attractors.starts_run_on import ERRORS, STRETCH, Watched
+from stickslip.dynamics.attractors.starts_run_on import ERRORS, STRETCH, WatchedStarts
 from stickslip.dynamics.exponents.closed_curves import smooth_weights, winding_number
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, difference_jacobian, strobe_orbit
 
@@ -29,7 +29,7 @@ _TRIES = 4  # orbits that are looked for in a group, at most one for each start
 _EXPECTED = 5.0  # ends of transients that should have been seen, had the rate of before gone on, where none was: e^-5 < 1 %
 
 
-def late_ends(watched: Watched, own: Array) -> str:
+def late_ends(watched: WatchedStarts, own: Array) -> str:
     """A reason why motions of a group that look chaotic may be transients: others that ended late. Empty where none did."""
     end, left = own[watched.end[own]], watched.kind[own] == UNSETTLED
     last = np.count_nonzero(watched.kind[end] != UNSETTLED)
@@ -48,7 +48,7 @@ def late_ends(watched: Watched, own: Array) -> str:
 class GroupOfStarts:
     """Starts of one model without a period within the limit, and what they are."""
 
-    def __init__(self, batch: Any, watched: Watched, rtol: float, rows: Array, late: str):
+    def __init__(self, batch: Any, watched: WatchedStarts, rtol: float, rows: Array, late: str):
         self.of, self.rtol, self.rows, self.late = watched, rtol, rows, late
         self.model = cases_of(some_of(batch, rows[:1]))[0]
         self.orbits: list[tuple[Array, float, Array]] = []

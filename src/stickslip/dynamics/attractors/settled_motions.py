@@ -30,7 +30,7 @@ from stickslip.basics.interruption import Ending, partial_result
 from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, RUNS_AWAY, UNSETTLED, UNSOLVED
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
-from stickslip.dynamics.attractors.starts_run_on import STRETCH, StartsRun, Watched
+from stickslip.dynamics.attractors.starts_run_on import STRETCH, StartsRun, WatchedStarts
 from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
@@ -138,9 +138,9 @@ def settled_motions(
     """
     cases = len(states)
     groups = np.zeros(cases, int) if groups is None else groups
-    whole = Watched(at, cases, states.shape[1], points)
+    whole = WatchedStarts(at, cases, states.shape[1], points)
 
-    def work(part: slice, tell: Callable[[float], None]) -> Watched:
+    def work(part: slice, tell: Callable[[float], None]) -> WatchedStarts:
         run = StartsRun(some_of(batch, part), np.array(states[part], float), at, rtol, points)
         run.settle(settle, limit, tell)
         run.look_long(exponents)

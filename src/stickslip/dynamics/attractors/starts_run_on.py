@@ -29,7 +29,7 @@ _FAR = 1e4  # in scales: a state beyond this, which has grown by half in each of
 _HALVINGS = 30  # of a drive period, in search of the instant at which a run ends
 
 
-class Watched:
+class WatchedStarts:
     """What is known of some starts: arrays with a row for each."""
 
     def __init__(self, at: Coordinates, cases: int, d: int, points: int):
@@ -41,7 +41,7 @@ class Watched:
         self.grows = np.zeros(cases, bool)  # far away, and ever farther
         self.half, self.end = np.zeros(cases, bool), np.zeros(cases, bool)  # irregular when the second half of the run began, at its end
 
-    def put(self, part: slice, watched: Watched) -> None:
+    def put(self, part: slice, watched: WatchedStarts) -> None:
         """Note what is known of a part."""
         for name in ("points", "ways", "kind", "period", "exponent", "error", "run", "why", "grows", "half", "end"):
             getattr(self, name)[part] = getattr(watched, name)
@@ -53,7 +53,7 @@ class StartsRun:
 
     def __init__(self, batch: Any, states: Array, at: Coordinates, rtol: float, points: int):
         self.batch, self.at, self.rtol, self.starts = batch, at, rtol, states
-        self.tolerance, self.watched = return_tolerance(rtol), Watched(at, states.shape[0], states.shape[1], points)
+        self.tolerance, self.watched = return_tolerance(rtol), WatchedStarts(at, states.shape[0], states.shape[1], points)
         self.left = np.zeros(0, int)
         self.sizes: list[Array] = []  # of all states in their scales, after each stage
 

@@ -5,7 +5,7 @@
 
 from typing import Any
 
-from stickslip.basics.contracts import Machine as OneContact
+from stickslip.basics.contracts import OneContact
 from stickslip.models.machines.block_on_belt import BlockOnBelt
 from stickslip.models.machines.bodies import Bodies
 from stickslip.models.machines.chain import Chain

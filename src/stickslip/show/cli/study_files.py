@@ -27,7 +27,7 @@ _TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "ident
 
 
 @dataclass(frozen=True)
-class Study:
+class StudyFile:
     """The content of a study file, or a preset.
 
     Parameters
@@ -48,14 +48,14 @@ class Study:
     optimise: Any = None
 
 
-def study_named(name: str) -> Study:
+def study_named(name: str) -> StudyFile:
     """The preset, study file or function of this name."""
     from stickslip.models.presets import PRESETS
 
     if name in PRESETS:
-        return Study(PRESETS[name])
+        return StudyFile(PRESETS[name])
     if ":" in name:
-        return Study(_imported(name))
+        return StudyFile(_imported(name))
     path = as_path(name, "robot")
     if path.suffix.lower() != ".toml" and not path.exists():
         near = did_you_mean(name, PRESETS)
@@ -116,7 +116,7 @@ def _is_usable(made: Any) -> bool:
 
 
 # ---- reading ----
-def _read(text: str, name: str, folder: Path) -> Study:
+def _read(text: str, name: str, folder: Path) -> StudyFile:
     """The study in a file's text; all errors are reported together, with their lines."""
     from stickslip.models.tables import document_of
 
@@ -133,7 +133,7 @@ def _read(text: str, name: str, folder: Path) -> Study:
         problems.add('arguments is not a table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
     if problems.mistakes:
         raise InputError(what, located(problems.mistakes, lines_of(text)))
-    return Study(make, arguments, options, document.get("optimise"))
+    return StudyFile(make, arguments, options, document.get("optimise"))
 
 
 def _made(document: dict[str, Any]) -> bool:

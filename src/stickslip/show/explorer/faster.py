@@ -23,7 +23,7 @@ from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.machines import OF_A_ROBOT, Shown
 from stickslip.show.explorer.requests import Message
 from stickslip.show.explorer.sliders import PARAMETERS, Parameter
-from stickslip.show.explorer.surroundings import PATIENCE, Stop, Stopped
+from stickslip.show.explorer.surroundings import PATIENCE, IsCancelled, Stopped
 
 #: As for maps: loose enough for the fast method, tight enough for four digits.
 _RTOL = 1e-4
@@ -45,7 +45,7 @@ class _Page:
     waits: str
 
 
-def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> dict[str, Any]:
+def faster_of(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None = None) -> dict[str, Any]:
     """The best values of the selected sliders, with the numbers of the motion before and after."""
     assert asked.wish is not None
     page = _of_robot(asked, kernels) if asked.machine is None else _of_machine(asked, kernels, shown)
@@ -116,7 +116,7 @@ def _varied(page: _Page, name: str) -> Varied:
 
 
 # ---- the search ----
-def _searched(space: Unknowns, here: Any, sign: float, limits: list[Limit], stop: Stop) -> tuple[Candidates, list[str]]:
+def _searched(space: Unknowns, here: Any, sign: float, limits: list[Limit], stop: IsCancelled) -> tuple[Candidates, list[str]]:
     """The population of a search that ends at the time limit, or when it is superseded."""
     end = time.monotonic() + PATIENCE
 

@@ -32,7 +32,7 @@ SAW: Shape = ((0.0,) * 5, tuple(1.0 / i**2 for i in range(1, 6)))
 
 
 @dataclass(frozen=True)
-class Part:
+class Choice:
     """A choice on the page.
 
     Parameters
@@ -125,39 +125,39 @@ def _plain_drives() -> Iterator[tuple[str, dict[str, str]]]:
 PLAIN_DRIVES: dict[type, tuple[str, dict[str, str]]] = {_KINDS[name]: (name, names) for name, names in _plain_drives()}
 
 
-def _plain_part(cls: type) -> Part:
+def _plain_part(cls: type) -> Choice:
     name, names = PLAIN_DRIVES[cls]
-    return Part(_PLAIN[name], _described(cls, names), lambda p: cls(**{field: p[parameter] for field, parameter in names.items()}))
+    return Choice(_PLAIN[name], _described(cls, names), lambda p: cls(**{field: p[parameter] for field, parameter in names.items()}))
 
 
 _SAID = {name: _plain_part(cls) for cls, (name, _) in PLAIN_DRIVES.items()}
 _TWO = _SAID["twophase"]
-DRIVES: dict[str, Part] = {
+DRIVES: dict[str, Choice] = {
     "harmonic": _SAID.pop("harmonic"),
-    "piezobeam": Part("piezo beam, harmonic", _BEAM, _beam),
-    "multiharmonic": Part(
+    "piezobeam": Choice("piezo beam, harmonic", _BEAM, _beam),
+    "multiharmonic": Choice(
         "two harmonics",
         _SINE | _SECOND,
         lambda p: MultiHarmonic(omega=p["omega"], amplitudes=(p["amplitude"], p["second_amplitude"]), phases=(0.0, p["second_phase"])),
     ),
     **_SAID,
-    "pieces": Part("three pieces", _PIECES, _pieces),
-    "recorded": Part("recorded (a saw, or your record)", _SINE, _recorded),
-    "verticalvibration": Part(
+    "pieces": Choice("three pieces", _PIECES, _pieces),
+    "recorded": Choice("recorded (a saw, or your record)", _SINE, _recorded),
+    "verticalvibration": Choice(
         "harmonic, with vertical vibration",
         _SINE | _LIFT,
         lambda p: VerticalVibration(Harmonic(amplitude=p["amplitude"], omega=p["omega"]), amplitude=p["lift"], phase=p["lift_phase"]),
     ),
-    "reversed": Part("two-phase, reversed", _TWO.parameters, lambda p: Reversed(_TWO.make(p))),
+    "reversed": Choice("two-phase, reversed", _TWO.parameters, lambda p: Reversed(_TWO.make(p))),
 }
 
 # ---- tracks ----
 _TILTED = {"tilt_deg": TILT_DEG}
-TRACKS: dict[str, Part] = {
-    "folded": Part("incline, folded in (Eq. 4.1)", _TILTED, lambda p: Level(folded=_tilt(p))),
-    "gravity": Part("incline, with gravity", _TILTED, lambda p: Incline(tilt=_tilt(p))),
-    "level": Part("level", {}, lambda p: Level()),
-    "varying": Part(
+TRACKS: dict[str, Choice] = {
+    "folded": Choice("incline, folded in (Eq. 4.1)", _TILTED, lambda p: Level(folded=_tilt(p))),
+    "gravity": Choice("incline, with gravity", _TILTED, lambda p: Incline(tilt=_tilt(p))),
+    "level": Choice("level", {}, lambda p: Level()),
+    "varying": Choice(
         "incline, friction varies in time",
         _TILTED
         | {"depth": described_by(VaryingFriction, "depth"), "grip_phase": {**described_by(VaryingFriction, "phase"), "example": 0.0}},
@@ -180,9 +180,9 @@ def _anisotropic(p: Values) -> dict[str, Any]:
 
 
 _COEFFICIENTS = {"mu_plus": MU_PLUS, "mu_minus": MU_MINUS, "f_plus": F_PLUS, "f_minus": F_MINUS}
-CONTACTS: dict[str, Part] = {
-    "isotropic": Part("the same in both directions", {"mu0": MU0, "f0": F0}, _isotropic),
-    "anisotropic": Part("different in the two directions", _COEFFICIENTS, _anisotropic),
+CONTACTS: dict[str, Choice] = {
+    "isotropic": Choice("the same in both directions", {"mu0": MU0, "f0": F0}, _isotropic),
+    "anisotropic": Choice("different in the two directions", _COEFFICIENTS, _anisotropic),
 }
 #: Speeds at which the tabulated law samples the Stribeck curve, in Stribeck velocities.
 _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
@@ -191,7 +191,7 @@ _EVERYWHERE = {name: described_by(Robot, name) for name in ("body_mass", "inner_
 
 def _of_all_but_laws() -> dict[str, Description]:
     """The parameters of everything but friction laws, in the order of the page."""
-    parts = [*DRIVES.values(), *TRACKS.values(), Part("", _EVERYWHERE, Robot), *CONTACTS.values()]
+    parts = [*DRIVES.values(), *TRACKS.values(), Choice("", _EVERYWHERE, Robot), *CONTACTS.values()]
     return {name: described for part in parts for name, described in part.parameters.items()}
 
 
@@ -207,7 +207,7 @@ def _numbers_of_laws() -> dict[str, dict[str, str]]:
 FIELDS = _numbers_of_laws()
 
 
-def _law(name: str) -> Part:
+def _law(name: str) -> Choice:
     cls: Any = LAWS[name]
     numbers = FIELDS[name]
     own = {f.name for f in dataclasses.fields(cls)}
@@ -216,7 +216,7 @@ def _law(name: str) -> Part:
         given = {key: value for key, value in contact.items() if key in own}
         return cls(**given, **{field: p[parameter] for field, parameter in numbers.items()})
 
-    return Part(_label(cls), _described(cls, numbers), make)
+    return Choice(_label(cls), _described(cls, numbers), make)
 
 
 def _label(cls: type) -> str:
@@ -236,8 +236,8 @@ def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
     return Tabulated(speed=speed, mu_plus=column("plus"), mu_minus=column("minus"))
 
 
-FRICTION: dict[str, Part] = {
-    name: Part("Tabulated (a Stribeck curve)", {"v_s": V_S}, _tabulated) if name == "tabulated" else _law(name)
+FRICTION: dict[str, Choice] = {
+    name: Choice("Tabulated (a Stribeck curve)", {"v_s": V_S}, _tabulated) if name == "tabulated" else _law(name)
     for name, law in LAWS.items()
     if adapted(law.example()).compiles
 }

@@ -69,7 +69,7 @@ DEFAULT = State()
 
 
 @dataclass(frozen=True)
-class Plane:
+class MapWindow:
     """The window of a map or, with one axis, of a strip.
 
     Parameters
@@ -111,7 +111,7 @@ class Message:
     id: int
     state: State
     fine: bool = False
-    plane: Plane | None = None
+    plane: MapWindow | None = None
     machine: Mapping[str, float] | None = None  # numbers of the machine that the page shows
     wish: Wish | None = None
 
@@ -247,7 +247,7 @@ def _number(name: str, value: Any, where: str, problems: Problems) -> bool:
     return True
 
 
-def _plane(given: Any, shown: State, count: int) -> Plane:
+def _plane(given: Any, shown: State, count: int) -> MapWindow:
     """The axes of a map or a strip: one table for each, with name, from, to, cells."""
     problems = Problems("axes")
     if not isinstance(given, list) or len(given) != count or not all(isinstance(axis, dict) for axis in given):
@@ -264,7 +264,7 @@ def _plane(given: Any, shown: State, count: int) -> Plane:
         problems.add("both axes are the same; choose two parameters")
     problems.check()
     spans = tuple((float(axis["from"]), float(axis["to"])) for axis in given)
-    return Plane(tuple(names), spans, tuple(axis["cells"] for axis in given))
+    return MapWindow(tuple(names), spans, tuple(axis["cells"] for axis in given))
 
 
 def _is_finite(value: Any) -> bool:

@@ -18,7 +18,7 @@ from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.machines import OF_A_ROBOT, Shown, picture
 from stickslip.show.explorer.models import FRICTION
 from stickslip.show.explorer.requests import Message, State
-from stickslip.show.explorer.surroundings import Stop, Stopped, map_of, strip_of
+from stickslip.show.explorer.surroundings import IsCancelled, Stopped, map_of, strip_of
 from stickslip.solvers import solve
 
 #: Drive periods of a run while a slider moves, and after its release.
@@ -26,7 +26,7 @@ COARSE, FINE = 40, 200
 SAMPLES, LONGEST = 256, 8
 
 
-def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
+def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None = None) -> bytes:
     """The response to a request, where `shown` is the server's machine; errors in the numbers also give a response."""
     head = {"channel": asked.channel, "id": asked.id}
     response: tuple[dict[str, Any], dict[str, Any]]
@@ -50,7 +50,7 @@ def sentence(problem: str) -> str:
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
 
-def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) -> dict[str, Any]:
+def _machine(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | None) -> dict[str, Any]:
     """The picture of the machine with the requested numbers."""
     if shown is None or asked.machine is None:
         raise InputError("machine", [OF_A_ROBOT])
@@ -60,7 +60,7 @@ def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) 
     return picture(shown, asked.fine, model, _stopped_by(stop))
 
 
-def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
+def _stopped_by(stop: IsCancelled | None) -> Callable[[int, int], None]:
     """The callback that ends a run when its result is no longer needed."""
 
     def tell(done: int, whole: int) -> None:
@@ -71,14 +71,14 @@ def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
 
 
 # ---- curves ----
-def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: Stop | None = None) -> Any:
+def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: IsCancelled | None = None) -> Any:
     """The run of one law, cancelled when its result is no longer needed."""
     made = state.robot(law) if robot is None else robot
     periods = affordable(made, FINE if fine else COARSE)
     return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=_stopped_by(stop))
 
 
-def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
+def _curves(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[str, Any], dict[str, Any]]:
     state, laws, runs = asked.state, [], {}
     for law in state.laws:
         entry: dict[str, Any] = {"name": law, "label": FRICTION[law].label}

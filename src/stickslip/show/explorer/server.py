@@ -24,7 +24,7 @@ from stickslip.inverse.optimisation.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.inverse.optimisation.results import quantities
 from stickslip.models.drives.within import drives_within
 from stickslip.show.explorer.exports import EXPORTS, export
-from stickslip.show.explorer.guard import Guard, is_loopback
+from stickslip.show.explorer.guard import RequestGuard, is_loopback
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown, in_words, report, study
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
@@ -212,7 +212,7 @@ def application(
         Route("/drive/{name}", _record, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
-    return Guard(Starlette(routes=routes, lifespan=life), host, token)
+    return RequestGuard(Starlette(routes=routes, lifespan=life), host, token)
 
 
 class _Server(uvicorn.Server):

@@ -18,7 +18,7 @@ from stickslip.show.explorer.requests import Message, State
 from stickslip.show.explorer.sliders import PARAMETERS
 from stickslip.solvers import solve
 
-Stop = Callable[[], bool]
+IsCancelled = Callable[[], bool]
 
 #: Motion types in the order of their codes on a map.
 TYPES = ("rest", "presliding", "I", "II", "III", "IV", "other")
@@ -35,7 +35,7 @@ class Stopped(Exception):
 
 
 # ---- maps ----
-def map_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
+def map_of(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[str, Any], dict[str, Any]]:
     """Mean velocity, type, period number and fraction at rest for a grid of robots."""
     state, plane = asked.state, asked.plane
     assert plane is not None
@@ -82,7 +82,7 @@ def _codes(types: Any) -> Any:
     return codes
 
 
-def watch(stop: Stop) -> Callable[[int, int], None]:
+def watch(stop: IsCancelled) -> Callable[[int, int], None]:
     """A progress callback that ends the work if it is superseded or takes too long."""
     began = time.perf_counter()
 
@@ -97,7 +97,7 @@ def watch(stop: Stop) -> Callable[[int, int], None]:
 
 
 # ---- the strip ----
-def strip_of(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
+def strip_of(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[str, Any], dict[str, Any]]:
     """Velocities at the start of some drive periods, the mean velocity, and whether they repeat, along one parameter."""
     state, plane = asked.state, asked.plane
     assert plane is not None

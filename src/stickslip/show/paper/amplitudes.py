@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.show.paper.cases import EXPERIMENTS, Experiment
-from stickslip.show.paper.one_amplitude import Candidates, candidates
+from stickslip.show.paper.cases import EXPERIMENTS, PrintedExperiment
+from stickslip.show.paper.one_amplitude import AmplitudeSearch, candidates
 from stickslip.show.paper.readings import READINGS, STATED, Reading
 from stickslip.show.paper.solved_runs import Tell, batch
 
-__all__ = ["ROUNDING", "Amplitudes", "Bracket", "Fit", "Interval", "infer", "overlap"]
+__all__ = ["ROUNDING", "AmplitudeBracket", "Amplitudes", "Interval", "ReadingFit", "infer", "overlap"]
 
 #: Half of the last printed digit of a mean velocity [m/s].
 ROUNDING = 5e-5
@@ -21,12 +21,12 @@ Interval = tuple[float, float] | None
 
 
 @dataclass(frozen=True, eq=False)
-class Bracket:
+class AmplitudeBracket:
     """Amplitudes for one angle of section 4 that reproduce the printed values under one reading.
 
     Parameters
     ----------
-    experiment : Experiment
+    experiment : PrintedExperiment
     coulomb, lugre : tuple or None
         First and last amplitude [m] at which our mean velocity rounds to the printed one, with either law.
     type : tuple or None
@@ -41,7 +41,7 @@ class Bracket:
         The scan itself: amplitude, coulomb, lugre [m, m/s, m/s].
     """
 
-    experiment: Experiment
+    experiment: PrintedExperiment
     coulomb: Interval
     lugre: Interval
     type: Interval
@@ -58,11 +58,11 @@ class Bracket:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ReadingFit:
     """Section 4 under one reading: its four angles, and how many of the printed velocities and types come out."""
 
     reading: Reading
-    brackets: tuple[Bracket, ...]
+    brackets: tuple[AmplitudeBracket, ...]
 
     @property
     def velocities(self) -> int:
@@ -86,11 +86,11 @@ class Fit:
 class Amplitudes:
     """The inferred amplitudes of sections 4 and 5, the reading under which most comes out first."""
 
-    fits: tuple[Fit, ...]
-    section5: Candidates
+    fits: tuple[ReadingFit, ...]
+    section5: AmplitudeSearch
 
     @property
-    def section4(self) -> tuple[Bracket, ...]:
+    def section4(self) -> tuple[AmplitudeBracket, ...]:
         """The four angles under the stated reading."""
         return next(f.brackets for f in self.fits if f.reading == STATED)
 
@@ -108,13 +108,13 @@ def infer(fast: bool, tell: Tell) -> Amplitudes:
     step, fits = 1e-6 if fast else 5e-7, []
     for i, reading in enumerate(READINGS):
         tell("inferring amplitudes of section 4", i, len(READINGS))
-        fits.append(Fit(reading, tuple(_bracket(e, reading, 5e-7 if reading == STATED else step) for e in EXPERIMENTS)))
+        fits.append(ReadingFit(reading, tuple(_bracket(e, reading, 5e-7 if reading == STATED else step) for e in EXPERIMENTS)))
     tell("inferring amplitudes of section 4", len(READINGS), len(READINGS))
     order = sorted(fits, key=lambda f: -(f.velocities + f.types))
     return Amplitudes(tuple(order), candidates(fast, tell))
 
 
-def _bracket(e: Experiment, reading: Reading, step: float) -> Bracket:
+def _bracket(e: PrintedExperiment, reading: Reading, step: float) -> AmplitudeBracket:
     coarse = np.arange(3e-4, 1.8e-3, 2e-5)
     rough = batch(reading.coulomb(e, amplitude=coarse), settle="auto").mean_velocity
     near = coarse[abs(rough - e.coulomb) < 0.25 * e.coulomb]
@@ -130,7 +130,7 @@ def _bracket(e: Experiment, reading: Reading, step: float) -> Bracket:
     best = int(np.argmax(by_coulomb.astype(int) + by_lugre + by_type))
     scan = {"amplitude": A, "coulomb": exact.mean_velocity, "lugre": lugre}
     one, two, three, joint = (_interval(A, good) for good in (by_coulomb, by_lugre, by_type, by_coulomb & by_lugre & by_type))
-    return Bracket(e, one, two, three, joint, int(by_coulomb[best]) + int(by_lugre[best]), int(by_type[best]), step, scan)
+    return AmplitudeBracket(e, one, two, three, joint, int(by_coulomb[best]) + int(by_lugre[best]), int(by_type[best]), step, scan)
 
 
 def _interval(A: Any, good: Any) -> Interval:

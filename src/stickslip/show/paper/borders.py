@@ -13,7 +13,7 @@ from stickslip.models.friction.law_adapter import law_of
 from stickslip.show.paper.solved_runs import batch
 from stickslip.show.paper.words import listed
 
-__all__ = ["FOUR", "Stretch", "all_four", "exact_types", "in_words", "kinds", "longest", "stretches"]
+__all__ = ["FOUR", "WordInterval", "all_four", "exact_types", "in_words", "kinds", "longest", "stretches"]
 
 FOUR = ("I", "II", "III", "IV")
 
@@ -23,7 +23,7 @@ Words = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
-class Stretch:
+class WordInterval:
     """A word (such as a motion type) and the interval in which it holds."""
 
     word: Any
@@ -46,7 +46,7 @@ def exact_types(robot: Any) -> Any:
     return coulomb_type(law.sliding(1.0, load) / push, -law.sliding(-1.0, load) / push)
 
 
-def stretches(words: Words, low: float, high: float, points: int = POINTS, within: float = 0.0) -> tuple[Stretch, ...]:
+def stretches(words: Words, low: float, high: float, points: int = POINTS, within: float = 0.0) -> tuple[WordInterval, ...]:
     """The words along a number and the interval of each; one that holds for less than the distance of two points may be missed.
 
     Ends are found to the last bit, or to the relative distance `within`.
@@ -66,7 +66,7 @@ def stretches(words: Words, low: float, high: float, points: int = POINTS, withi
     ]
     ends = [low, *(value for value, _ in changes), high]
     names = [word.item() for word in (sampled[0], *(word for _, word in changes))]
-    return tuple(Stretch(word, float(a), float(b)) for word, a, b in zip(names, ends[:-1], ends[1:], strict=True))
+    return tuple(WordInterval(word, float(a), float(b)) for word, a, b in zip(names, ends[:-1], ends[1:], strict=True))
 
 
 def _between(words: Words, low: float, high: float, both: Any, within: float) -> Iterator[tuple[float, Any]]:
@@ -81,7 +81,7 @@ def _between(words: Words, low: float, high: float, both: Any, within: float) ->
         yield outer, word
 
 
-def longest(intervals: tuple[Stretch, ...], word: Any = True) -> tuple[float, float] | None:
+def longest(intervals: tuple[WordInterval, ...], word: Any = True) -> tuple[float, float] | None:
     """The longest interval in which a word holds; None if it never does."""
     held = [(s.low, s.high) for s in intervals if s.word == word]
     return max(held, key=lambda s: s[1] - s[0]) if held else None
@@ -97,6 +97,6 @@ def all_four(values: Any, rows: Any) -> Any:
     return values[[kinds(row) == 4 for row in rows.tolist()]]
 
 
-def in_words(intervals: tuple[Stretch, ...], say: Callable[[float], str]) -> str:
+def in_words(intervals: tuple[WordInterval, ...], say: Callable[[float], str]) -> str:
     """The words in order, with the value at which each ends."""
     return listed([*(f"{s.word} to {say(s.high)}" for s in intervals[:-1]), f"{intervals[-1].word} beyond"])

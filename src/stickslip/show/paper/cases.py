@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.basics.quantities import PAPER_AMPLITUDES
 
-__all__ = ["AMPLITUDE_5", "CASES", "EXPERIMENTS", "FAST_FIGURES", "OMEGA", "PRINTED", "Case", "Experiment", "rig"]
+__all__ = ["AMPLITUDE_5", "CASES", "EXPERIMENTS", "FAST_FIGURES", "OMEGA", "PRINTED", "Case", "PrintedExperiment", "rig"]
 
 #: Drive frequency of the experiments [rad/s] (section 4).
 OMEGA = 65.4 * math.pi
@@ -24,7 +24,7 @@ FAST_FIGURES = (6, 7, 8, 9, 10, 11, 15, 20, 22, 23, 27)
 
 
 @dataclass(frozen=True)
-class Experiment:
+class PrintedExperiment:
     """One experiment of section 4 with the printed results.
 
     Parameters
@@ -57,7 +57,9 @@ class Experiment:
     amplitude_source: str = _DATA["inferred"]["4"]
 
 
-EXPERIMENTS = tuple(Experiment(name, amplitude=PAPER_AMPLITUDES[row["tilt_deg"]], **row) for name, row in _DATA["experiments"].items())
+EXPERIMENTS = tuple(
+    PrintedExperiment(name, amplitude=PAPER_AMPLITUDES[row["tilt_deg"]], **row) for name, row in _DATA["experiments"].items()
+)
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def _case(figure: str, row: dict[str, Any]) -> Case:
 CASES = tuple(_case(figure, row) for figure, row in _DATA["figures"].items())
 
 
-def rig(case: Case | Experiment, **arguments: Any) -> Any:
+def rig(case: Case | PrintedExperiment, **arguments: Any) -> Any:
     """The robot of a case; arguments of the preset override it.
 
     Examples

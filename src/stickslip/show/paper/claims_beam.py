@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.show.paper.beam import VOLTAGE
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, OMEGA
-from stickslip.show.paper.claims_page import Claim, Study, judged
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged
 
 __all__ = ["sinusoidal_tip", "sum_of_modes"]
 
@@ -18,7 +18,7 @@ FREQUENCIES = np.concatenate([np.linspace(5, 30, 26), np.linspace(36, 60, 25)])
 STEEP = 0.15
 
 
-def sum_of_modes(study: Study) -> Claim:
+def sum_of_modes(study: ClaimData) -> PaperClaim:
     """The beam is a sum of modes."""
     beam, counts = study.beam, (1, 3, 8, 40)
     products = float(abs(beam.products() - np.eye(5)).max())
@@ -28,7 +28,7 @@ def sum_of_modes(study: Study) -> Claim:
     return judged("sum_of_modes", products < 1e-12 and falls, numbers, hertz=beam.frequency, frequencies=len(FREQUENCIES))
 
 
-def sinusoidal_tip(study: Study) -> Claim:
+def sinusoidal_tip(study: ClaimData) -> PaperClaim:
     """The tip moves as a sine."""
     beam = study.beam
     lines = np.fft.rfft(beam.settled())

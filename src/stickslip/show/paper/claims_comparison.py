@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.show.paper.cases import EXPERIMENTS, rig
-from stickslip.show.paper.claims_page import IN_PART, Claim, Study, judged, together
+from stickslip.show.paper.claims_page import IN_PART, ClaimData, PaperClaim, judged, together
 from stickslip.show.paper.solved_runs import batch, scaled_velocity
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
 ]
 
 
-def anisotropy(study: Study) -> Claim:
+def anisotropy(study: ClaimData) -> PaperClaim:
     """Net motion by anisotropy."""
     A = np.linspace(2e-4, 1.5e-3, 14 if study.fast else 53)
     level, forwards, mirrored = (
@@ -40,7 +40,7 @@ def anisotropy(study: Study) -> Claim:
     return judged("anisotropy", holds, numbers, A=A, still=A[forwards["coulomb"] == 0.0])
 
 
-def folding_coulomb(study: Study) -> Claim:
+def folding_coulomb(study: ClaimData) -> PaperClaim:
     """Folding an incline into friction, Coulomb."""
     tilt, A = np.array([e.tilt_deg for e in EXPERIMENTS]), np.array([e.amplitude for e in EXPERIMENTS])
     folded, gravity = (
@@ -51,7 +51,7 @@ def folding_coulomb(study: Study) -> Claim:
     return judged("folding_coulomb", difference < 1e-10, {"folded": folded.tolist(), "gravity": gravity.tolist()}, difference=difference)
 
 
-def folding_lugre(study: Study) -> Claim:
+def folding_lugre(study: ClaimData) -> PaperClaim:
     """Folding an incline into friction, LuGre."""
     sizes = [abs(r.gravity / r.lugre - 1) for r in study.table]
     parts = [(size < 1e-3, {"r": r}) for r, size in zip(study.table, sizes, strict=True)]
@@ -59,20 +59,20 @@ def folding_lugre(study: Study) -> Claim:
     return judged("folding_lugre", max(sizes) < 1e-3, numbers, parts, sizes=sizes)
 
 
-def four_types(study: Study) -> Claim:
+def four_types(study: ClaimData) -> PaperClaim:
     """Four types of motion."""
     parts = [(r.type == r.experiment.type, {"r": r}) for r in study.table]
     numbers = {"types": [r.type for r in study.table], "lugre_words": [r.lugre_words for r in study.table]}
     return judged("four_types", all(holds for holds, _ in parts), numbers, parts, table=study.table)
 
 
-def six_groups(study: Study) -> Claim:
+def six_groups(study: ClaimData) -> PaperClaim:
     """Six groups of experiments."""
     tilts = sorted({e.tilt_deg for e in EXPERIMENTS})
     return judged("six_groups", None if len(tilts) < 6 else True, {"reported": len(tilts)}, tilts=tilts)
 
 
-def closer_in_number(study: Study) -> Claim:
+def closer_in_number(study: ClaimData) -> PaperClaim:
     """LuGre closer in number."""
     e = [r.experiment for r in study.table]
     measured = np.array([x.measured for x in e])
@@ -106,7 +106,7 @@ def _errors(velocity: Any, measured: Any) -> dict[str, float]:
     }
 
 
-def closer_in_shape(study: Study) -> Claim:
+def closer_in_shape(study: ClaimData) -> PaperClaim:
     """LuGre closer in shape."""
     peaks, turns = {}, {}
     for e in EXPERIMENTS:
@@ -128,7 +128,7 @@ def _turns(v: Any, rest: Any) -> list[int]:
     return [int((s[1:] != s[:-1]).sum()) for s in signs]
 
 
-def _curves(study: Study, e: Any) -> tuple[Any, Any, Any]:
+def _curves(study: ClaimData, e: Any) -> tuple[Any, Any, Any]:
     """Both velocities over the last period, and the mask of rest of the Coulomb body."""
     run, other = study.runs.coulomb[e.name], study.runs.lugre[e.name]
     t = np.linspace(run.strobe_times[-2], run.strobe_times[-1], 4001)[:-1]
@@ -136,7 +136,7 @@ def _curves(study: Study, e: Any) -> tuple[Any, Any, Any]:
     return exact["v"], other.at(t)["v"], exact["mode"] == 0
 
 
-def type_four_same(study: Study) -> Claim:
+def type_four_same(study: ClaimData) -> PaperClaim:
     """Type four cannot tell the laws apart."""
     rows = {}
     for r in study.table:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.show.paper.borders import FOUR, exact_types, in_words, stretches
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
-from stickslip.show.paper.claims_page import Claim, Study, judged, together
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged, together
 from stickslip.show.paper.followed_motions import followed
 from stickslip.show.paper.one_amplitude import WANTED
 from stickslip.show.paper.readings import PRINTED_READING, STATED, Reading
@@ -18,7 +18,7 @@ from stickslip.show.paper.words import millimetres
 __all__ = ["all_types_by_amplitude", "always_periodic", "harmonic", "omega_as_amplitude"]
 
 
-def _figures(study: Study, section: str) -> list[dict[str, Any]]:
+def _figures(study: ClaimData, section: str) -> list[dict[str, Any]]:
     """For each figure of a section: the case, the exact type, and the LuGre label."""
     from stickslip.analysis.motion import motion
 
@@ -26,7 +26,7 @@ def _figures(study: Study, section: str) -> list[dict[str, Any]]:
     return [{"c": c, "exact": motion(study.runs.twins[c.figure]).type, "word": motion(study.runs.figures[c.figure]).type} for c in cases]
 
 
-def harmonic(study: Study) -> Claim:
+def harmonic(study: ClaimData) -> PaperClaim:
     """Harmonic motion at 1e-6 m."""
     run = study.runs.figures[11]
     t = np.linspace(run.strobe_times[-2], run.strobe_times[-1], 2049)[:-1]
@@ -39,7 +39,7 @@ def harmonic(study: Study) -> Claim:
     return judged("harmonic", distortion < 0.01 and abs(lines[1] / linear - 1) < 0.01, numbers)
 
 
-def all_types_by_amplitude(study: Study) -> Claim:
+def all_types_by_amplitude(study: ClaimData) -> PaperClaim:
     """All four types by the amplitude."""
     rows, A = _figures(study, "5.1")[1:], np.array([c.amplitude for c in CASES if c.section == "5.1"][1:])
     printed = exact_types(PRINTED_READING.coulomb(CASES[1], amplitude=A)).tolist()
@@ -59,7 +59,7 @@ def _borders(reading: Reading) -> str:
     return in_words(stretches(types, 2e-4, 8e-4, points=601, within=1e-9), millimetres)
 
 
-def always_periodic(study: Study) -> Claim:
+def always_periodic(study: ClaimData) -> PaperClaim:
     """Always periodic along the amplitude."""
     low, high = CASES[0].amplitude, 8e-4
     branch = followed("amplitude", high, low, high, step=0.1, rtol=1e-6)
@@ -68,7 +68,7 @@ def always_periodic(study: Study) -> Claim:
     return judged("always_periodic", end.kind == "range", numbers, end=end)
 
 
-def omega_as_amplitude(study: Study) -> Claim:
+def omega_as_amplitude(study: ClaimData) -> PaperClaim:
     """The frequency acts as the amplitude."""
     rows, omega = _figures(study, "5.2"), np.pi * np.linspace(30, 80, 26 if study.fast else 251)
     gap = {law: _gap(omega, law) for law in ("coulomb-static", "lugre")}

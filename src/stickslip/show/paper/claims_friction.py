@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.show.paper.borders import FOUR, exact_types, in_words, stretches
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.show.paper.claims_page import IN_PART, Claim, Study, judged, together
+from stickslip.show.paper.claims_page import IN_PART, ClaimData, PaperClaim, judged, together
 from stickslip.show.paper.one_amplitude import KINETIC
 from stickslip.show.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.show.paper.solved_runs import batch
@@ -22,7 +22,7 @@ ABOVE = 1e-9
 ROUND = 6e-4
 
 
-def ratios_above_one(study: Study) -> Claim:
+def ratios_above_one(study: ClaimData) -> PaperClaim:
     """k1, k2, k3 > 1."""
     laws = {str(c.figure): rig(c).friction for c in CASES}
     k = {n: [law.f_plus / law.mu_plus, law.f_minus / law.mu_minus, law.mu_minus / law.mu_plus] for n, law in laws.items()}
@@ -35,7 +35,7 @@ def ratios_above_one(study: Study) -> Claim:
     )
 
 
-def kinetic_range(study: Study) -> Claim:
+def kinetic_range(study: ClaimData) -> PaperClaim:
     """.03 <= mu0 <= .21."""
     from stickslip.basics.errors import InputError
 
@@ -51,7 +51,7 @@ def kinetic_range(study: Study) -> Claim:
     return judged("kinetic_range", holds, {"tan_tilt": slope, "mu_plus_at_0.03": mu_plus}, mu_plus=mu_plus)
 
 
-def only_three_and_four(study: Study) -> Claim:
+def only_three_and_four(study: ClaimData) -> PaperClaim:
     """Only types three and four at larger mu0."""
     section5 = study.amplitudes.section5
     windows = {s.reading.breakaway: s.window("three_and_four") for s in section5.searches}
@@ -84,7 +84,7 @@ def _six(mu0: float) -> str:
     return f"{mu0:.6f}"
 
 
-def all_types_by_kinetic(study: Study) -> Claim:
+def all_types_by_kinetic(study: ClaimData) -> PaperClaim:
     """All four types by amplitude, frequency and static coefficient, but not by mu0."""
     low, high = math.tan(math.radians(1.7)) * (1 + ABOVE), 0.21
     section5, by_static = study.amplitudes.section5, _by_static(study)
@@ -106,7 +106,7 @@ def all_types_by_kinetic(study: Study) -> Claim:
     return judged("all_types_by_kinetic", together(*hold), numbers, [(part, {}) for part in hold], **values)
 
 
-def _by_static(study: Study) -> list[str]:
+def _by_static(study: ClaimData) -> list[str]:
     """The types along 0.18 <= f0 <= 1 at the amplitude taken, with break-away at f0."""
     static_map = study.static_map
     row = int(np.argmin(abs(static_map["amplitude"] - AMPLITUDE_5)))

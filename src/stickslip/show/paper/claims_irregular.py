@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.show.paper.claims_page import Claim, Study, judged
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged
 from stickslip.show.paper.followed_motions import followed
 from stickslip.show.paper.solved_runs import batch
 from stickslip.show.paper.words import listed
@@ -27,7 +27,7 @@ TOLERANCES = (1e-6, 1e-8, 1e-10)
 FIG22, FIG23 = (next(c for c in CASES if c.figure == n) for n in (22, 23))
 
 
-def rk4_ladder(study: Study) -> list[dict[str, Any]]:
+def rk4_ladder(study: ClaimData) -> list[dict[str, Any]]:
     """Classical RK4 at mu0 = 0.03 against steps per period: mean velocity and period number if the solution stays finite.
 
     The rows are those of `ss.solve(robot, method="rk4", steps=N, keep="summary")`; verification/rk4_at_mu0_03.py prints those at 0.6 mm.
@@ -67,7 +67,7 @@ def _steps(rows: list[dict[str, Any]]) -> str:
     return f"{listed(grouped(r['steps']) for r in rows)} steps" if rows else "none of the step sizes"
 
 
-def quasi_periodic(study: Study) -> Claim:
+def quasi_periodic(study: ClaimData) -> PaperClaim:
     """Quasi-periodic at mu0 = 0.03."""
     wide = followed("amplitude", 1.25e-3, 3e-4, 1.25e-3, step=0.1, rtol=1e-6, mu0=0.03)
     ours, judge, ladder = _converged(FIG22), [] if study.fast else _converged(FIG22, "rodas4"), rk4_ladder(study)
@@ -100,7 +100,7 @@ def quasi_periodic(study: Study) -> Claim:
     )
 
 
-def period_two(study: Study) -> Claim:
+def period_two(study: ClaimData) -> PaperClaim:
     """Period two at mu0 = 0.04."""
     ours, stable, near = _converged(FIG23), study.amplitudes.section5.period_two, study.around
     rows, known = study.amplitudes.section5.round_values, [end.accuracy for end in (stable.low, stable.high) if end.accuracy]

@@ -13,7 +13,7 @@ from stickslip.analysis.bench.velocity import steady_friction
 from stickslip.models.friction import Bristle, Coulomb, Dahl
 from stickslip.models.mechanics import normal_load
 from stickslip.show.paper.cases import EXPERIMENTS, rig
-from stickslip.show.paper.claims_page import Claim, Study, judged
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged
 from stickslip.solvers import solve
 
 __all__ = ["bristle_is_slow", "dahl_without_stick_slip"]
@@ -27,7 +27,7 @@ STILL = 0.02
 _PLAIN: dict[str, Any] = {"method": "dop853", "rtol": 1e-6}
 
 
-def dahl_without_stick_slip(study: Study) -> Claim:
+def dahl_without_stick_slip(study: ClaimData) -> PaperClaim:
     """Dahl: neither stick-slip nor Stribeck."""
     robot = rig(EXPERIMENTS[0])
     own = robot.friction
@@ -52,7 +52,7 @@ def _still(robot: Any) -> float:
     return float(np.mean(v < STILL * v.max()))
 
 
-def bristle_is_slow(study: Study) -> Claim:
+def bristle_is_slow(study: ClaimData) -> PaperClaim:
     """Bristle model: tiny steps, long simulations."""
     robot = rig(EXPERIMENTS[0])
     own, time = robot.friction, PART * float(robot.period)

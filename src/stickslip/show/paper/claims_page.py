@@ -11,14 +11,14 @@ from stickslip.show.paper.amplitudes import Amplitudes
 from stickslip.show.paper.beam import Beam
 from stickslip.show.paper.coexistence import Coexistence
 from stickslip.show.paper.omitted import Omitted
-from stickslip.show.paper.parameter_map import Around
-from stickslip.show.paper.section5_motions import Motion
+from stickslip.show.paper.parameter_map import ParameterMap
+from stickslip.show.paper.section5_motions import FigureMotion
 from stickslip.show.paper.sentences import filled, texts
 from stickslip.show.paper.solved_runs import Runs, Tell
-from stickslip.show.paper.table import Row
+from stickslip.show.paper.table import TableRow
 from stickslip.show.paper.type_two import TypeTwo
 
-__all__ = ["CONFIRMED", "IN_PART", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "judged", "together"]
+__all__ = ["CONFIRMED", "IN_PART", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "ClaimData", "ClaimPart", "PaperClaim", "judged", "together"]
 
 CONFIRMED, IN_PART = "confirmed", "confirmed in part"
 NOT_CONFIRMED, UNDECIDED = "not confirmed", "cannot be decided from the text"
@@ -28,7 +28,7 @@ AS_PRINTED = "as printed"
 
 
 @dataclass(frozen=True)
-class Part:
+class ClaimPart:
     """A claim about one case or one reading, if the whole claim has several."""
 
     label: str
@@ -37,7 +37,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Claim:
+class PaperClaim:
     """One claim of the paper.
 
     Parameters
@@ -60,7 +60,7 @@ class Claim:
         "high", "moderate" or "low", with the reason.
     numbers : dict
         The same numbers as data, SI units.
-    parts : tuple of Part
+    parts : tuple of ClaimPart
         Verdicts for the cases or readings, if there are several.
     """
 
@@ -73,19 +73,19 @@ class Claim:
     certainty: str
     reading: str = AS_PRINTED
     numbers: dict[str, Any] = field(default_factory=dict)
-    parts: tuple[Part, ...] = ()
+    parts: tuple[ClaimPart, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class ClaimData:
     """The data on which the claims are judged."""
 
     fast: bool
     runs: Runs
-    table: tuple[Row, ...]
+    table: tuple[TableRow, ...]
     amplitudes: Amplitudes
-    motions: dict[int, Motion]
-    around: Around
+    motions: dict[int, FigureMotion]
+    around: ParameterMap
     static_map: dict[str, Any]
     coexistence: Coexistence
     beam: Beam
@@ -94,7 +94,7 @@ class Study:
     tell: Tell
 
 
-def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> Claim:
+def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[Any, dict[str, Any]]] = (), **values: Any) -> PaperClaim:
     """The claim of a key: its texts in ``sentences.toml``, filled with its numbers and other values.
 
     `holds` is None if the claim cannot be decided, and `IN_PART` if a part of it holds. Each part is a pair of `holds` and its own
@@ -102,12 +102,14 @@ def judged(key: str, holds: Any, numbers: dict[str, Any], parts: Sequence[tuple[
     """
     words, values = dict(texts("claims")[key]), {**numbers, **values}
     judged_parts = tuple(_part(template, *part, values) for template, part in zip(cycle(words.pop("parts", ((),))), parts))
-    return Claim(key=key, verdict=_verdict(holds), numbers=numbers, parts=judged_parts, **filled(words, {**values, "parts": judged_parts}))
+    return PaperClaim(
+        key=key, verdict=_verdict(holds), numbers=numbers, parts=judged_parts, **filled(words, {**values, "parts": judged_parts})
+    )
 
 
-def _part(template: Sequence[str], holds: Any, own: dict[str, Any], values: dict[str, Any]) -> Part:
+def _part(template: Sequence[str], holds: Any, own: dict[str, Any], values: dict[str, Any]) -> ClaimPart:
     label, evidence = filled(template, {**values, **own})
-    return Part(label, _verdict(holds), evidence)
+    return ClaimPart(label, _verdict(holds), evidence)
 
 
 def _verdict(holds: Any) -> str:

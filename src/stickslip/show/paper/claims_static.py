@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.show.paper.borders import FOUR, all_four, kinds
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.show.paper.claims_page import Claim, Study, judged, together
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged, together
 from stickslip.show.paper.coexistence import STARTS
 from stickslip.show.paper.solved_runs import batch
 from stickslip.show.paper.words import millimetres
@@ -35,7 +35,7 @@ def static_map(fast: bool) -> dict[str, Any]:
     return {"f0": f0, "amplitude": A, "exact": exact, "words": words, "printed": at}
 
 
-def all_types_by_static(study: Study) -> Claim:
+def all_types_by_static(study: ClaimData) -> PaperClaim:
     """All four types by f0."""
     static_map, both = study.static_map, study.coexistence
     A, at, n = static_map["amplitude"], static_map["printed"], len(static_map["amplitude"])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.show.paper.beam import VOLTAGE
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, OMEGA, rig
-from stickslip.show.paper.claims_page import Claim, Study, judged, together
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged, together
 from stickslip.show.paper.solved_runs import batch
 
 __all__ = ["passive", "runge_kutta", "type_two_with_lugre", "vertical_motion", "voltage_and_frequency"]
@@ -19,7 +19,7 @@ STEPS, FAST_STEPS, GOOD = (100, 200, 500, 1000, 2000, 5000, 10_000, 20_000), (50
 VOLTS, HERTZ = (10.0, 150.0), 5000.0
 
 
-def vertical_motion(study: Study) -> Claim:
+def vertical_motion(study: ClaimData) -> PaperClaim:
     """The tip hardly moves along the beam."""
     lift = [study.beam.shortening(e.amplitude) for e in EXPERIMENTS]
     robot = rig(EXPERIMENTS[0])
@@ -29,7 +29,7 @@ def vertical_motion(study: Study) -> Claim:
     return judged("vertical_motion", max(ripple) < 0.05, numbers, tilts=[e.tilt_deg for e in EXPERIMENTS])
 
 
-def voltage_and_frequency(study: Study) -> Claim:
+def voltage_and_frequency(study: ClaimData) -> PaperClaim:
     """Ten to 150 V, below 5000 Hz."""
     volts = [VOLTAGE * e.amplitude / float(study.beam.amplitude(OMEGA)) for e in EXPERIMENTS]
     used = sorted({OMEGA / (2 * np.pi), *(c.changes["omega"] / (2 * np.pi) for c in CASES if c.section == "5.2")})
@@ -40,7 +40,7 @@ def voltage_and_frequency(study: Study) -> Claim:
     return judged("voltage_and_frequency", together(*hold), numbers, [(part, {}) for part in hold], resonances=modes[:below])
 
 
-def runge_kutta(study: Study) -> Claim:
+def runge_kutta(study: ClaimData) -> PaperClaim:
     """How many Runge-Kutta steps each figure needs."""
     solved = {e.figure: (study.runs.lugre[e.name], e) for e in EXPERIMENTS} | {c.figure: (study.runs.figures[c.figure], c) for c in CASES}
     figures = sorted(n for n in solved if n not in (11, 17))
@@ -72,7 +72,7 @@ def runge_kutta(study: Study) -> Claim:
     )
 
 
-def passive(study: Study) -> Claim:
+def passive(study: ClaimData) -> PaperClaim:
     """Passivity of the bristle."""
     law = rig(EXPERIMENTS[0]).friction
     bounds = [law.sigma2 * mu / (f - mu) for mu, f in ((law.mu_plus, law.f_plus), (law.mu_minus, law.f_minus))]
@@ -98,7 +98,7 @@ def _given_back(run: Any) -> float:
     return float(np.maximum(-power, 0.0).sum() / np.maximum(power, 0.0).sum())
 
 
-def type_two_with_lugre(study: Study) -> Claim:
+def type_two_with_lugre(study: ClaimData) -> PaperClaim:
     """Type II with LuGre friction, by its definition."""
     search = study.type_two
     two = [figure for figure, run in study.runs.twins.items() if _type(run) == "II"] + [

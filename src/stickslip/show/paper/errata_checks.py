@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.show.paper.amplitudes import ROUNDING
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, rig
-from stickslip.show.paper.claims_page import Study
+from stickslip.show.paper.claims_page import ClaimData
 from stickslip.show.paper.errata import Erratum
 from stickslip.show.paper.readings import PRINTED_READING, STATED
 from stickslip.show.paper.sentences import filled, texts
@@ -27,7 +27,7 @@ NEWTON = KG + METRE - 2 * SECOND
 VOLT = NEWTON + METRE - SECOND - AMPERE
 
 
-def at_rest(study: Study) -> Check:
+def at_rest(study: ClaimData) -> Check:
     """Eq. 2.6 at v = 0."""
     law, load, z, v = rig(EXPERIMENTS[0]).friction, 0.7, 1e-7, 1e-9
     limits = [law.rate(side * v, z, load) for side in (1, -1)]
@@ -36,7 +36,7 @@ def at_rest(study: Study) -> Check:
     return holds, {"limits": limits, "slopes": slopes}, {}
 
 
-def beam_equation(study: Study) -> Check:
+def beam_equation(study: ClaimData) -> Check:
     """Eq. 3.1."""
     bending, inertia = NEWTON + 2 * METRE + METRE - 4 * METRE, KG - METRE + METRE - 2 * SECOND
     printed = KG - METRE + METRE - 2 * METRE
@@ -45,13 +45,13 @@ def beam_equation(study: Study) -> Check:
     return (bending == inertia).all() and (bending != printed).any(), {"tip_over_static": float(static / (moment * arm))}, {}
 
 
-def density(study: Study) -> Check:
+def density(study: ClaimData) -> Check:
     """Eq. 3.1, its letters."""
     per_length, per_volume, area = KG - METRE, KG - 3 * METRE, 2 * METRE
     return (per_volume + area == per_length).all() and (per_length + area != per_length).any(), {}, {}
 
 
-def patch_moment(study: Study) -> Check:
+def patch_moment(study: ClaimData) -> Check:
     """Eq. 3.2."""
     others = (METRE - VOLT) + METRE + METRE + VOLT
     modulus, electric = NEWTON - 2 * METRE, VOLT - METRE
@@ -59,7 +59,7 @@ def patch_moment(study: Study) -> Check:
     return (others + modulus == moment).all() and (others + electric != moment).any(), {}, {}
 
 
-def transient(study: Study) -> Check:
+def transient(study: ClaimData) -> Check:
     """Eq. 3.6."""
     zeta, free, phi, force = 0.05, 1.0, 0.7, 0.6
     damped = free * np.sqrt(1 - zeta**2)
@@ -77,7 +77,7 @@ def transient(study: Study) -> Check:
     return printed > 1e-3 and right < 1e-12, {"printed": printed, "right": right}, {}
 
 
-def break_away(study: Study) -> Check:
+def break_away(study: ClaimData) -> Check:
     """Eq. 2.4."""
     fits = {f.reading: f for f in study.amplitudes.fits}
     ours, printed = fits[STATED], fits[PRINTED_READING]
@@ -90,7 +90,7 @@ def break_away(study: Study) -> Check:
     )
 
 
-def weight(study: Study) -> Check:
+def weight(study: ClaimData) -> Check:
     """Eq. 3.8."""
     fits = study.amplitudes.fits
     heavy = {
@@ -99,19 +99,19 @@ def weight(study: Study) -> Check:
     return all(heavy.values()), {"angles_without_amplitude": heavy}, {"heavy": heavy}
 
 
-def incline(study: Study) -> Check:
+def incline(study: ClaimData) -> Check:
     """Folding."""
     difference = [r.gravity / r.lugre - 1 for r in study.table]
     return min(difference) > 0.01, {"relative_difference": difference}, {}
 
 
-def third_type(study: Study) -> Check:
+def third_type(study: ClaimData) -> Check:
     """Type three."""
     row = next(r for r in study.table if r.experiment.type == "III")
     return row.pattern in ("+0-", "+-0"), {"pattern": row.pattern}, {"row": row}
 
 
-def steady_velocity(study: Study) -> Check:
+def steady_velocity(study: ClaimData) -> Check:
     """The definition of the mean velocity."""
     from stickslip.solvers import solve
 
@@ -121,7 +121,7 @@ def steady_velocity(study: Study) -> Check:
     return abs(first / steady - 1) > 0.01, {"first_period": first, "steady": steady}, {}
 
 
-def missing_amplitudes(study: Study) -> Check:
+def missing_amplitudes(study: ClaimData) -> Check:
     """The amplitudes."""
     common, search = study.amplitudes.common, study.amplitudes.section5.stated
     low, high = search.best
@@ -129,7 +129,7 @@ def missing_amplitudes(study: Study) -> Check:
     return inside and common is None, search.as_data(), {"experiments": EXPERIMENTS, "common": common, "A": AMPLITUDE_5, "search": search}
 
 
-def third_ratio(study: Study) -> Check:
+def third_ratio(study: ClaimData) -> Check:
     """Eq. 5.2: k3."""
     tilt, A = np.radians([e.tilt_deg for e in EXPERIMENTS]), np.array([e.amplitude for e in EXPERIMENTS])
     robot = rig(EXPERIMENTS[0], tilt_deg=np.degrees(tilt), amplitude=A)
@@ -169,24 +169,24 @@ def _with_ratios(robot: Any, k2: Any, k3: Any) -> Any:
     return batch(dataclasses.replace(robot, friction=other), periods=200).mean_velocity
 
 
-def ratios(study: Study) -> Check:
+def ratios(study: ClaimData) -> Check:
     """k1, k2 > 1."""
     equal = [c.figure for c in CASES if rig(c).friction.f_plus == rig(c).friction.mu_plus]
     return bool(equal), {"figures": equal}, {}
 
 
-CHECKS: tuple[Callable[[Study], Check], ...] = (
+CHECKS: tuple[Callable[[ClaimData], Check], ...] = (
     break_away, at_rest, beam_equation, density, patch_moment, transient, weight, incline, third_type, steady_velocity,
     missing_amplitudes, third_ratio, ratios,
 )  # fmt: skip
 
 
-def errata(study: Study) -> tuple[Erratum, ...]:
+def errata(study: ClaimData) -> tuple[Erratum, ...]:
     """Every erratum, in the order of the paper."""
     checks = {check.__name__: check for check in CHECKS}
     return tuple(_erratum(text, checks.get(key), study) for key, text in texts("errata").items())
 
 
-def _erratum(text: dict[str, str], check: Callable[[Study], Check] | None, study: Study) -> Erratum:
+def _erratum(text: dict[str, str], check: Callable[[ClaimData], Check] | None, study: ClaimData) -> Erratum:
     holds, numbers, more = check(study) if check else (None, {}, {})
     return Erratum(**filled(text, {**numbers, **more}), holds=None if holds is None else bool(holds), numbers=numbers)

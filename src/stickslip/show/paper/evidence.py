@@ -10,12 +10,12 @@ import numpy as np
 
 from stickslip.show.figures.style import INK
 from stickslip.show.paper import beam_figure, omitted
-from stickslip.show.paper.amplitudes import ROUNDING, Amplitudes, Bracket
+from stickslip.show.paper.amplitudes import ROUNDING, AmplitudeBracket, Amplitudes
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES
-from stickslip.show.paper.claims_page import Claim, Study
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim
 from stickslip.show.paper.coexistence import STARTS, Coexistence
 from stickslip.show.paper.drawing import COULOMB, LUGRE, Picture, render
-from stickslip.show.paper.parameter_map import Around
+from stickslip.show.paper.parameter_map import ParameterMap
 
 __all__ = ["draw"]
 
@@ -25,7 +25,7 @@ TYPES = {"rest": "#E4E7EB", "presliding": "#E4E7EB", "II": "#56B4E9", "I": "#007
 BOTH = "#009E73"
 
 
-def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture, ...]:
+def draw(study: ClaimData, claims: tuple[PaperClaim, ...], folder: Path) -> tuple[Picture, ...]:
     """Draw all figures of the evidence."""
     study.tell("drawing the evidence", 0, 5)
     pictures = (
@@ -47,7 +47,7 @@ def _amplitudes(amplitudes: Amplitudes, folder: Path) -> Picture:
     )
 
 
-def _bracket(b: Bracket, ax: Any) -> None:
+def _bracket(b: AmplitudeBracket, ax: Any) -> None:
     e, A = b.experiment, 1e3 * b.scan["amplitude"]
     for printed, style, name, values in ((e.coulomb, COULOMB, "Coulomb", b.scan["coulomb"]), (e.lugre, LUGRE, "LuGre", b.scan["lugre"])):
         ax.axhspan(1e3 * (printed - ROUNDING), 1e3 * (printed + ROUNDING), color=style["color"], alpha=0.16, linewidth=0)
@@ -105,12 +105,12 @@ def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
     )
 
 
-def _around(around: Around, folder: Path) -> Picture:
+def _around(around: ParameterMap, folder: Path) -> Picture:
     panels = [partial(_around_panel, around, quantity) for quantity in ("motion", "exponent")]
     return render(folder, "section5-around", panels, height=3.6, around=around)
 
 
-def _around_panel(around: Around, quantity: str, ax: Any) -> None:
+def _around_panel(around: ParameterMap, quantity: str, ax: Any) -> None:
     from stickslip.show.figures import chaos_map
 
     chaos_map(around.grid, ax, quantity, around.curves)

@@ -11,11 +11,11 @@ import numpy as np
 from stickslip.show.figures.style import INK, SHADE, legend_above
 from stickslip.show.paper.amplitudes import ROUNDING
 from stickslip.show.paper.borders import FOUR
-from stickslip.show.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, Case, Experiment
+from stickslip.show.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, Case, PrintedExperiment
 from stickslip.show.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
-from stickslip.show.paper.section5_motions import Motion
+from stickslip.show.paper.section5_motions import FigureMotion
 from stickslip.show.paper.solved_runs import Runs, Tell
-from stickslip.show.paper.table import Row
+from stickslip.show.paper.table import TableRow
 from stickslip.show.paper.words import millimetres, power
 
 __all__ = ["draw"]
@@ -23,7 +23,9 @@ __all__ = ["draw"]
 PERIODS = 3
 
 
-def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: Path, fast: bool, tell: Tell) -> tuple[Picture, ...]:
+def draw(
+    runs: Runs, table: tuple[TableRow, ...], judged: dict[int, FigureMotion], folder: Path, fast: bool, tell: Tell
+) -> tuple[Picture, ...]:
     """Draw every figure of sections 4 and 5 (the fast subset: some of them)."""
     rows = {r.experiment.figure: r for r in table}
     jobs: dict[int, Any] = {6: partial(_four_types, runs, table)}
@@ -39,7 +41,7 @@ def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: 
 
 
 # ---- Figure 6 ----
-def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
+def _four_types(runs: Runs, table: tuple[TableRow, ...], folder: Path) -> Picture:
     order = sorted(table, key=lambda r: FOUR.index(r.type))
     return render(
         folder,
@@ -50,7 +52,7 @@ def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
     )
 
 
-def _exact_panel(run: Any, row: Row, ax: Any) -> None:
+def _exact_panel(run: Any, row: TableRow, ax: Any) -> None:
     motion_curve = curve(run, PERIODS)
     shade_rest(ax, motion_curve["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
@@ -64,13 +66,13 @@ def _time_axis(ax: Any, label: str, periods: int = PERIODS) -> None:
 
 
 # ---- Figures 7 to 10 ----
-def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
+def _experiment(runs: Runs, row: TableRow, folder: Path) -> Picture:
     e, panels = row.experiment, [partial(_velocities, runs, row.experiment), partial(_levels, row)]
     rests = [b for _, b, sign in row.intervals if sign == 0]  # the shortest ones are invisible
     return render(folder, f"figure-{e.figure:02}", panels, height=2.5, text="experiment", e=e, row=row, rests=rests)
 
 
-def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
+def _velocities(runs: Runs, e: PrintedExperiment, ax: Any) -> None:
     exact, bristles = curve(runs.coulomb[e.name], PERIODS), curve(runs.lugre[e.name], PERIODS)
     shade_rest(ax, exact["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
@@ -85,7 +87,7 @@ def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
     )
 
 
-def _levels(row: Row, ax: Any) -> None:
+def _levels(row: TableRow, ax: Any) -> None:
     """Mean velocities, a row for each: squares are printed values with half a digit on either side, circles are computed here."""
     from matplotlib.lines import Line2D
 
@@ -128,7 +130,7 @@ def _presliding(run: Any) -> bool:
     return motion(run).type in ("rest", "presliding")
 
 
-def _case(runs: Runs, case: Case, judged: Motion, folder: Path) -> Picture:
+def _case(runs: Runs, case: Case, judged: FigureMotion, folder: Path) -> Picture:
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
 

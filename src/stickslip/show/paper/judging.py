@@ -15,7 +15,7 @@ from stickslip.show.paper import (
 )
 from stickslip.show.paper.amplitudes import Amplitudes
 from stickslip.show.paper.beam import Beam
-from stickslip.show.paper.claims_page import Claim, Study
+from stickslip.show.paper.claims_page import ClaimData, PaperClaim
 from stickslip.show.paper.claims_static import static_map
 from stickslip.show.paper.coexistence import coexistence
 from stickslip.show.paper.omitted import omitted
@@ -23,7 +23,7 @@ from stickslip.show.paper.parameter_map import around
 from stickslip.show.paper.section5_motions import motions
 from stickslip.show.paper.sentences import texts
 from stickslip.show.paper.solved_runs import Runs, Tell
-from stickslip.show.paper.table import Row
+from stickslip.show.paper.table import TableRow
 from stickslip.show.paper.type_two import type_two
 
 __all__ = ["claims", "study_of"]
@@ -41,7 +41,7 @@ JUDGES = (
 )
 
 
-def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
+def study_of(fast: bool, runs: Runs, table: tuple[TableRow, ...], amplitudes: Amplitudes, tell: Tell) -> ClaimData:
     """Compute the scans that claims and figures share."""
     judged, near = motions(runs, tell), around(fast, tell)
     tell("scanning static friction", 0, 2)
@@ -49,10 +49,12 @@ def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitu
     tell("scanning static friction from several starts", 1, 2)
     both = coexistence(fast)
     tell("varying the parameters that the paper leaves out", 0, 1)
-    return Study(fast, runs, table, amplitudes, judged, near, scanned, both, Beam(PiezoBeam()), type_two(runs, fast), omitted(fast), tell)
+    return ClaimData(
+        fast, runs, table, amplitudes, judged, near, scanned, both, Beam(PiezoBeam()), type_two(runs, fast), omitted(fast), tell
+    )
 
 
-def claims(study: Study) -> tuple[Claim, ...]:
+def claims(study: ClaimData) -> tuple[PaperClaim, ...]:
     """Every claim, in the order of the paper."""
     judges, keys, verdicts = {name: getattr(module, name) for module in JUDGES for name in module.__all__}, list(texts("claims")), []
     for i, key in enumerate(keys):

@@ -18,7 +18,7 @@ from stickslip.show.paper.readings import STATED
 from stickslip.show.paper.solved_runs import batch
 from stickslip.show.paper.words import plain
 
-__all__ = ["Along", "Omitted", "draw", "omitted"]
+__all__ = ["Omitted", "OmittedParameter", "draw", "omitted"]
 
 #: Argument of the preset, its symbol and unit, the factor to that unit, first and last value, and whether they are spaced by a ratio.
 PARAMETERS = (
@@ -34,7 +34,7 @@ COLOURS = {"II": "#56B4E9", "I": "#0072B2", "III": "#B08A00", "IV": "#D55E00"}
 
 
 @dataclass(frozen=True, eq=False)
-class Along:
+class OmittedParameter:
     """One parameter.
 
     Parameters
@@ -87,7 +87,7 @@ class Along:
 class Omitted:
     """All of them."""
 
-    along: tuple[Along, ...]
+    along: tuple[OmittedParameter, ...]
 
 
 def omitted(fast: bool) -> Omitted:
@@ -95,7 +95,7 @@ def omitted(fast: bool) -> Omitted:
     return Omitted(tuple(_along(*row, points=13 if fast else 61) for row in PARAMETERS))
 
 
-def _along(name: str, symbol: str, unit: str, factor: float, low: float, high: float, spaced: bool, points: int) -> Along:
+def _along(name: str, symbol: str, unit: str, factor: float, low: float, high: float, spaced: bool, points: int) -> OmittedParameter:
     e = EXPERIMENTS[0]
     own = {
         "sigma0": 4e5,
@@ -112,7 +112,7 @@ def _along(name: str, symbol: str, unit: str, factor: float, low: float, high: f
         STATED.coulomb(e, **({name: values} if name in ("body_mass", "inner_mass", "tilt_deg") else {})), settle="auto", periods=400
     )
     types, speeds = (np.broadcast_to(x, values.shape) for x in (exact.motion_type, exact.mean_velocity))
-    return Along(name, symbol, unit, factor, own[name], values, bristles.mean_velocity, speeds, bristles.motion_type, types)
+    return OmittedParameter(name, symbol, unit, factor, own[name], values, bristles.mean_velocity, speeds, bristles.motion_type, types)
 
 
 def draw(omitted: Omitted, folder: Path) -> Picture:
@@ -121,7 +121,7 @@ def draw(omitted: Omitted, folder: Path) -> Picture:
     return render(folder, "omitted-parameters", [partial(_panel, a) for a in omitted.along], height=2.1, each=each, omitted=omitted)
 
 
-def _panel(a: Along, ax: Any) -> None:
+def _panel(a: OmittedParameter, ax: Any) -> None:
     x = a.factor * a.values
     ax.axvline(a.factor * a.own, color=INK, linewidth=0.7)
     ax.plot(x, 1e3 * a.coulomb, color="#777777", linewidth=1.0, linestyle=(0, (1, 1.1)), label="Coulomb")

@@ -14,7 +14,7 @@ from stickslip.show.paper.followed_motions import Followed, followed
 from stickslip.show.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.show.paper.solved_runs import Tell
 
-__all__ = ["KINETIC", "STATEMENTS", "WANTED", "Candidates", "Search", "candidates"]
+__all__ = ["KINETIC", "STATEMENTS", "WANTED", "AmplitudeSearch", "ReadingSearch", "candidates"]
 
 #: Motion types expected at the five frequencies of Figures 17 to 21, in order of the frequency: the paper prints none of them.
 WANTED = ("rest", "II", "I", "III", "IV")
@@ -34,7 +34,7 @@ STATEMENTS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class ReadingSearch:
     """The statements under one reading.
 
     Parameters
@@ -97,12 +97,12 @@ def longest_run(A: Any, good: Any) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
+class AmplitudeSearch:
     """The search under both readings, and what was computed for it.
 
     Parameters
     ----------
-    searches : tuple of Search
+    searches : tuple of ReadingSearch
         Break-away at f0, and as Eq. 2.4 has it.
     round_values : tuple of dict
         For each multiple of 0.1 mm: amplitude [m]; LuGre motion at mu0 = 0.04: its kind, its period number (0 if it has none) and its
@@ -111,22 +111,22 @@ class Candidates:
         The stable motion of period two at mu0 = 0.04 and its range of amplitudes, by continuation of its orbit.
     """
 
-    searches: tuple[Search, ...]
+    searches: tuple[ReadingSearch, ...]
     round_values: tuple[dict[str, Any], ...]
     period_two: Followed
 
     @property
-    def stated(self) -> Search:
+    def stated(self) -> ReadingSearch:
         """The search under the stated reading."""
         return next(s for s in self.searches if s.reading == STATED)
 
     @property
-    def printed(self) -> Search:
+    def printed(self) -> ReadingSearch:
         """The search under Eq. 2.4 to the letter."""
         return next(s for s in self.searches if s.reading == PRINTED_READING)
 
 
-def candidates(fast: bool, tell: Tell) -> Candidates:
+def candidates(fast: bool, tell: Tell) -> AmplitudeSearch:
     """Search the amplitude under both readings of break-away."""
     tell("searching one amplitude for section 5", 0, 3)
     two = followed("amplitude", AMPLITUDE_5, 5e-4, 9e-4, period=2, mu0=0.04)
@@ -137,10 +137,10 @@ def candidates(fast: bool, tell: Tell) -> Candidates:
         searches.append(_search(reading, np.round(A, 9), two, 31 if fast else 91))
     rows = tuple({"amplitude": float(a), **m} for a, m in zip(1e-4 * np.arange(3, 11), _motions(1e-4 * np.arange(3, 11)), strict=True))
     tell("searching one amplitude for section 5", 3, 3)
-    return Candidates(tuple(searches), rows, two)
+    return AmplitudeSearch(tuple(searches), rows, two)
 
 
-def _search(reading: Reading, A: Any, two: Followed, points: int) -> Search:
+def _search(reading: Reading, A: Any, two: Followed, points: int) -> ReadingSearch:
     at: Callable[..., Any] = lambda **changes: exact_types(reading.coulomb(CASES[-1], amplitude=A[:, None], **changes))  # noqa: E731
     along = at(f0=0.21, mu0=np.linspace(np.tan(np.radians(1.7)) * (1 + 1e-6), 0.21, points))
     holds = {
@@ -150,7 +150,7 @@ def _search(reading: Reading, A: Any, two: Followed, points: int) -> Search:
         "not_by_kinetic": np.array([not set(FOUR) <= set(row) for row in along.tolist()]),
         "static": np.array([set(FOUR) <= set(row) for row in at(f0=STATIC).tolist()]),
     }
-    return Search(reading, A, holds)
+    return ReadingSearch(reading, A, holds)
 
 
 def _motions(A: Any) -> list[dict[str, Any]]:

@@ -15,7 +15,7 @@ from stickslip.show.paper.cases import AMPLITUDE_5
 from stickslip.show.paper.solved_runs import Tell
 from stickslip.show.paper.words import millimetres, plain
 
-__all__ = ["FULL", "Around", "around"]
+__all__ = ["FULL", "ParameterMap", "around"]
 
 #: Points of the map along the kinetic coefficient and the amplitude, in the fast subset and in the full run.
 FAST_SIZE, SIZE = (18, 15), (60, 48)
@@ -28,7 +28,7 @@ _RTOL = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Around:
+class ParameterMap:
     """The map and the curves on it.
 
     Parameters
@@ -99,7 +99,7 @@ class Around:
         }  # fmt: skip
 
 
-def around(fast: bool, tell: Tell) -> Around:
+def around(fast: bool, tell: Tell) -> ParameterMap:
     """Compute the map, and follow the flips of the paper's rig in two parameters."""
     from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.models.presets import piezo_rig
@@ -114,7 +114,7 @@ def around(fast: bool, tell: Tell) -> Around:
             progress=lambda now: tell(what, int(now.done), now.cases),
         )  # fmt: skip
         tell("following the flips of section 5", 0, 1)
-        return Around(grid, *followed.result())
+        return ParameterMap(grid, *followed.result())
 
 
 def _flips() -> tuple[tuple[float, ...], tuple[Any, ...], tuple[float, ...]]:

@@ -16,14 +16,14 @@ from stickslip.basics.jsontext import strict
 from stickslip.basics.progress import reporting
 from stickslip.show.paper.amplitudes import infer
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, rig
-from stickslip.show.paper.claims_page import VERDICTS, Claim, Study
+from stickslip.show.paper.claims_page import VERDICTS, ClaimData, PaperClaim
 from stickslip.show.paper.drawing import Picture
 from stickslip.show.paper.equations import Equation, equations
 from stickslip.show.paper.errata import Erratum
 from stickslip.show.paper.errata_checks import errata
 from stickslip.show.paper.judging import claims, study_of
 from stickslip.show.paper.readings import STATED
-from stickslip.show.paper.section5_motions import Motion
+from stickslip.show.paper.section5_motions import FigureMotion
 from stickslip.show.paper.sentences import filled, texts
 from stickslip.show.paper.solved_runs import Runs, Tell, solve_all
 from stickslip.show.paper.table import rows
@@ -35,22 +35,22 @@ FORMAT = "stickslip-paper-4"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reproduction(Study):
+class Reproduction(ClaimData):
     """The results of `reproduce`: the scans on which claims are judged, and their consequences.
 
     Parameters
     ----------
     folder : Path
         Where it was written.
-    table : tuple of Row
+    table : tuple of TableRow
         Section 4.
     cases : tuple of dict
         Sections 5.1 to 5.4, figure by figure.
     motions : dict
         Figure number -> kind of motion, from multipliers and exponents.
-    around : Around
+    around : ParameterMap
         Period number and largest exponent over amplitude and kinetic coefficient.
-    claims : tuple of Claim
+    claims : tuple of PaperClaim
     errata : tuple of Erratum
     equations : tuple of Equation
         The equations solved, as LaTeX.
@@ -70,7 +70,7 @@ class Reproduction(Study):
 
     folder: Path
     cases: tuple[dict[str, Any], ...]
-    claims: tuple[Claim, ...]
+    claims: tuple[PaperClaim, ...]
     errata: tuple[Erratum, ...]
     equations: tuple[Equation, ...]
     figures: tuple[Picture, ...]
@@ -149,7 +149,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     return result
 
 
-def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], corrections: tuple[Erratum, ...]) -> Reproduction:
+def _gathered(folder: Path, study: ClaimData, judged: tuple[PaperClaim, ...], corrections: tuple[Erratum, ...]) -> Reproduction:
     from stickslip.show.paper import evidence, figures
 
     drawn = figures.draw(study.runs, study.table, study.motions, folder / "figures", study.fast, study.tell) + evidence.draw(
@@ -189,7 +189,7 @@ def _folder(folder: Path) -> Path:
     return folder
 
 
-def _case(runs: Runs, case: Any, judged: Motion) -> dict[str, Any]:
+def _case(runs: Runs, case: Any, judged: FigureMotion) -> dict[str, Any]:
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
 

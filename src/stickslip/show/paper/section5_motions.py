@@ -10,7 +10,7 @@ from stickslip.show.paper.cases import CASES, rig
 from stickslip.show.paper.solved_runs import Runs, Tell
 from stickslip.show.paper.words import plain
 
-__all__ = ["Motion", "motions"]
+__all__ = ["FigureMotion", "motions"]
 
 #: Drive periods over which exponents are averaged, for periodic and for other motions.
 PERIODS, LONG = 40, 2000
@@ -18,7 +18,7 @@ ROUNDING = 1e-12  # smaller multipliers are rounding errors of the matrix; their
 
 
 @dataclass(frozen=True)
-class Motion:
+class FigureMotion:
     """The motion of a figure.
 
     Parameters
@@ -100,7 +100,7 @@ class Motion:
         }  # fmt: skip
 
 
-def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
+def motions(runs: Runs, tell: Tell) -> dict[int, FigureMotion]:
     """The verdict on every figure of section 5, by its number; each computation continues the run of the figure."""
     verdicts = {}
     for i, case in enumerate(CASES):
@@ -110,7 +110,7 @@ def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
     return verdicts
 
 
-def _judged(case: Any, runs: Runs) -> Motion:
+def _judged(case: Any, runs: Runs) -> FigureMotion:
     from stickslip.dynamics.exponents.motion_verdict import verdict
 
     robot, run = rig(case), runs.figures[case.figure]
@@ -118,7 +118,7 @@ def _judged(case: Any, runs: Runs) -> Motion:
     if judgement.kind != "periodic":
         judgement = verdict(robot, periods=LONG, settle=400, start=run)
     multipliers = () if judgement.orbit is None else tuple(map(complex, judgement.orbit.multipliers))
-    return Motion(
+    return FigureMotion(
         case.figure, judgement.kind, judgement.period, multipliers, judgement.exponents.largest, judgement.exponents.error,
         None if judgement.orbit is None else judgement.orbit.residual, _of_twin(runs.twins[case.figure]), judgement.why,
     )  # fmt: skip

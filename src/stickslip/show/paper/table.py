@@ -6,19 +6,19 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.show.paper.cases import EXPERIMENTS, Experiment
+from stickslip.show.paper.cases import EXPERIMENTS, PrintedExperiment
 from stickslip.show.paper.solved_runs import Runs
 
-__all__ = ["Row", "rows"]
+__all__ = ["TableRow", "rows"]
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One angle of section 4.
 
     Parameters
     ----------
-    experiment : Experiment
+    experiment : PrintedExperiment
         The case with its printed values.
     coulomb, lugre, gravity : float
         Our mean velocities [m/s]: exact Coulomb, folded LuGre, LuGre on a true incline.
@@ -38,7 +38,7 @@ class Row:
         Number of threshold pairs that give each word.
     """
 
-    experiment: Experiment
+    experiment: PrintedExperiment
     coulomb: float
     lugre: float
     gravity: float
@@ -73,18 +73,18 @@ class Row:
         return "LuGre" if abs(e.lugre - e.measured) < abs(e.coulomb - e.measured) else "Coulomb"
 
 
-def rows(runs: Runs) -> tuple[Row, ...]:
+def rows(runs: Runs) -> tuple[TableRow, ...]:
     """The table, in the order of the angles."""
     return tuple(_row(e, runs) for e in EXPERIMENTS)
 
 
-def _row(e: Experiment, runs: Runs) -> Row:
+def _row(e: PrintedExperiment, runs: Runs) -> TableRow:
     from stickslip.analysis.motion import motion, threshold_table
     from stickslip.analysis.steady import mean_velocity
 
     exact, bristles = motion(runs.coulomb[e.name]), motion(runs.lugre[e.name])
     words: Any = Counter(r["type"] for r in threshold_table(runs.lugre[e.name]))
-    return Row(
+    return TableRow(
         experiment=e,
         coulomb=mean_velocity(runs.coulomb[e.name]),
         lugre=mean_velocity(runs.lugre[e.name]),

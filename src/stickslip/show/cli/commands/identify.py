@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
-from stickslip.basics.progress import Line
+from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
 from stickslip.show.cli.arguments import ends, settings
 from stickslip.show.cli.declaring import CODE, RECORDS, argument, command
@@ -100,7 +100,7 @@ def act(asked: Namespace) -> Outcome:
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
-        fit = identify(records, make, free=job["free"], progress=Line("starts"), **job["options"], **job["arguments"])
+        fit = identify(records, make, free=job["free"], progress=ProgressLine("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if asked.report is not None:
