@@ -127,7 +127,7 @@ def maps(port: int) -> dict[str, float]:
     """Milliseconds from the question to the answer of a map of 48 x 40 robots, each time of other robots."""
     from websockets.sync.client import connect
 
-    from stickslip.show.explorer.frames import read
+    from stickslip.show.explorer.frames import unpacked
 
     axes = [{"name": "amplitude", "from": 0.0, "to": 1.6e-3, "cells": 48}, {"name": "tilt_deg", "from": -8.0, "to": 8.0, "cells": 40}]
     found = {}
@@ -138,7 +138,7 @@ def maps(port: int) -> dict[str, float]:
                 state = {"law": law, "values": {"mu0": 0.17 + 0.001 * i}}
                 begin = time.perf_counter()
                 socket.send(json.dumps({"channel": "map", "id": i, "state": state, "axes": axes}))
-                while read(socket.recv(timeout=300))[0]["kind"] != "map":  # it waits for its kernel
+                while unpacked(socket.recv(timeout=300))[0]["kind"] != "map":  # it waits for its kernel
                     pass
                 times.append(1e3 * (time.perf_counter() - begin))
             found[f"map_{law}_ms"] = round(statistics.median(times[2:]), 1)

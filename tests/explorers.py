@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.sync.client import connect
 
-from stickslip.show.explorer.frames import read
+from stickslip.show.explorer.frames import unpacked
 
 #: Seconds that a first kernel may take to compile on a slow machine.
 PATIENCE = 240
@@ -74,7 +74,7 @@ def plane(channel, *axes, id=1, **state):
 def answer(socket, channel="curves", id=None):
     """The next answer of a channel that is whole: nothing in it waits for a kernel."""
     while True:
-        header, arrays = read(socket.recv(timeout=PATIENCE))
+        header, arrays = unpacked(socket.recv(timeout=PATIENCE))
         waits = "waits" in header or any("waits" in law for law in header.get("laws", ()))
         if header["channel"] == channel and not waits and id in (None, header.get("id")):
             return header, arrays

@@ -13,7 +13,7 @@ from stickslip.analysis.closed_form import (
     coulomb_type,
     mean_without_rest,
     periodic,
-    rests,
+    stays_at_rest,
 )
 from stickslip.presets import coulomb_robot
 
@@ -23,7 +23,7 @@ alphas = st.floats(0.02, 1.3)
 
 
 def test_rest_if_and_only_if_both_alphas_reach_one():  # T1
-    assert rests([1.0, 1.0, 0.999999], [1.0, 1.5, 2.0]).tolist() == [True, True, False]
+    assert stays_at_rest([1.0, 1.0, 0.999999], [1.0, 1.5, 2.0]).tolist() == [True, True, False]
     assert periodic([1.0, 1.0, 0.999999], [1.0, 1.5, 2.0]).type.tolist() == ["rest", "rest", "II"]
 
 

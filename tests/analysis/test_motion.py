@@ -15,7 +15,7 @@ from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.steady import period_number
 from stickslip.models.state_layout import StateLayout
 from stickslip.results.segments import intervals_of, type_of
-from stickslip.results.steadiness import of_run
+from stickslip.results.steadiness import steadiness_of_run
 
 TRUTH = {  # TRUTH section 2: (alpha+, alpha-) -> type, pattern, mean of w, lengths in the order of the pattern
     "T7": ((0.5, 1.2), "II", "+0", 0.201452203333669, (0.5241295584, 0.4758704416)),
@@ -201,7 +201,7 @@ def strobes(values, rtol=1e-6, settle=0):
     run = SimpleNamespace(
         **points, pieces=pieces, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0
     )
-    run.steadiness = of_run(run)
+    run.steadiness = steadiness_of_run(run)
     return run
 
 

@@ -10,7 +10,7 @@ import stickslip as ss
 from rows import each_row
 from stickslip.basics.quantities import positive
 from stickslip.friction import LAWS
-from stickslip.show.explorer.machines import numbers_of
+from stickslip.show.explorer.machines import sliders_of
 
 GRIP = ss.quantity("grip of the pad", "1", r"\gamma_{p}", example=0.2, rule=positive, range=(0.05, 0.5))
 
@@ -35,7 +35,7 @@ ROBOT = ss.Robot(0.0626, 0.0095, ss.Harmonic(6e-4, 205.0), Pad(0.5, 0.7))
 def test_a_law_of_ones_own_has_words_and_units_on_axes_sliders_and_errors():
     grid = ss.sweep(ROBOT, **{"friction.grip": [0.2, 0.3]})
     assert dict(grid["friction.grip"].attrs) == {"long_name": "grip of the pad γₚ", "units": "1"}
-    slider = {p.name: p for p in numbers_of(ROBOT)}["friction.grip"]
+    slider = {p.name: p for p in sliders_of(ROBOT)}["friction.grip"]
     assert (slider.label, slider.symbol, slider.low, slider.high, slider.unit) == ("grip of the pad", "γₚ", 0.05, 0.5, "")
     with pytest.raises(ss.InputError, match=r"Pad: grip = -1\.0; allowed is a positive number; type for example grip=0\.2"):
         Pad(0.5, 0.7, grip=-1.0)
@@ -81,7 +81,7 @@ def test_a_law_without_examples_is_told_what_to_type():
 @each_row("law", LAWS)
 def test_sliders_of_every_law_reach_around_its_example(law):
     robot = ROBOT.replace(friction=LAWS[law].example())
-    assert all(p.low <= p.default <= p.high and p.label for p in numbers_of(robot))
+    assert all(p.low <= p.default <= p.high and p.label for p in sliders_of(robot))
 
 
 def test_a_description_that_makes_no_sense_is_refused_at_once():

@@ -192,9 +192,9 @@ def _paper(path):
 
 
 def _put(path):
-    from stickslip.studies.folder import put
+    from stickslip.studies.folder import put_file
 
-    put(path, b"{}" * 3000)
+    put_file(path, b"{}" * 3000)
 
 
 @contextlib.contextmanager

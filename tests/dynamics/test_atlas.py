@@ -70,7 +70,7 @@ def test_what_is_kept_is_not_computed_again(found, folder, monkeypatch):
     def never(*arguments):
         raise AssertionError("it computes again")
 
-    for name in ("look_at", "followed"):
+    for name in ("motions_at", "follow_borders"):
         monkeypatch.setattr(making_an_atlas, name, never)
     again = ss.atlas(ss.presets.piezo_rig, over=OVER, out=folder, resume=True, **RIG)
     assert (again.points, again.borders, again.special_points, again.notes) == (
@@ -264,7 +264,7 @@ def test_finer_levels_are_kept_and_go_on(tmp_path, monkeypatch):
     def never(*arguments):
         raise AssertionError("it computes again")
 
-    monkeypatch.setattr(making_an_atlas, "look_at", never)
+    monkeypatch.setattr(making_an_atlas, "motions_at", never)
     again = ss.atlas(ss.presets.piezo_rig, refine=2, resume=True, **options)
     assert [level.points for level in again.closer] == [level.points for level in whole.closer] and len(again.closer) == 2
     assert again.points == whole.points and again.notes == whole.notes

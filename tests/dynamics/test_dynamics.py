@@ -22,7 +22,7 @@ from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_i
 from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.stroboscopic.periodicity import repetition
-from stickslip.dynamics.stroboscopic.phase_shift import shifted
+from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, strobe_map
 from stickslip.maths import where, within
 from stickslip.show.cli import main
@@ -406,7 +406,7 @@ def test_starts_in_any_of_three_periods_of_a_motion_are_attracted_by_one():
 @pytest.mark.parametrize("track", TRACKS)
 def test_a_robot_at_another_phase_has_its_equations_of_that_time(drive, track):
     robot = kinds.robot("coulomb", drive, track)
-    later, t = shifted("basins", robot, 0.3), np.linspace(0, 1, 7) * robot.period
+    later, t = shifted_robots("basins", robot, 0.3), np.linspace(0, 1, 7) * robot.period
     for of in (lambda r, t: r.acceleration(t, 0.0, 0.1, 0.2), lambda r, t: r.load(t, 0.0)):
         np.testing.assert_allclose(of(later, t), of(robot, t + 0.3 * robot.period), rtol=1e-12)
 
@@ -447,7 +447,7 @@ def test_a_drive_in_pieces_may_start_at_any_phase(drive):
     found = ss.basins(robot, phase=[0.0, 0.3, 0.8], settle=60)
     V = ss.mean_velocity(ss.solve(robot, periods=60))
     np.testing.assert_allclose(found.map.mean_velocity, V, rtol=1e-6)
-    later = shifted("basins", robot, 0.3)
+    later = shifted_robots("basins", robot, 0.3)
     ours, judge = ss.solve(later, periods=4), ss.solve(later, periods=4, method="dop853", rtol=1e-12)
     assert ours.method == "exact" and len(ours.events) == len(judge.events)
     assert ours.v[-1] == pytest.approx(judge.v[-1], abs=1e-11)

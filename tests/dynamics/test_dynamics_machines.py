@@ -19,10 +19,10 @@ from rows import each_row
 from stickslip.dynamics.attractors import settled_motions as rule, starts_run_on
 from stickslip.dynamics.derivatives.tangents import jacobian_of, orders_differ
 from stickslip.dynamics.stroboscopic.strobe_maps import (
-    at_rest,
     coordinates,
     difference_jacobian,
     flight,
+    state_at_rest,
     strobe_map,
     strobe_orbit,
     strobe_states,
@@ -152,7 +152,7 @@ def test_the_map_gives_the_strobe_states_of_a_run():
 
 def test_a_run_from_rest_starts_where_the_coordinates_say():
     pair = chain(0.0, 1.0, link=ss.Spring(1200.0, 0.4, length=0.05))
-    assert at_rest(pair).tolist() == [[0.0, 0.0, -0.05]]
+    assert state_at_rest(pair).tolist() == [[0.0, 0.0, -0.05]]
     assert ss.periodic_orbit(pair).mean_velocity == pytest.approx(ss.periodic_orbit(chain(0.0, 1.0)).mean_velocity, rel=1e-9)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.dynamics.attractors.basins import wilson
-from stickslip.dynamics.attractors.motion_features import features_of, numbered
+from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import settled_motions
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over
 from stickslip.maths import cos, sin
@@ -152,7 +152,7 @@ def test_two_starts_on_one_chaotic_attractor_are_one_and_mirror_twins_are_two():
     cubic = ss.SwitchingFlow.of_map(lambda y, n: (n.r * y[0] - y[0] ** 3,), {"r": 2.5}, ("x",))
     found = settled(cubic, np.array([[0.3], [0.7], [-0.3], [-0.5]]))
     assert (found.kind == "chaotic").all()
-    number = numbered(features_of(float(cubic.period), found, coordinates(cubic)), found.attracted)
+    number = motion_numbers(features_of(float(cubic.period), found, coordinates(cubic)), found.attracted)
     assert number.tolist() == [0, 0, 1, 1]
 
 

@@ -106,9 +106,9 @@ def rig(friction):
 def test_the_equations_say_which_machines_are_taken():
     """No class is asked: a user's own law is taken as LuGre is, and refused for what its equation is."""
     for law in (ss.LuGre.example(), ss.Dahl.example(), Rational()):
-        assert series.lacks(rig(law)) is None
+        assert series.series_refusal(rig(law)) is None
     for law, why in ((Curved(), "not affine"), (ss.ElastoPlastic.example(), "no conditions"), (ss.GMS.example(), "one inner state")):
-        assert why in series.lacks(rig(law))
+        assert why in series.series_refusal(rig(law))
     with pytest.raises(ss.InputError, match="Taylor series: it is for laws with inner states"):
         ss.solve(rig(ss.Coulomb(0.15, 0.21)), periods=1, method="taylor")
     with pytest.raises(ss.InputError, match="not affine in it; type method="):

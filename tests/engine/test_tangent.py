@@ -19,7 +19,7 @@ from rows import each_row
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flow_map, strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flow_map, state_at_rest, strobe_map
 from stickslip.engine import taylor
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
@@ -57,7 +57,7 @@ MORE = {
 def start_of(machine, seed=1):
     """A state that is not special: where a run has been after some periods, moved a little."""
     at, random = coordinates(machine), np.random.default_rng(seed)
-    state = at_rest(machine) if machine.period is None else strobe_map(machine, at_rest(machine), 12).state
+    state = state_at_rest(machine) if machine.period is None else strobe_map(machine, state_at_rest(machine), 12).state
     return (state + 0.03 * at.scales * random.normal(size=state.shape))[0]
 
 
@@ -191,7 +191,7 @@ def test_laws_with_inner_states_go_the_same_way():
 def test_a_body_that_may_stand_anywhere_says_so():
     """Below the border of rest nothing moves it, and nothing holds the others together but the spring."""
     still = chain(0.0, 1.0, modules=(module(amplitude=1e-4),) * 2)
-    found = ss.sensitivity(ss.periodic_orbit(still, guess=at_rest(still)[0]), wrt="phases.1")
+    found = ss.sensitivity(ss.periodic_orbit(still, guess=state_at_rest(still)[0]), wrt="phases.1")
     assert found.mean_velocity[0] == 0.0 and "a multiplier is 1" in found.notes[0]
 
 

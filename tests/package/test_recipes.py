@@ -43,11 +43,11 @@ from stickslip.records import formats
 from stickslip.records.raw import Column, Raw
 from stickslip.results.storage import from_text
 from stickslip.show.cli import COMMANDS
-from stickslip.show.cli.declaring import commands_in, declaration, summary
+from stickslip.show.cli.declaring import commands_in, declaration, summary_line
 from stickslip.solvers.methods import METHODS
 from stickslip.solvers.part_results import OF_SEVERAL
 from stickslip.studies import solving
-from stickslip.studies.result_columns import COLUMNS, END, filled
+from stickslip.studies.result_columns import COLUMNS, END, with_missing_cases
 from stickslip.tracks import TRACKS
 from stickslip.variables import VARIABLES
 
@@ -184,7 +184,7 @@ def test_a_tableau_is_a_method(name):
 @each_row("name", COMMANDS)
 def test_a_command_has_its_line_in_the_list_and_an_example(name):
     file = f"src/stickslip/show/cli/commands/{name.replace('-', '_')}.py"
-    assert summary(name), f'begin {file} with a docstring: """``stickslip {name}``: what it does."""'
+    assert summary_line(name), f'begin {file} with a docstring: """``stickslip {name}``: what it does."""'
     typed = [line.split()[:2] for line, _ in commands_in(declaration(name).example)]
     assert ["stickslip", name] in typed, f"{file}: give the command example=, of which one line is $ stickslip {name} ..."
 
@@ -220,9 +220,9 @@ def test_a_column_that_is_computed_is_declared(monkeypatch):
 
     def spied(found, *more):
         computed.update(found)
-        return filled(found, *more)
+        return with_missing_cases(found, *more)
 
-    monkeypatch.setattr(solving, "filled", spied)
+    monkeypatch.setattr(solving, "with_missing_cases", spied)
     ss.sweep(ss.presets.piezo_rig, **RIG)
     left = sorted(name for name in computed if name not in COLUMNS and not name.startswith(END))
     assert computed and not left, f"{', '.join(left)}: add a line to src/stickslip/basics/variables.py"

@@ -210,7 +210,7 @@ def test_what_is_no_path_is_told(short, path):
 
 
 def test_a_file_that_is_too_large_is_no_used_up_quota(tmp_path):
-    said = {code: str(folder.unwritable(tmp_path, OSError(code, "x"))) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)}
+    said = {code: str(folder.unwritable_error(tmp_path, OSError(code, "x"))) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)}
     assert "disk is full" in said[errno.ENOSPC] and "quota" in said[errno.EDQUOT]
     assert "quota" not in said[errno.EFBIG] and "larger" in said[errno.EFBIG]
 

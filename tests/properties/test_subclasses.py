@@ -14,7 +14,7 @@ from stickslip.analysis.motion import coulomb_twin
 from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
 from stickslip.maths import cos, pi, sin, where
 from stickslip.models.position_dependence import knows_position
-from stickslip.solvers.closed_arcs import handles, reduced
+from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 
 OMEGA = 65.4 * np.pi
 record = dataclasses.dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ def test_one_term_that_is_no_sine_and_no_constant_opens_the_arcs(terms):
 def test_sines_and_constants_keep_the_arcs_closed_and_their_numbers_are_those_of_the_equations(terms):
     robot = changed(**terms)
     assert handles(robot) is None
-    arcs, T = reduced(robot), robot.period
+    arcs, T = dimensionless_arcs(robot), robot.period
     N = robot.load(0.0, 0.0)
     for phase in (0.1, 0.3, 0.9):
         t, push = phase * T, arcs.drive[0] * np.sin(2 * np.pi * phase)
@@ -196,7 +196,7 @@ def test_the_type_of_motion_and_the_alphas_are_those_of_the_equations():
     """A law that calls itself Coulomb's and rubs half as much again; its alphas are not those of its fields."""
     robot = changed(factor=1.5)
     grid = ss.sweep(robot, periods=40)
-    arcs = reduced(robot)
+    arcs = dimensionless_arcs(robot)
     assert float(grid.alpha_plus) == pytest.approx(float(arcs.resist_plus[0] / arcs.drive[0]), rel=1e-14)
     run = ss.solve(robot, periods=40)
     assert ss.motion(run).type == str(grid.motion_type.values) == ss.motion(ss.solve(robot, periods=40, method="dop853", rtol=1e-10)).type

@@ -11,7 +11,7 @@ import stickslip as ss
 from measured import CYLINDER, CYLINDER_COLUMNS, LDV, LOOPS, MODE, needs_data, path
 from rows import each_row
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import heading, unit_of
+from stickslip.basics.units import unit_named, unit_of_heading
 
 T = np.arange(400) / 1000
 V = np.round(5 * np.sin(2 * np.pi * 20 * T) + 1, 6)
@@ -141,17 +141,17 @@ def test_options_are_checked_together(tmp_path):
      ("rad", 1.0, "angle"), ("mA", 1e-3, "current"), ("Volts", 1.0, "voltage"), ("Newton", 1.0, "force"), ("nm", 1e-9, "position")],
 )  # fmt: skip
 def test_units_are_those_of_the_si(text, factor, quantity):
-    found = unit_of(text)
+    found = unit_named(text)
     assert found.factor == pytest.approx(factor, rel=1e-12) and found.quantity == quantity
 
 
 @each_row("text", ["", "volts per fortnight", "xy", "m/", "mmm", "s/q", "Nq", "gg", "m0", "kkip", "lbfin"])
 def test_what_is_no_unit_is_not_taken_for_one(text):
-    assert unit_of(text) is None
+    assert unit_named(text) is None
 
 
 def test_a_word_in_brackets_that_is_no_unit_stays_part_of_the_name():
-    assert heading("signal (filtered)") == ("signal (filtered)", None)
+    assert unit_of_heading("signal (filtered)") == ("signal (filtered)", None)
 
 
 # MATLAB, HDF5, netCDF ---------------------------------------------------------------------------------------------

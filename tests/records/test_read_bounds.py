@@ -8,7 +8,7 @@ import pytest
 
 import stickslip as ss
 from rows import each_row
-from stickslip.basics.units import heading
+from stickslip.basics.units import unit_of_heading
 from stickslip.records import stamped_lines, tables_of_values
 from stickslip.records.reading import read_bytes
 from stickslip.records.text import _Plain
@@ -100,7 +100,7 @@ def test_lines_are_those_of_a_list(end):
      ("v_min", None), ("F_max", None), ("v_s", None), ("z_0", None), ("x_pm", None), ("state_N", None)],
 )  # fmt: skip
 def test_names_that_end_in_a_unit_declare_it(name, unit):
-    assert heading(name) == (name, unit)
+    assert unit_of_heading(name) == (name, unit)
 
 
 def test_units_in_names_give_times_and_roles():

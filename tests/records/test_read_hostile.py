@@ -370,10 +370,10 @@ def test_chunks_are_unpacked_as_the_library_does():
         for number, (kind, packed, shuffle, sums, noise) in enumerate(kinds):
             a = (100 * rng.normal(size=(37, 11)) if noise else np.arange(407).reshape(37, 11) % 5).astype(kind)
             b = file.create_dataset(f"{number}", data=a, chunks=(5, 3), compression=packed, shuffle=shuffle, fletcher32=sums)
-            assert np.array_equal(hdf5.values(b), a) and hdf5.values(b).dtype == a.dtype, (kind, packed, shuffle, sums)
+            assert np.array_equal(hdf5.dataset_values(b), a) and hdf5.dataset_values(b).dtype == a.dtype, (kind, packed, shuffle, sums)
         half = file.create_dataset("half", (100,), "f8", chunks=(30,), fillvalue=7.0)
         half[35:40] = 1.0
-        assert np.array_equal(hdf5.values(half), half[()])
+        assert np.array_equal(hdf5.dataset_values(half), half[()])
 
 
 @each_row("chunk", [b"ab", b"abcd", b"x" * 803, zlib.compress(b"\0" * 792), zlib.compress(b"\0" * 900), b"\xff" * 200])

@@ -12,7 +12,7 @@ from rows import each_row
 from stickslip.maths import where
 from stickslip.results.segments import type_of
 from stickslip.solvers import set_valued as exact
-from stickslip.solvers.closed_arcs import handles, reduced
+from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from twins import StickSlip
 
 
@@ -23,7 +23,7 @@ def rig(tilt_deg, amplitude, **changes):
 def raw_of(robot, periods=200, settle=100, **more):
     raw = exact.solve_batch(robot, periods, settle, **more)
     told = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
-    return {**raw, **told, "V": raw["displacement"] / (raw["window"] * reduced(robot).period)}
+    return {**raw, **told, "V": raw["displacement"] / (raw["window"] * dimensionless_arcs(robot).period)}
 
 
 # the paper's numbers ----------------------------------------------------------------------------------------------
@@ -57,7 +57,7 @@ def test_the_papers_coulomb_column(robot, type_, velocity, half):
 def test_a_long_run_settles_on_the_closed_form(robot, type_):
     from stickslip.analysis.closed_form import mean_without_rest, periodic
 
-    arcs = reduced(robot)
+    arcs = dimensionless_arcs(robot)
     alphas = float(arcs.resist_plus[0] / arcs.drive[0]), float(arcs.resist_minus[0] / arcs.drive[0])
     unit = float(arcs.drive[0] / arcs.omega[0])
     p = periodic(*alphas)

@@ -497,26 +497,26 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
 
 def test_a_tile_travels_as_names_and_numbers():
     """What a worker is sent is plain, and gives the tile again."""
-    from stickslip.studies.cluster import message, work
+    from stickslip.studies.cluster import compute_tile, tile_message
     from stickslip.studies.planning import SOLVER, planned
     from stickslip.studies.solving import solved
 
     axes = {name: value for name, value in AXES.items() if name != "tile"}
     for along in (None, "amplitude"):
         plan = planned(RIG, (), axes, None, along, 7, **SOLVER)
-        told = message(plan, 2)
+        told = tile_message(plan, 2)
         assert told["make"] == {"module": "stickslip.models.presets.robots", "name": "piezo_rig"}
         assert set(map(type, told.values())) <= {dict, str, int, type(None)}
         for name, values in solved(plan, 2)[0].items():
-            np.testing.assert_array_equal(work(told)[0][name], values)
+            np.testing.assert_array_equal(compute_tile(told)[0][name], values)
     with pytest.raises(ss.InputError, match="put it into a module"):
-        message(planned(lambda a: RIG(tilt_deg=1.0, amplitude=a), (), {"a": [1e-4]}, None, None, 7, **SOLVER), 0)
+        tile_message(planned(lambda a: RIG(tilt_deg=1.0, amplitude=a), (), {"a": [1e-4]}, None, None, 7, **SOLVER), 0)
     robot = planned(RIG(tilt_deg=1.7, amplitude=4e-4), (), {"drive.amplitude": [4e-4, 5e-4]}, None, None, 7, **SOLVER)
-    assert work(message(robot, 0))[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
+    assert compute_tile(tile_message(robot, 0))[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
 
 
 def test_a_mechanism_travels_too():
-    from stickslip.studies.cluster import message, work
+    from stickslip.studies.cluster import compute_tile, tile_message
     from stickslip.studies.planning import SOLVER, planned
     from stickslip.studies.solving import solved
 
@@ -528,4 +528,4 @@ def test_a_mechanism_travels_too():
     ]
     for bench, span in benches:
         plan = planned(bench, (), {"damping": [0.01, 0.05]}, None, None, 7, **(SOLVER | span))
-        np.testing.assert_array_equal(work(message(plan, 0))[0]["displacement"], solved(plan, 0)[0]["displacement"])
+        np.testing.assert_array_equal(compute_tile(tile_message(plan, 0))[0]["displacement"], solved(plan, 0)[0]["displacement"])

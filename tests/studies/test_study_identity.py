@@ -476,18 +476,18 @@ def test_a_worker_with_another_module_is_refused(tmp_path, monkeypatch):
     """The models that a worker solved are compared with those of this process."""
     import importlib
 
-    from stickslip.studies.cluster import _check_models, message, work
+    from stickslip.studies.cluster import _check_models, compute_tile, tile_message
     from stickslip.studies.model_identity import ModelIdentities
 
     (tmp_path / "rig_of_workers.py").write_text(MODULE.format(factor=1.0, doc=""))
     monkeypatch.syspath_prepend(tmp_path)
     module = importlib.import_module("rig_of_workers")
     plan = planned(module.rig, (), dict(amplitude=AMPLITUDES), None, None, 2, **SOLVER)
-    asked, mine = message(plan, 1), ModelIdentities(plan).of_tiles([1])[0]
-    _check_models(1, mine, work(asked)[2])
+    asked, mine = tile_message(plan, 1), ModelIdentities(plan).of_tiles([1])[0]
+    _check_models(1, mine, compute_tile(asked)[2])
     monkeypatch.setattr(module, "FACTOR", 0.5)
     with pytest.raises(ss.InputError, match="a worker computed tile 1 with other models"):
-        _check_models(1, mine, work(asked)[2])
+        _check_models(1, mine, compute_tile(asked)[2])
 
 
 # ---- no false alarms ----
@@ -555,7 +555,7 @@ def test_what_cannot_be_compared_is_told(tmp_path):
 
 
 def test_a_folder_of_format_2_is_opened_and_merged_with_a_note_and_not_gone_on_with(tmp_path):
-    from stickslip.studies.seals import SEAL, of_manifest, sealed
+    from stickslip.studies.seals import SEAL, of_manifest, sealed_bytes
     from stickslip.studies.tiles import mark_of
 
     options = dict(amplitude=AMPLITUDES, tile=2)
@@ -564,7 +564,7 @@ def test_a_folder_of_format_2_is_opened_and_merged_with_a_note_and_not_gone_on_w
     old = {name: value for name, value in found.items() if name not in ("models", "compared", "unchecked", SEAL)} | {"stickslip_format": 2}
     for path in sorted((tmp_path / "study" / "tiles").iterdir()):
         content = path.read_bytes().partition(b"\nstickslip models ")[0]
-        path.write_bytes(sealed(content, mark_of(old, f"tile {int(path.stem)}")))
+        path.write_bytes(sealed_bytes(content, mark_of(old, f"tile {int(path.stem)}")))
     (tmp_path / "study" / "manifest.json").write_text(json.dumps({**old, SEAL: of_manifest(old)}))
     for grid in (ss.open_study(tmp_path / "study"), ss.merge([tmp_path / "study"], tmp_path / "merged")):
         assert any("whether all results are of one model is unchecked" in note for note in json.loads(grid.attrs["notes"]))

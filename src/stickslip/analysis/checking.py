@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
-from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence, transient
+from stickslip.analysis.verdict import RK4, certain_digits, finding, naive, transient_words
 from stickslip.basics.arguments import Model, described_as, explains_arguments
 from stickslip.basics.batch import shape_of
 from stickslip.basics.errors import InputError, Problems, SolveError
@@ -229,8 +229,8 @@ def check(
     alone = all(judge.remark == _REFERENCE for judge in counted) and answer != 0
     uncertainty = math.nan if alone else max([*(abs(judge.difference) for judge in counted), 2e-16 * abs(answer)])
     digits = certain_digits(answer, uncertainty)
-    of = transient(run.steadiness, uncertainty)
-    verdict = sentence(answer, uncertainty, digits, period, counted, robot, of) + naive(answer, judges, robot)
+    of = transient_words(run.steadiness, uncertainty)
+    verdict = finding(answer, uncertainty, digits, period, counted, robot, of) + naive(answer, judges, robot)
     early = [ending.note("some methods were not asked, so fewer digits may be certain than are given")] if ending.interrupted else []
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), (*early, *run.notes), verdict, of)
 

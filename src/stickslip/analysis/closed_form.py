@@ -31,12 +31,12 @@ def _checked(*alphas: Array) -> list[Array]:
     return arrays
 
 
-def rests(alpha_plus: Array, alpha_minus: Array) -> Array:
+def stays_at_rest(alpha_plus: Array, alpha_minus: Array) -> Array:
     """Whether the body stays at rest for ever: both alphas at least 1.
 
     Examples
     --------
-    >>> rests(1.0, [0.99, 1.0]).tolist()
+    >>> stays_at_rest(1.0, [0.99, 1.0]).tolist()
     [False, True]
     """
     return (np.asarray(alpha_plus) >= 1) & (np.asarray(alpha_minus) >= 1)
@@ -167,7 +167,7 @@ def coulomb_type(alpha_plus: Array, alpha_minus: Array) -> Array:
     small, large = np.minimum(plus, minus), np.maximum(plus, minus)
     cut = np.minimum(small, 1.0), np.minimum(large, 1.0)
     never = _never_rests(small, large, small, large)
-    kinds = [rests(small, large), never, large >= 1, long_slide(*cut) >= 0, first_slide(*cut) <= 0]
+    kinds = [stays_at_rest(small, large), never, large >= 1, long_slide(*cut) >= 0, first_slide(*cut) <= 0]
     return np.select(kinds, ["rest", "IV", "II", "II", "I"], "III")
 
 
@@ -233,7 +233,7 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
         "backward": np.where(never, 1 - share, 0.0),
         "type": np.where(never, "IV", "rest").astype("<U10"),
     }
-    halting = ~never & ~rests(hold_plus, hold_minus)
+    halting = ~never & ~stays_at_rest(hold_plus, hold_minus)
     if halting.any():
         zero = np.zeros(plus.shape)
         rows = np.stack([a[halting] for a in (plus, minus, hold_plus, hold_minus, zero, zero)], axis=1)

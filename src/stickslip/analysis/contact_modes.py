@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
-from stickslip.analysis.run_segments import WatchedContact, WatchedOf, clipped, elastic_segments
+from stickslip.analysis.run_segments import WatchedContact, WatchedOf, elastic_segments, pieces_within
 from stickslip.basics.contracts import Array
 from stickslip.basics.maths import bisected
 from stickslip.models.machine_adapter import machine_of
@@ -52,7 +52,7 @@ def _stretches(watched: WatchedContact, start: float, end: float, aloft: Array) 
     """The stretches of one contact."""
     run = watched.run
     if not watched.law.has_slip_ratio:
-        edges, index = clipped(run.pieces, start, end)
+        edges, index = pieces_within(run.pieces, start, end)
         return _joined(edges, np.where(aloft[index], FLIGHT, watched.modes[index].astype(int)), start, end)
     dwell = DWELL * float(machine_of(run.model).time_scale or end - start)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.run_segments import Segments, WatchedContact, WatchedOf, clipped, raw_segments
+from stickslip.analysis.run_segments import Segments, WatchedContact, WatchedOf, pieces_within, raw_segments
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.basics.arguments import described_as, explains_arguments
 from stickslip.basics.contracts import Law
@@ -219,7 +219,7 @@ def _never_moves(run: Trajectory, watched: WatchedContact, motion: Motion) -> bo
     """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
     if watched.law.has_slip_ratio:
         return motion.type in ("rest", "presliding")
-    return not np.any(watched.modes[clipped(run.pieces, *run.window)[1]])
+    return not np.any(watched.modes[pieces_within(run.pieces, *run.window)[1]])
 
 
 class _One:
@@ -336,13 +336,13 @@ def _twin_type(run: Trajectory | FlowRun) -> str | None:
     """The twin's type, from the exact borders where they apply; else it is solved."""
     from stickslip.analysis.closed_form import coulomb_type
     from stickslip.solvers import solve
-    from stickslip.solvers.closed_arcs import handles, reduced
+    from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 
     twin = coulomb_twin(run.model, static=True)
     if twin is None:
         return None
     if handles(twin) is None and getattr(twin.friction, "f_plus", None) is None:
-        arcs = reduced(twin)
+        arcs = dimensionless_arcs(twin)
         if arcs.drive[0] > 0 and min(arcs.resist_plus[0], arcs.resist_minus[0]) > 0:
             return str(coulomb_type(arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive)[0])
     return motion(solve(twin, periods=run.periods, settle=run.settle, keep="trajectory")).type

@@ -115,7 +115,7 @@ def raw_segments(run: Any, period: int, slip_ratio: float, watched: WatchedConta
     if watched.law.has_slip_ratio:
         edges, code = elastic_segments(watched, start, end, slip_ratio)
         return Segments(np.diff(edges) / run.period_time, code, np.inf)
-    edges, index = clipped(run.pieces, start, end)
+    edges, index = pieces_within(run.pieces, start, end)
     margin = np.inf if watched.law.dynamic else _force_margin(watched, edges, index)
     return Segments(np.diff(edges) / run.period_time, 2 * watched.modes[index].astype(int), margin)
 
@@ -127,7 +127,7 @@ def shares(run: Trajectory) -> dict[str, float]:
     return {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
 
 
-def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
+def pieces_within(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
     """Ends of the pieces within a span, and the number of each."""
     first, last = int(np.searchsorted(pieces.t, start, side="right")) - 1, int(np.searchsorted(pieces.t, end, side="left"))
     index = np.arange(max(first, 0), max(last, 1))
@@ -138,7 +138,7 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 # ---- dynamic laws: where does the bristle yield? ----
 def elastic_segments(watched: WatchedContact, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
     """Ends and codes of the segments within a span: +2, -2 slipping, +1, -1 elastic."""
-    edges, index = clipped(watched.run.pieces, start, end)
+    edges, index = pieces_within(watched.run.pieces, start, end)
     left, span = edges[:-1], np.diff(edges)
     t = left[:, None] + span[:, None] * np.linspace(0.0, 1.0, _NODES)
     above = (watched.slip_ratio(t.ravel(), np.repeat(index, _NODES)) >= slip_ratio).reshape(t.shape)

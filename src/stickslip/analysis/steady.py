@@ -257,11 +257,11 @@ def closed_mean_velocity(model: Model) -> Any:
     """
     from stickslip.analysis.closed_form import periodic
     from stickslip.basics.batch import shape_of
-    from stickslip.solvers.closed_arcs import handles, reduced
+    from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 
     if handles(model) is not None:
         return None
-    arcs = reduced(model)
+    arcs = dimensionless_arcs(model)
     driven = arcs.drive > 0
     resist, hold = (arcs.resist_plus, arcs.resist_minus), (arcs.hold_plus, arcs.hold_minus)
     if np.any(np.minimum(*hold) < 0) or np.any(driven & (np.minimum(*resist) < 0)):

@@ -30,7 +30,7 @@ def _names(judges: list[Any]) -> str:
     return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
 
 
-def transient(steadiness: Any, uncertainty: float) -> str:
+def transient_words(steadiness: Any, uncertainty: float) -> str:
     """Of what transient the mean is, where it is not that of a steady motion to the digits on which the judges agree; empty where it is.
 
     Parameters
@@ -50,7 +50,7 @@ def transient(steadiness: Any, uncertainty: float) -> str:
     return ""
 
 
-def sentence(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Model, of: str = "") -> str:
+def finding(answer: float, uncertainty: float, digits: int, period: int | None, counted: list[Any], robot: Model, of: str = "") -> str:
     """The finding of the judges that count for this answer; `of` says of what transient it is the mean."""
     finding = _finding(answer, uncertainty, digits, period, counted, robot)
     return f"{of[0].upper()}{of[1:]}. {finding}" if of else finding

@@ -153,7 +153,7 @@ def flat(model: Any) -> Any:
     return replace_leaf(model, numbers) if any(map(is_array, numbers.values())) else model
 
 
-def spread(value: Any, labels: Labels) -> Any:
+def spread_over_cases(value: Any, labels: Labels) -> Any:
     """One number of a batch, for every case, flat in the order of the rows; labelled arrays broadcast by name."""
     if type(value) is float and not labels.shape:
         import numpy as np

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 
-def plain(
+def as_plain(
     value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str, number: Callable[[float], Any] = lambda x: x
 ) -> Any:
     """A value as dicts, lists, text and numbers: arrays become lists.
@@ -28,26 +28,26 @@ def plain(
 
     Examples
     --------
-    >>> plain({"a": (1, float("nan")), 3: ValueError})
+    >>> as_plain({"a": (1, float("nan")), 3: ValueError})
     {'a': [1, nan], '3': "<class 'ValueError'>"}
     """
     if isinstance(value, Mapping):
-        return {key(k): plain(v, key, other, number) for k, v in value.items()}
+        return {key(k): as_plain(v, key, other, number) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(v, key, other, number) for v in value]
+        return [as_plain(v, key, other, number) for v in value]
     if hasattr(value, "tolist"):
-        return plain(value.tolist(), key, other, number)
+        return as_plain(value.tolist(), key, other, number)
     if isinstance(value, float):
         return number(value)
     return value if isinstance(value, (str, int, bool, type(None))) else other(value)
 
 
 def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str) -> Any:
-    """A value that strict JSON can hold: as by `plain`, with None for NaN and infinite numbers.
+    """A value that strict JSON can hold: as by `as_plain`, with None for NaN and infinite numbers.
 
     Examples
     --------
     >>> strict({"a": (1, 2.5), 3: float("nan")})
     {'a': [1, 2.5], '3': None}
     """
-    return plain(value, key, other, lambda number: number if math.isfinite(number) else None)
+    return as_plain(value, key, other, lambda number: number if math.isfinite(number) else None)

@@ -58,12 +58,12 @@ def interrupted_at(t: float) -> str:
     return f"{INTERRUPTED}{float(t):.6g} s"
 
 
-def counted(codes: Any, sentences: dict[int, str] = STATUS) -> dict[str, int]:
+def code_counts(codes: Any, sentences: dict[int, str] = STATUS) -> dict[str, int]:
     """How many there are of each code, by what it says.
 
     Examples
     --------
-    >>> counted([0, 6, 0])
+    >>> code_counts([0, 6, 0])
     {'finished': 2, 'contact lost: the load fell to zero': 1}
     """
     import numpy as np

@@ -7,7 +7,7 @@ import re
 from typing import Any, Protocol
 
 from stickslip.basics.errors import Problems
-from stickslip.basics.units import Unit, unit_of
+from stickslip.basics.units import Unit, unit_named
 
 _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*?|\s+\S.*?)\s*", re.IGNORECASE)
 #: A cycle is 2 pi rad; 1/s may be either, and is neither.
@@ -90,7 +90,7 @@ def in_seconds(duration: Any, problems: Problems) -> Any:
 def _of_pint(value: _Quantity, unit: str) -> Any:
     """By our own names of units, as pint takes 1 Hz for 1 rad/s; by its base units where we do not know one."""
     named = f"{value.units:~}".strip() or "1"
-    if unit_of(_plain(named)) is None:
+    if unit_named(_plain(named)) is None:
         value = value.to_base_units()
         named = f"{value.units:~}".strip() or "1"
     return _converted(value.magnitude, _unit(_plain(named), f"{value}", unit), unit)
@@ -103,9 +103,9 @@ def _plain(named: str) -> str:
 
 def _unit(text: str, given: str, unit: str) -> Unit:
     """The unit of what was given; g is an acceleration where one is asked for, elsewhere grams."""
-    wanted = unit_of(unit)
+    wanted = unit_named(unit)
     named = "g0" if text == "g" and wanted is not None and wanted.quantity == "acceleration" else text
-    known = unit_of(named)
+    known = unit_named(named)
     if known is None:
         raise ValueError(f"{given!r} is not a number, and {text!r} no unit that is known")
     return known
@@ -113,7 +113,7 @@ def _unit(text: str, given: str, unit: str) -> Unit:
 
 def _converted(value: Any, source: Unit, unit: str) -> Any:
     """A value in one unit as a value in the other."""
-    wanted = unit_of(unit)
+    wanted = unit_named(unit)
     if wanted is None:
         raise ValueError(f"no number in {source.text} can be taken for one in {unit}")
     factor = 1.0 if source.powers == wanted.powers else _factor_of_cycles(source, wanted, unit)
@@ -149,11 +149,11 @@ def others(unit: str) -> dict[str, float]:
     >>> others("m")["mm"], others("degrees")["rad"], others("kg")["g"], others("1")
     (0.001, 57.29577951308232, 0.001, {'%': 0.01})
     """
-    wanted = unit_of(unit)
+    wanted = unit_named(unit)
     letters = () if unit in ("1", "degrees", "kg", "rad", "rad/s", "Hz") else ("", "k", "m", "µ", "u", "n")
     examples = {}
     for other in (*(letter + unit for letter in letters), *_OTHERS):
-        known = unit_of(other)
+        known = unit_named(other)
         if wanted is None or known is None or (known.powers != wanted.powers and (known.quantity, wanted.quantity) not in _CYCLES):
             continue
         examples[other] = in_unit(f"1 {other}", unit)

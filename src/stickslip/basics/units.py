@@ -55,14 +55,14 @@ class Unit:
         return _QUANTITIES.get(self.powers)
 
 
-def unit_of(text: str | None) -> Unit | None:
+def unit_named(text: str | None) -> Unit | None:
     """The unit that a text names; None if it names none that is known here.
 
     Examples
     --------
-    >>> unit_of("mm/s").factor, unit_of("m/s²").quantity, unit_of("furlong")
+    >>> unit_named("mm/s").factor, unit_named("m/s²").quantity, unit_named("furlong")
     (0.001, 'acceleration', None)
-    >>> unit_of("mNm").quantity, unit_of("RPM").quantity, unit_of("microns").factor, round(unit_of("kip").factor, 3)
+    >>> unit_named("mNm").quantity, unit_named("RPM").quantity, unit_named("microns").factor, round(unit_named("kip").factor, 3)
     ('torque', 'angular velocity', 1e-06, 4448.222)
     """
     if text is None:
@@ -125,23 +125,23 @@ def _long(word: str) -> tuple[float, tuple[int, ...]] | None:
 
 
 #: What a unit with these powers measures.
-_QUANTITIES = {unit.powers: name for name, text in SI.items() if (unit := unit_of(text))}
+_QUANTITIES = {unit.powers: name for name, text in SI.items() if (unit := unit_named(text))}
 
 
 def quantity_of(text: str | None) -> str | None:
     """The quantity that a unit's text measures; None if unknown."""
-    unit = unit_of(text)
+    unit = unit_named(text)
     return None if unit is None else unit.quantity
 
 
-def heading(text: str) -> tuple[str, str | None]:
+def unit_of_heading(text: str) -> tuple[str, str | None]:
     """A column's heading as name and unit; the unit is None if the heading names none.
 
     Examples
     --------
-    >>> heading("Normal [uN]"), heading("v (mm/s)"), heading("t / ms"), heading("LDV")
+    >>> unit_of_heading("Normal [uN]"), unit_of_heading("v (mm/s)"), unit_of_heading("t / ms"), unit_of_heading("LDV")
     (('Normal', 'uN'), ('v', 'mm/s'), ('t', 'ms'), ('LDV', None))
-    >>> heading("pos_deg"), heading("v_mm_s"), heading("v_min")
+    >>> unit_of_heading("pos_deg"), unit_of_heading("v_mm_s"), unit_of_heading("v_min")
     (('pos_deg', 'deg'), ('v_mm_s', 'mm/s'), ('v_min', None))
     """
     text = text.strip().strip('"').strip()
@@ -150,7 +150,7 @@ def heading(text: str) -> tuple[str, str | None]:
         return boxed[1].strip(), boxed[2].strip() or None
     for pattern in (r"(.+?)\s*\(([^()]*)\)", r"(.+?)\s+in\s+(\S+)", r"(.+?)\s*/\s*\((.*)\)", r"(.+?)\s+/\s+(\S+)", r"(\w+)\s*,\s*(\S+)"):
         match = re.fullmatch(pattern, text)
-        if match and unit_of(match[2]) is not None:
+        if match and unit_named(match[2]) is not None:
             return match[1].strip(), match[2].strip()
     return text, _at_the_end(text)
 
@@ -198,7 +198,7 @@ def _at_the_end(name: str) -> str | None:
     for count in (3, 2, 1):
         head, tail = "_".join(words[:-count]), "_".join(words[-count:])
         unit = tail.replace("_per_", "/").replace("_", "/")
-        if head and unit in _ENDS and unit_of(unit) is not None:
+        if head and unit in _ENDS and unit_named(unit) is not None:
             return unit
         if head and unit in _LETTERS and re.fullmatch(_LETTERS[unit], head, re.I):
             return unit

@@ -13,7 +13,7 @@ VARIABLE = "STICKSLIP_LARGEST"
 _CEILING, _SMALL, _RATIO = 4e9, 1e8, 100.0
 
 
-def largest() -> float | None:
+def allowed_bytes() -> float | None:
     """The bytes that the environment variable allows; None where it says nothing."""
     text = os.environ.get(VARIABLE, "").strip()
     if not text:
@@ -29,15 +29,15 @@ def largest() -> float | None:
 
 def largest_file() -> float:
     """The bytes that a file may have."""
-    return largest() or _CEILING
+    return allowed_bytes() or _CEILING
 
 
-def shown(size: float) -> str:
+def bytes_in_words(size: float) -> str:
     """A number of bytes in words.
 
     Examples
     --------
-    >>> shown(2700), shown(6.4e9)
+    >>> bytes_in_words(2700), bytes_in_words(6.4e9)
     ('2.7 kB', '6.4 GB')
     """
     for factor, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
@@ -66,7 +66,7 @@ class Allowance:
 
     def __init__(self, doing: str, packed: int):
         self._doing, self._packed = doing, packed
-        self.limit = largest() or min(_CEILING, max(_SMALL, _RATIO * packed))
+        self.limit = allowed_bytes() or min(_CEILING, max(_SMALL, _RATIO * packed))
         self._taken = 0.0
 
     def take(self, size: float, what: str) -> None:
@@ -77,13 +77,14 @@ class Allowance:
     def check(self, size: float, what: str) -> None:
         """Refuse bytes that are needed for a moment alone, where they are too many."""
         if size > self.limit:
-            excess = f"{what} unpacks a file of {shown(self._packed)} to {shown(size)}; allowed is {shown(self.limit)}"
+            packed, unpacked, limit = map(bytes_in_words, (self._packed, size, self.limit))
+            excess = f"{what} unpacks a file of {packed} to {unpacked}; allowed is {limit}"
             raise InputError(self._doing, [f"{excess}; if the file is to be trusted, {_typed(size)}"])
 
     def check_file(self) -> None:
         """Refuse a file that is itself too large."""
         if self._packed > (most := largest_file()):
-            excess = f"the file has {shown(self._packed)}; allowed is {shown(most)}"
+            excess = f"the file has {bytes_in_words(self._packed)}; allowed is {bytes_in_words(most)}"
             raise InputError(self._doing, [f"{excess}; cut it, or {_typed(self._packed)}"])
 
 

@@ -9,7 +9,7 @@ from stickslip.basics.arguments import Model, explains_arguments
 from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import InputError
 from stickslip.models.drives.turned import Reversed
-from stickslip.models.friction.law_adapter import law_of, mirrored as mirrored_law
+from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.tracks.profiles import mirrored_track

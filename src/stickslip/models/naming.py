@@ -21,7 +21,7 @@ _START = {
 }
 
 
-def described(name: str, make: Any = None) -> Mapping[str, Any]:
+def description_of(name: str, make: Any = None) -> Mapping[str, Any]:
     """The description of a number of a record, or of an argument of its maker; empty if it has none."""
     if name in _START:
         return _START[name]
@@ -49,7 +49,7 @@ def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
     (('angular frequency (modules.1) ω', 'rad/s'), ('angular frequency ω', 'rad/s'))
     """
     name = next(iter(meant), str(name)) if len(meant := _meant(make, str(name))) == 1 else str(name)
-    description = _with_part(described(name, make), name, make)
+    description = _with_part(description_of(name, make), name, make)
     return axis_in(description) or (axis_in(_of_presets().get(name, {})) if make is None or callable(make) else None)
 
 

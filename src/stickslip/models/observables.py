@@ -123,19 +123,19 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     return Observable(function, reduce, unit)
 
 
-def parted(observe: Any) -> tuple[dict[str, Observable], dict[str, Derived]]:
+def by_time_of_computation(observe: Any) -> tuple[dict[str, Observable], dict[str, Derived]]:
     """Columns that are observed during the run, and those that are computed afterwards."""
     observe = observe or {}
     derived = {name: each for name, each in observe.items() if isinstance(each, Derived)}
     return {name: each for name, each in observe.items() if name not in derived}, derived
 
 
-def checked(what: str, observe: Any, taken: Any = (), derived: bool = False) -> tuple[tuple[str, Any], ...]:
+def checked_observables(what: str, observe: Any, taken: Any = (), derived: bool = False) -> tuple[tuple[str, Any], ...]:
     """Observables by name, and derivatives if they are allowed; `InputError` if one is of another type, or has a name that is taken.
 
     Examples
     --------
-    >>> checked("sweep", {"square": observable(lambda s: s.v**2)})[0][0]
+    >>> checked_observables("sweep", {"square": observable(lambda s: s.v**2)})[0][0]
     'square'
     """
     if observe is None:

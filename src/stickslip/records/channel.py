@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.basics.units import unit_of
+from stickslip.basics.units import unit_named
 
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
@@ -85,7 +85,7 @@ class Channel:
     @property
     def over_time(self) -> bool:
         """Whether the axis is time, as far as is known."""
-        unit = unit_of(self.axis_unit)
+        unit = unit_named(self.axis_unit)
         return unit.quantity == "time" if unit else "freq" not in (self.axis_name or "").lower()
 
     @cached_property
@@ -104,13 +104,13 @@ class Channel:
     @property
     def rate(self) -> float:
         """Samples per second; where the axis has no unit, samples per unit of the axis."""
-        unit = unit_of(self.axis_unit) if self.over_time else None
+        unit = unit_named(self.axis_unit) if self.over_time else None
         return 1.0 / (self.interval * (unit.factor if unit else 1.0))
 
     @property
     def rate_unit(self) -> str:
         """The unit of `rate`."""
-        known = self.over_time and unit_of(self.axis_unit) is not None
+        known = self.over_time and unit_named(self.axis_unit) is not None
         return "Hz" if known else f"1/({self.axis_unit or 'unit of ' + repr(self.axis_name)})"
 
     @cached_property
@@ -135,7 +135,7 @@ class Channel:
         )
 
     def _factor(self, text: str | None, example: str, what: str) -> float:
-        unit = unit_of(text)
+        unit = unit_named(text)
         if unit is None:
             given = "is not in the file" if text is None else f"is {text!r}, which is not known here"
             raise InputError("record", [f"{what} {given}; type ss.read(path, {example}) with the right unit"])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import heading, unit_of
+from stickslip.basics.units import unit_named, unit_of_heading
 from stickslip.records.text_lines import MOST_NUMBER, MOST_PREAMBLE, Lines, check_columns
 
 _NUMBER = {
@@ -283,7 +283,7 @@ def _by_heading(able: list[_Tried], lines: Lines, notes: list[str]) -> list[_Tri
     wide, single = [t for t in fitting if t.dialect.width > 1], [t for t in fitting if t.dialect.width == 1]
     if wide and single:  # "time, s" over "1,5" is one name with its unit, or two names
         line, last = str(_heading_line(lines[: wide[0].first])), _names(wide[0], lines)[-1]
-        return fitting if ", " in line and unit_of(last) is not None else wide
+        return fitting if ", " in line and unit_named(last) is not None else wide
     if len(single) == 1:
         name = _names(single[0], lines)[0]
         notes.append(f'{name!r} names one column, so the commas are read as decimal marks; if they part columns, type separator=","')
@@ -310,7 +310,7 @@ def _columns(count: int) -> str:
 def _check_columns(t: _Tried, lines: Lines, body: Lines, notes: list[str]) -> None:
     """Headings that name fewer columns, and whole numbers with zeros before them, speak of commas or blanks within numbers."""
     names, dialect = _names(t, lines), t.dialect
-    named = len(names) > 1 or (len(names) == 1 and unit_of(heading(names[0])[1]) is not None)
+    named = len(names) > 1 or (len(names) == 1 and unit_named(unit_of_heading(names[0])[1]) is not None)
     words = named and all(name and dialect.number(name) is None for name in names)
     fewer = words and len(names) < dialect.width and dialect.width % len(names) == 0
     if dialect.separator == " ":

@@ -21,14 +21,14 @@ _DEEPEST = 8  # groups within groups
 def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
     raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
-    with damage_reported(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
-        attributes = hdf5.attributes(file, allowance, len(data))
+    with damage_reported(raw.format), hdf5.checked_file(io.BytesIO(data), "read", allowance) as file:
+        attributes = hdf5.plain_attributes(file, allowance, len(data))
         if "_NCProperties" in attributes:
             raw.format = "netCDF4"
         raw.info |= {str(name): _plain(value) for name, value in attributes.items() if not str(name).startswith("_")}
         _check_length(data, raw.notes)
         for name, item in _datasets(file, raw.notes):
-            _dataset(item, hdf5.attributes(item, allowance, len(data)), raw, name)
+            _dataset(item, hdf5.plain_attributes(item, allowance, len(data)), raw, name)
     if not raw.columns:
         raise InputError("read", ["the HDF5 file holds no vector of numbers; save the time and the channels as vectors"])
     return raw
@@ -59,7 +59,7 @@ def _datasets(group: Any, notes: list[str], prefix: str = "", above: tuple[int, 
             yield prefix + name, item
         elif not isinstance(item, h5py.Group):
             notes.append(f"{prefix}{name} is left out: it is a link to another place of the file, or damaged")
-        elif (address := hdf5.place_of(item)) in above or len(above) > _DEEPEST:
+        elif (address := hdf5.address_of(item)) in above or len(above) > _DEEPEST:
             notes.append(f"{prefix}{name} is left out: its groups have no end")
         else:
             yield from _datasets(item, notes, f"{prefix}{name}.", (*above, address))
@@ -74,9 +74,9 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
     unit = next((_plain(attrs[key]) for key in ("units", "unit", "Units", "Unit") if key in attrs), None)
     kind = _plain(attrs["MATLAB_class"]) if "MATLAB_class" in attrs else None
     if kind == "char":
-        raw.info[name] = "".join(chr(int(c)) for c in np.ravel(hdf5.values(item))[:4000])
+        raw.info[name] = "".join(chr(int(c)) for c in np.ravel(hdf5.dataset_values(item))[:4000])
     elif item.dtype.names == ("real", "imag"):
-        value = hdf5.values(item)
+        value = hdf5.dataset_values(item)
         vectors({name: value["real"] + 1j * value["imag"]}, {name: unit} if unit else {}, raw)
     elif item.dtype.kind in "biuf":
         vectors({name: _scaled(item, attrs)}, {name: unit} if unit else {}, raw)
@@ -88,7 +88,7 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
 
 def _scaled(item: Any, attrs: dict[str, Any]) -> Any:
     """Numbers as the conventions of netCDF mean them: fill values are NaN; scale and offset are applied."""
-    value = np.asarray(hdf5.values(item))
+    value = np.asarray(hdf5.dataset_values(item))
     fill = [attrs[key] for key in ("_FillValue", "missing_value") if key in attrs]
     if fill or "scale_factor" in attrs or "add_offset" in attrs:
         value = value.astype(float)

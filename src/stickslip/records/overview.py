@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import unit_of
+from stickslip.basics.units import unit_named
 from stickslip.records.tones import NotPeriodic
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def _line(c: Any) -> Line:
     good = values[np.isfinite(values)]
     least, largest = (float(good.min()), float(good.max())) if len(good) else (float("nan"),) * 2
     span = float(np.nanmax(c.t) - np.nanmin(c.t)) if len(c.t) and np.isfinite(c.t).any() else 0.0
-    unit = unit_of(c.axis_unit)
+    unit = unit_named(c.axis_unit)
     missing = len(values) - len(good)
     return Line(
         c.name, c.unit, c.role, len(c), float(c.rate), c.rate_unit, span * (unit.factor if unit else 1.0), len(c.gaps), missing,

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.basics.arguments import Recorded, explains_arguments
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
-from stickslip.basics.units import heading, quantity_of, unit_of
+from stickslip.basics.units import quantity_of, unit_named, unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
@@ -172,7 +172,7 @@ def _rename(raw: Raw, columns: Sequence[str] | None, problems: Problems) -> None
             f'columns names {len(columns)} columns; the file has {len(raw.columns)}; name every one, such as columns=["t [ms]", ...]'
         )
         return
-    raw.columns = [Column(*heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
+    raw.columns = [Column(*unit_of_heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
 
 
 def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
@@ -181,7 +181,7 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
     for name, text in units.items():
         if name not in known:
             problems.add(f"units names {name!r}; {did_you_mean(name, dict.fromkeys(known))}")
-        elif unit_of(text) is None:
+        elif unit_named(text) is None:
             problems.add(f'the unit {text!r} of {name!r} is not known; allowed are SI units with prefixes, such as "mm/s", "uN", "bar"')
 
     for c in {id(c): c for c in (*raw.columns, *(c.axis for c in raw.columns if c.axis is not None))}.values():

@@ -67,14 +67,14 @@ class Record:
     @explains_arguments
     def of(cls, t: Numbers, columns: Mapping[str, Numbers], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
-        from stickslip.basics.units import heading
+        from stickslip.basics.units import unit_of_heading
         from stickslip.records.raw import Column
         from stickslip.records.roles import roles_of
 
         channels = {}
-        named = roles_of([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
+        named = roles_of([Column(*unit_of_heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
         for text, values in columns.items():
-            name, unit = heading(text)
+            name, unit = unit_of_heading(text)
             if name in channels:
                 raise InputError("Record", [f"columns names {name!r} twice, the second time as {text!r}; give each a name of its own"])
             if np.shape(values) != np.shape(t):
@@ -153,7 +153,7 @@ class Record:
     @explains_arguments
     def derived(self, heading: str, values: Numbers, like: str, role: str | None = None) -> Record:
         """The record with one more channel, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
-        from stickslip.basics.units import heading as split
+        from stickslip.basics.units import unit_of_heading as split
 
         name, unit = split(heading)
         made = dataclasses.replace(self[like], name=name, unit=unit, values=np.asarray(values), role=role)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.units import quantity_of, unit_of
+from stickslip.basics.units import quantity_of, unit_named
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone, runs_of
 from stickslip.records.raw import Column
@@ -65,7 +65,7 @@ def remarks(channels: list[Channel]) -> list[str]:
         shown = ", ".join(repr(n) for n in bare[:6]) + (", ..." if len(bare) > 6 else "")
         notes.append(f'no unit in the file for {shown}; type units={{"{bare[0]}": "m/s"}} with the right one')
     for c in channels:
-        if c.unit is not None and unit_of(c.unit) is None:
+        if c.unit is not None and unit_named(c.unit) is None:
             notes.append(f"the unit {c.unit!r} of {c.name!r} is kept but not understood")
         if c.unit == "g":
             notes.append(f'{c.name!r} is in "g", read as grams; if it is multiples of gravity, type units={{"{c.name}": "g0"}}')

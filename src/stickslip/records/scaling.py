@@ -8,10 +8,10 @@ import re
 from typing import Any
 
 from stickslip.basics.errors import Problems, did_you_mean
-from stickslip.basics.units import SI, Unit, unit_of
+from stickslip.basics.units import SI, Unit, unit_named
 from stickslip.records.raw import Raw
 
-_VOLT = unit_of("V")
+_VOLT = unit_named("V")
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)"
 _TYPE = 'type for example scale={{"{name}": "25 mm/s/V"}}, or "100 mV/g0"'
 
@@ -44,8 +44,8 @@ def _factor(name: str, given: Any, unit: str | None, problems: Problems) -> tupl
         return None
     if not match[2]:
         return number, unit
-    sensitivity = unit_of(re.sub(r"\bg\b", "g0", match[2]))
-    volts = _VOLT if unit is None else unit_of(unit)
+    sensitivity = unit_named(re.sub(r"\bg\b", "g0", match[2]))
+    volts = _VOLT if unit is None else unit_named(unit)
     if sensitivity is None or volts is None or volts.quantity != "voltage":
         what = f"the unit {match[2]!r} is not known" if sensitivity is None else f"it is in {unit}, and no voltage"
         problems.add(f"scale of {name!r} = {given!r}: {what}; {typed}")

@@ -11,7 +11,7 @@ from xml.parsers import expat
 import numpy as np
 
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import heading
+from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.extras import damage_reported, library
 from stickslip.records.raw import Column, Raw
@@ -103,7 +103,7 @@ def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Col
     if strange:
         notes.append(f"{strange} cells of the sheet are text where numbers are expected and became NaN")
     kept = [i for i in range(width) if not np.isnan(values[:, i]).all()]
-    return [Column(*(heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
+    return [Column(*(unit_of_heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
 
 
 def _cell(cell: Any) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import heading
+from stickslip.basics.units import unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
@@ -61,7 +61,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     units_given = document.get("units")
     units |= units_given if isinstance(units_given, dict) else {}
     for name, values in lists.items():
-        plain, unit = heading(str(name))
+        plain, unit = unit_of_heading(str(name))
         raw.columns.append(_column(plain, unit or _text(units.get(name)), _plain(values), raw.notes))
     return raw
 
@@ -325,7 +325,7 @@ def raw_of_frame(frame: Any) -> Raw:
     for name, values in series:
         if values.ndim != 1:
             raise InputError("read", [f"{name!r} has shape {values.shape}; allowed are columns of numbers"])
-        plain, unit = heading(name)
+        plain, unit = unit_of_heading(name)
         raw.columns.append(_of_series(plain, unit, values, raw.notes))
     if not raw.columns or not len(raw.columns[0].values):
         raise InputError("read", ["the data frame holds no numbers"])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.errors import InputError
-from stickslip.basics.units import heading, unit_of
+from stickslip.basics.units import unit_named, unit_of_heading
 from stickslip.basics.unpacking import Allowance
 from stickslip.records.columns_of_words import LeftOut, without_words
 from stickslip.records.dialects import MISSING, MOST_BAD, Dialect, heading_cells, sniffed
@@ -139,14 +139,14 @@ def _headings(lines: Sequence[str], dialect: Dialect, raw: Raw) -> list[tuple[st
             raw.info["preamble"] = "\n".join(rest)[:_PREAMBLE]
         return None
     last = fitting[-1]
-    units = [unit_of(cell.strip("[]()")) for cell in last]
+    units = [unit_named(cell.strip("[]()")) for cell in last]
     known = [u is not None for u, cell in zip(units, last, strict=True) if cell]
     if len(fitting) > 1 and known and all(known) and not any(u is not None and u.text == "1" for u in units):
         names = fitting[-2]
         used = 2
         headings = [(name, unit.text.strip("[]()") if unit else None) for name, unit in zip(names, units, strict=True)]
     else:
-        used, headings = 1, [heading(cell) for cell in last]
+        used, headings = 1, [unit_of_heading(cell) for cell in last]
     if len(rest) > used:
         raw.info["preamble"] = "\n".join(rest[:-used])[:_PREAMBLE]
     return headings

@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import is_array, leaves
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.status import STATUS
 from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models.machine_adapter import machine_of
@@ -33,13 +33,13 @@ def trajectory_columns(run: Trajectory | FlowRun) -> dict[str, Any]:
     return {name: column for name, column in columns.items() if column is not None}
 
 
-def names_of(run: Any) -> dict[str, list[str]]:
+def names_of_parts(run: Any) -> dict[str, list[str]]:
     """The names of the bodies and contacts of a run by dimension; empty if its columns are those of one body and contact.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> names_of(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2))
+    >>> names_of_parts(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2))
     {}
     """
     layout = run.pieces.layout
@@ -57,10 +57,10 @@ def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
     With several bodies and contacts a column's name contains that of the part, as in "x.head". Inner states are numbered; those that a
     law does not have are left out.
     """
-    return flat(trajectory_columns(run), names_of(run), run.model)
+    return columns_with_units(trajectory_columns(run), names_of_parts(run), run.model)
 
 
-def flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
+def columns_with_units(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
     """Columns by name as columns of numbers with their units; the `model` says whether coordinates are lengths or angles."""
     return {n: (one, unit_of(name, model)) for name, column in columns.items() for n, one in _parts(name, column, names)}
 
@@ -93,11 +93,13 @@ class FileColumns:
     about: dict[str, Any]
 
 
-def table_of(run: Any) -> FileColumns:
+def columns_for_file(run: Any) -> FileColumns:
     """The columns of a trajectory for a file."""
     columns, parts = trajectory_columns(run), flat_columns(run)
     units = {name: unit_of(name, run.model) or "1" for name in columns}
-    return FileColumns(columns, units, names_of(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run))
+    return FileColumns(
+        columns, units, names_of_parts(run), explained_columns(parts), [values for values, _ in parts.values()], attributes(run)
+    )
 
 
 def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:
@@ -148,7 +150,7 @@ def attributes(run: Trajectory | FlowRun) -> dict[str, Any]:
     """Metadata of a run besides its columns."""
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
-        attrs[name] = json.dumps(plain(getattr(run, name)))
+        attrs[name] = json.dumps(as_plain(getattr(run, name)))
     try:
         attrs["robot"] = run.model.to_toml()
     except (InputError, AttributeError):
@@ -160,7 +162,7 @@ def attributes(run: Trajectory | FlowRun) -> dict[str, Any]:
 CODES = {"status": STATUS, "steadiness": STEADINESS}
 
 
-def described(name: str, model: Any = None) -> dict[str, str]:
+def column_description(name: str, model: Any = None) -> dict[str, str]:
     """Units, long name and symbol of a column, and the meanings of its codes; empty for an unknown column."""
     if name not in VARIABLES:
         return {}
@@ -185,9 +187,11 @@ def trajectory_dataset(run: Any) -> Any:
     """
     import xarray as xr
 
-    columns, names = trajectory_columns(run), names_of(run)
-    data = {name: (dims_of(name, column, names), column, described(name, run.model)) for name, column in columns.items() if name != "t"}
-    coords = {"time": ("time", columns["t"], described("t")), **{dim: (dim, of) for dim, of in names.items()}}
+    columns, names = trajectory_columns(run), names_of_parts(run)
+    data = {
+        name: (dims_of(name, column, names), column, column_description(name, run.model)) for name, column in columns.items() if name != "t"
+    }
+    coords = {"time": ("time", columns["t"], column_description("t")), **{dim: (dim, of) for dim, of in names.items()}}
     return xr.Dataset(data, coords=coords, attrs=attributes(run))
 
 
@@ -203,10 +207,10 @@ def summary_dataset(many: Any) -> Any:
     parts = {} if many.model is None else machine_of(many.model).part_names
     coords |= {dim: ((dim,), list(names)) for dim, names in parts.items()}
     data = {
-        name: (_dims_of_case(name, dims, parts), np.asarray(column), described(name, many.model))
+        name: (_dims_of_case(name, dims, parts), np.asarray(column), column_description(name, many.model))
         for name, column in many.columns.items()
     }  # fmt: skip
-    return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})
+    return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(as_plain(many.provenance))})
 
 
 def _dims_of_case(name: str, dims: tuple[str, ...], parts: dict[str, Any]) -> tuple[str, ...]:

@@ -294,7 +294,7 @@ def _halves(a: Array) -> tuple[Array, Array]:
 KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs}
 
 
-def kind_of(pieces: DensePieces) -> str:
+def kind_of_pieces(pieces: DensePieces) -> str:
     """The name of the kind of these pieces in a file."""
     return next(name for name, cls in KINDS.items() if type(pieces) is cls)
 

@@ -21,9 +21,9 @@ class RunFiles:
 
     def _table(self) -> FileColumns:
         """The columns as files hold them."""
-        from stickslip.results.datasets import table_of
+        from stickslip.results.datasets import columns_for_file
 
-        return table_of(self)
+        return columns_for_file(self)
 
     def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

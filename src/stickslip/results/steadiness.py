@@ -105,7 +105,7 @@ class Steadiness:
         return f"the motion has not settled: {change}, and {far}; {self.advice}"
 
 
-def judged(mean: ArrayLike, approached: ArrayLike, period: Any, free_velocity: Any, tolerance: Any) -> Any:
+def steadiness_codes(mean: ArrayLike, approached: ArrayLike, period: Any, free_velocity: Any, tolerance: Any) -> Any:
     """Codes of steadiness from mean velocities and those that they approach [m/s]."""
     mean, approached = np.asarray(mean, float), np.asarray(approached, float)
     with np.errstate(invalid="ignore"):
@@ -207,7 +207,7 @@ def is_steady(model: Model, row: dict[str, Any], method: str, rtol: float) -> bo
     """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
     T = float(model.period)
     mean, approached = row["displacement"] / (row["window"] * T), row["limit"] / T
-    return bool(judged(mean, approached, row["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
+    return bool(steadiness_codes(mean, approached, row["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
 
 
 def window_count(done: int, settle: int, period: int) -> int:
@@ -216,7 +216,7 @@ def window_count(done: int, settle: int, period: int) -> int:
     return count - count % (period or 1) if count > (period or 1) else count
 
 
-def of_run(run: Trajectory) -> Steadiness:
+def steadiness_of_run(run: Trajectory) -> Steadiness:
     """The steadiness of a trajectory."""
     if machine_of(run.model).is_single:
         run = of_one_contact("run.steadiness", run, "it is judged by one mean velocity")
@@ -234,7 +234,7 @@ def of_run(run: Trajectory) -> Steadiness:
     mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
     if known:
         return Steadiness(STEADY, period, mean, mean)
-    code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
+    code = int(steadiness_codes(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
     return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, x, int(run.settle), period, limit))
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from stickslip.basics import hdf5
 from stickslip.basics.contracts import OneContact
 from stickslip.basics.errors import InputError, as_path, is_one_of
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.unpacking import Allowance
 from stickslip.basics.whole_files import for_hdf5, unwritable, whole_file
 from stickslip.basics.workbooks import write_workbook
@@ -28,8 +28,8 @@ from stickslip.models.machines import MECHANISMS
 from stickslip.models.mechanics import lists_parts
 from stickslip.models.robot import Robot
 from stickslip.models.tables import document_of
-from stickslip.results.datasets import attributes, names_of, trajectory_dataset, write_csv
-from stickslip.results.dense_output import kind_of, pieces_from_arrays
+from stickslip.results.datasets import attributes, names_of_parts, trajectory_dataset, write_csv
+from stickslip.results.dense_output import kind_of_pieces, pieces_from_arrays
 
 if TYPE_CHECKING:
     from stickslip.results.flow_run import FlowRun
@@ -78,8 +78,8 @@ def save(run: Any, path: str | Path) -> Path:
     texts = {name: array for name, array in kept.items() if isinstance(array, str)}
     arrays = {name: (tuple(f"{name}_{axis}" for axis in range(array.ndim)), array) for name, array in kept.items() if name not in texts}
     packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "_FillValue": None}
-    pieces = xr.Dataset(arrays, attrs={"kind": kind_of(run.pieces), **texts})
-    encoding = {str(name): packed for name in data.variables if name not in names_of(run)}
+    pieces = xr.Dataset(arrays, attrs={"kind": kind_of_pieces(run.pieces), **texts})
+    encoding = {str(name): packed for name in data.variables if name not in names_of_parts(run)}
     return save_datasets(path, {"": (data, encoding), "pieces": (pieces, {name: {"_FillValue": None} for name in arrays})})
 
 
@@ -105,7 +105,7 @@ def _model_attributes(model: OneContact) -> dict[str, str]:
     law = model.friction
     if type(law) in LAWS.values():
         return {"robot": _toml(model)}
-    numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
+    numbers = {f.name: as_plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
     stored = json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})
     return {"robot": _toml(model, friction=Coulomb(mu_plus=0.0, mu_minus=0.0)), "law": stored}
 
@@ -132,10 +132,10 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     if size is None:
         raise InputError("load", [f"there is no file {str(path)!r}; {give}"])
     try:
-        with hdf5.opened(path, "load", allowance := Allowance("load", size)) as file:
-            attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
+        with hdf5.checked_file(path, "load", allowance := Allowance("load", size)) as file:
+            attrs = {k: _one(v) for k, v in hdf5.plain_attributes(file, allowance, size).items()}
             _check_format(attrs, path)
-            kept = hdf5.attributes(file["pieces"], allowance, size)
+            kept = hdf5.plain_attributes(file["pieces"], allowance, size)
             objects = {"pieces": _pieces(file, kept), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
         return {**objects, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
@@ -153,7 +153,9 @@ def _one(value: Any) -> Any:
 
 def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
     """The dense output: its arrays, without the dimensions of netCDF beside them, and its layout."""
-    arrays = {k: np.asarray(hdf5.values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
+    arrays = {
+        k: np.asarray(hdf5.dataset_values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs
+    }
     count = len(arrays["t"]) - 1
     if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
         raise ValueError("its pieces do not follow one another")

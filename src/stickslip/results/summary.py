@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.basics.errors import did_you_mean
 from stickslip.basics.frozen_arrays import seal, sealed
-from stickslip.basics.status import Status, counted
+from stickslip.basics.status import Status, code_counts
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.mechanics import declares_parts
 from stickslip.results.part_notes import notes_of_cases
@@ -122,12 +122,12 @@ class Summary:
     @property
     def status_counts(self) -> dict[str, int]:
         """How many cases ended with each sentence."""
-        return counted(self.columns["status"])
+        return code_counts(self.columns["status"])
 
     @property
     def steadiness_counts(self) -> dict[str, int]:
         """How many cases are steady, have not settled, or do not repeat."""
-        return counted(self.columns.get("steadiness", []), STEADINESS)
+        return code_counts(self.columns.get("steadiness", []), STEADINESS)
 
     @property
     def notes(self) -> list[str]:

@@ -26,7 +26,7 @@ from stickslip.results.events import Event, aloft_of, events_of, flights_of, hit
 from stickslip.results.part_notes import shared_at_rest
 from stickslip.results.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.results.run_files import RunFiles
-from stickslip.results.steadiness import Steadiness, drifting_apart, of_run
+from stickslip.results.steadiness import Steadiness, drifting_apart, steadiness_of_run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -531,7 +531,7 @@ class Trajectory(Drawn, RunFiles):
     @cached_property
     def steadiness(self) -> Steadiness:
         """Whether its mean velocity is that of a steady motion, and how far from it that is."""
-        return of_run(self) if self.parted is self else self.parted.steadiness
+        return steadiness_of_run(self) if self.parted is self else self.parted.steadiness
 
     @property
     def notes(self) -> list[str]:

@@ -56,13 +56,13 @@ _kept: Remembered[ArcNumbers] = Remembered(most=64)
 _places: Remembered[bool] = Remembered()
 
 
-def reduced(model: Model) -> Arcs:
+def dimensionless_arcs(model: Model) -> Arcs:
     """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> arcs = reduced(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"))
+    >>> arcs = dimensionless_arcs(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.56e-4, law="coulomb-static"))
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.477433
     """

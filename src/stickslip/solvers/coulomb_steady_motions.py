@@ -15,7 +15,7 @@ from stickslip.basics.batch import some_of
 from stickslip.basics.contracts import Array
 from stickslip.results.summary import Summary
 from stickslip.solvers import set_valued as exact
-from stickslip.solvers.closed_arcs import Arcs, reduced
+from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
 from stickslip.solvers.gather import NEEDED
 from stickslip.solvers.request import Request
 
@@ -79,8 +79,8 @@ def orbit_rows(
 
 def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
-    arcs = reduced(todo.model)
-    rows, driven = exact.rows_of(arcs, np.zeros(todo.cases))
+    arcs = dimensionless_arcs(todo.model)
+    rows, driven = exact.dimensionless_rows(arcs, np.zeros(todo.cases))
     easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
     rows[~easy] = exact.AT_REST
     raw = orbit_rows(rows, None, todo.workers, todo.progress)
@@ -92,19 +92,19 @@ def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     raw["seg_time"] = raw["seg_time"] * arcs.period[:, None]
     if len(hard):
         _wait_for(raw, hard, todo)
-    return exact.summary(todo, raw), {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
+    return exact.summary_of(todo, raw), {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
 
 
 def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """The same period after period from the start that was asked for; beside the summary the ways [m] and v_end [m/s]."""
-    raw = exact.batch(todo)
-    return exact.summary(todo, raw), {**ways_from(raw, reduced(todo.model), todo.workers), "v_end": raw["v_end"]}
+    raw = exact.raw_batch(todo)
+    return exact.summary_of(todo, raw), {**ways_from(raw, dimensionless_arcs(todo.model), todo.workers), "v_end": raw["v_end"]}
 
 
 def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     """Solve some cases by the mode machine, period after period, and look at the motion that it ends in."""
     model = some_of(todo.model, hard)
-    solved, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
+    solved, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), dimensionless_arcs(model)
     solved["seg_time"] = solved["seg_time"] * arcs.period[:, None]
     solved |= ways_from(solved, arcs, todo.workers)
     for name in (*NEEDED, *_WAYS):
@@ -113,7 +113,7 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
 
 def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
     """Distances travelled forwards and backwards in the motions that runs of `exact.solve_batch` reached [m]; NaN if they reached none."""
-    rows, _ = exact.rows_of(arcs, raw["v_end"])
+    rows, _ = exact.dimensionless_rows(arcs, raw["v_end"])
     settled = (raw["status"] <= _REPEATS) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
     rows[~settled] = exact.AT_REST
     ways = orbit_rows(rows, np.where(settled, raw["period"], 0), workers)

@@ -117,7 +117,7 @@ def _row(
     return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
 
 
-def followed(
+def follow_flow(
     flow: SwitchingFlow,
     y: Array,
     mode: Any,

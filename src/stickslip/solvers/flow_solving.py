@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, cases_of, labels_of, spread
+from stickslip.basics.batch import Labels, cases_of, labels_of, spread_over_cases
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems, SolveError, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import number
@@ -19,7 +19,7 @@ from stickslip.engine.texts import recurrence
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.results.flow_run import FlowRun, extremes, polynomials
 from stickslip.results.summary import Summary
-from stickslip.solvers.flow_engine import followed, unknown
+from stickslip.solvers.flow_engine import follow_flow, unknown
 from stickslip.solvers.request import check_duration, check_keep, check_rtol, versions
 from stickslip.solvers.stopped import FAILURES
 
@@ -160,7 +160,7 @@ def _called(f: Any, y: Array) -> Array | None:
 def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> tuple[Array, Array, int | None, int]:
     """How long each case is followed, how much of that is left out of its numbers, and both in periods of the forcing."""
     cases = labels.cases
-    T = None if flow.period is None else spread(flow.period, labels)
+    T = None if flow.period is None else spread_over_cases(flow.period, labels)
     if duration is not None:
         duration = float(duration) if check_duration(duration, periods, problems) else 1.0
         if settle not in (None, 0, "auto"):
@@ -212,7 +212,7 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
             problems.add(f"start has no {name!r}; {did_you_mean(str(name), flow.states)}")
             continue
         try:
-            table[:, flow.states.index(name)] = spread(number(value), labels)
+            table[:, flow.states.index(name)] = spread_over_cases(number(value), labels)
         except (TypeError, ValueError) as error:
             problems.add(f"start {name} = {value!r}; allowed is a finite number, or one for each case ({error})")
     if not np.isfinite(table).all():
@@ -222,7 +222,7 @@ def _named_starts(flow: Any, start: Any, labels: Labels, problems: Problems) -> 
 
 def _run(asked: Asked, start: Any) -> FlowRun:
     flow, y = asked.flow, asked.states[0]
-    done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False, partial=is_outermost())
+    done = follow_flow(flow, y, asked.mode, float(asked.spans[0]), growth=False, partial=is_outermost())
     status = Status.FINISHED.sentence
     if is_stopped() and done.time < float(asked.spans[0]):
         status = interrupted_at(done.time)
@@ -249,7 +249,7 @@ def _summary(asked: Asked, progress: Any) -> Summary:
         for k, flow in enumerate(cases_of(asked.flow)):
             look()
             why: list[str] = []
-            rows.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k]), why))
+            rows.append(flow_columns(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k]), why))
             if why and len(failures) < FAILURES:
                 failures[tuple(map(int, np.unravel_index(k, asked.labels.shape)))] = why[0]
             progress(k + 1, len(asked.states))
@@ -261,7 +261,7 @@ def _summary(asked: Asked, progress: Any) -> Summary:
     return Summary(asked.flow, asked.labels, columns, {"settings": settings}, failures)
 
 
-def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float, why: list[str] | None = None) -> dict[str, Any]:
+def flow_columns(flow: Any, y: Array, mode: Any, span: float, settled: float, why: list[str] | None = None) -> dict[str, Any]:
     """The numbers of one case: mean, smallest and largest value of each state after settling, the switches there, and where it ends.
 
     The message of a case that could not be followed is added to `why`.
@@ -270,9 +270,9 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float, why:
     try:
         begin = 0.0
         if settled > 0.0:
-            before = followed(flow, y, mode, settled, growth=False)
+            before = follow_flow(flow, y, mode, settled, growth=False)
             y, mode, begin = before.state, before.mode, settled
-        done = followed(flow, y, mode, span - settled, begin, growth=False)
+        done = follow_flow(flow, y, mode, span - settled, begin, growth=False)
     except SolveError as error:
         if why is not None:
             why.append(str(error))

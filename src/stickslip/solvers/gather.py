@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import spread
+from stickslip.basics.batch import spread_over_cases
 from stickslip.basics.coded_words import CodedWords
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.interruption import look
 from stickslip.basics.status import STATUS, Status, interrupted_at
-from stickslip.results.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
+from stickslip.results.steadiness import STEADY, UNKNOWN, mean_tolerance, steadiness_codes
 from stickslip.results.summary import Columns, Summary
 from stickslip.results.trajectory import Trajectory
-from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed
+from stickslip.solvers.part_results import OF_TYPE, RawParts, columns_of_parts, of_own_parts, per_case, typed_contacts
 from stickslip.solvers.request import Request, provenance
 from stickslip.solvers.stopped import FAILURES, LOST
 
@@ -164,8 +164,8 @@ class _Cases:
     def steadiness(self) -> Any:
         if not self.periodic:
             return np.full(len(self.T), UNKNOWN)
-        free = spread(self.machine.free_velocity, self.labels)[self.at]
-        return judged(self.velocity, self.approached, self.raw.period, free, self.tolerance)
+        free = spread_over_cases(self.machine.free_velocity, self.labels)[self.at]
+        return steadiness_codes(self.velocity, self.approached, self.raw.period, free, self.tolerance)
 
     @cached_property
     def lasting(self) -> Any:
@@ -176,7 +176,9 @@ class _Cases:
     def type(self) -> dict[str, Any]:
         raw = self.raw
         seg, extremes = (raw.seg_count, raw.seg_time, raw.seg_code), (raw.v_max, raw.v_min)
-        return typed(seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good)
+        return typed_contacts(
+            seg, self.T, raw.period, raw.margin_force, raw.displacement, extremes, raw.window, self.dwell, self.rtol, self.good
+        )
 
 
 def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, flat, spread
+from stickslip.basics.batch import Labels, flat, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import Problems, did_you_mean
 from stickslip.basics.fields import number
@@ -88,7 +88,7 @@ def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems,
         given = number(value, unit)
         array = np.asarray(given, float)
         if count == 1 and array.ndim <= len(labels.shape):
-            into[:, 0] = spread(given, labels)
+            into[:, 0] = spread_over_cases(given, labels)
         else:
             into[:] = np.broadcast_to(array, (*labels.shape, count)).reshape(-1, count)
         if not np.all(np.isfinite(into)):

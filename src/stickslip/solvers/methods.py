@@ -140,9 +140,9 @@ class TaylorSeries(Stepping):
 
     def accepts(self, model: Model) -> str | None:
         """Laws whose inner state relaxes with a rate that grows with the velocity, asked of the traced equations."""
-        from stickslip.solvers.series import lacks
+        from stickslip.solvers.series import series_refusal
 
-        return _of_laws(model, dynamic=True) or lacks(model)
+        return _of_laws(model, dynamic=True) or series_refusal(model)
 
     def steps(self, todo: Request) -> tuple[Series, float]:
         """The series of the order that the tolerance asks for."""

@@ -44,7 +44,7 @@ class RawParts:
     stop_force_max: Array  # (cases, stops) [N]; NaN of one with restitution
 
 
-def typed(
+def typed_contacts(
     seg: tuple[Array, Array, Array],
     T: Array,
     period: Array,
@@ -109,7 +109,7 @@ def _types(cases: Any, raw: RawParts) -> dict[str, Any]:
         return values.reshape(-1, *values.shape[2:])
 
     seg, spans = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), of_each(np.maximum(cases.raw.period, 1))
-    types: dict[str, Any] = typed(
+    types: dict[str, Any] = typed_contacts(
         seg, of_each(cases.T), of_each(cases.raw.period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
         spans, cases.dwell, cases.rtol, of_each(cases.good),
     )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, labels_together, spread
+from stickslip.basics.batch import Labels, labels_together, spread_over_cases
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import leaves, number
@@ -24,7 +24,7 @@ from stickslip.engine.kinds import check_functions
 from stickslip.models.forces import inner_start
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, is_machine, machine_of
-from stickslip.models.observables import Observable, checked
+from stickslip.models.observables import Observable, checked_observables
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.solvers.methods import METHODS
 
@@ -101,10 +101,10 @@ def request(
     problems.check()
     progress = reporting(progress, "solve")
     keep = keep or ("summary" if labels.shape else "trajectory")
-    observed = checked("solve", observe, VARIABLES)
+    observed = checked_observables("solve", observe, VARIABLES)
     if observed and keep == "trajectory":
         raise InputError("solve", ["observe makes columns of a batch, and this is one run; type run.at(t) for its columns at any time"])
-    periods, span = int(periods), spread(float(duration) if model.period is None else model.period, labels)
+    periods, span = int(periods), spread_over_cases(float(duration) if model.period is None else model.period, labels)
     _check_size(keep, periods, int(samples))
     settled = periods // 2 if settle is None or auto else int(settle)
     return Request(
@@ -240,7 +240,7 @@ def _start_states(model: Model, labels: Labels, start: Any, problems: Problems) 
                 if not columns[name]:
                     problems.add(f"start has z = {value!r}, but {law_of(model).name} has no inner state; leave z out")
                     continue
-                table[:, columns[name][0]] = spread(value, labels)
+                table[:, columns[name][0]] = spread_over_cases(value, labels)
         except (TypeError, ValueError) as error:
             allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
@@ -265,7 +265,7 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
         problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
         return
     time = machine_of(model).time_scale
-    moved = spread(model.velocity_scale * (1.0 if time is None else time), labels)
+    moved = spread_over_cases(model.velocity_scale * (1.0 if time is None else time), labels)
     lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
     if np.any(lost):
         case = int(np.argmax(lost))

@@ -23,7 +23,7 @@ def method(rtol: float) -> tuple[Series, float]:
     return next(series for least, series in SERIES if held >= least), held
 
 
-def lacks(model: Model) -> str | None:
+def series_refusal(model: Model) -> str | None:
     """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
 
     def reason() -> str | None:

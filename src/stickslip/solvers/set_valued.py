@@ -22,7 +22,7 @@ from stickslip.results.dense_output import HarmonicArcs
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import undriven
-from stickslip.solvers.closed_arcs import Arcs, reduced
+from stickslip.solvers.closed_arcs import Arcs, dimensionless_arcs
 from stickslip.solvers.gather import NEEDED, RawResults, gather, trajectory
 from stickslip.solvers.request import Request
 
@@ -48,22 +48,22 @@ def solve(todo: Request) -> Trajectory | Summary:
         arcs, counts = solve_one(todo.model, todo.periods, _start_of(todo), todo.progress, todo.partial)
         whole = arcs.t[-1] == todo.periods * float(todo.span[0])
         return trajectory(todo, "exact", arcs, counts, Status.FINISHED if whole else Status.NOT_COMPUTED)
-    return summary(todo, batch(todo))
+    return summary_of(todo, raw_batch(todo))
 
 
 def _start_of(todo: Request) -> dict[str, Any]:
     return dict(x=todo.start[:, 0].reshape(todo.labels.shape), v=todo.start[:, 1].reshape(todo.labels.shape))
 
 
-def batch(todo: Request) -> dict[str, Array]:
+def raw_batch(todo: Request) -> dict[str, Array]:
     """The raw results of `solve_batch` as asked, times in seconds."""
-    arcs, settle = reduced(todo.model), "auto" if todo.auto else todo.settle
+    arcs, settle = dimensionless_arcs(todo.model), "auto" if todo.auto else todo.settle
     raw = solve_batch(todo.model, todo.periods, settle, _start_of(todo), todo.workers, todo.progress, arcs)
     raw["seg_time"] = raw["seg_time"] * arcs.period[:, None]
     return raw
 
 
-def summary(todo: Request, raw: dict[str, Any]) -> Summary:
+def summary_of(todo: Request, raw: dict[str, Any]) -> Summary:
     """A summary from raw results."""
     return gather(todo, "exact", [((0, todo.cases), RawResults(**{name: raw[name] for name in NEEDED}))])
 
@@ -75,7 +75,7 @@ def _kernel() -> Any:
     return load(coulomb_text("coulomb_harmonic_runs"), "coulomb_harmonic", "Coulomb × Harmonic")
 
 
-def rows_of(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
+def dimensionless_rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
     """Dimensionless rows of the kernel, and which cases have a drive to measure against."""
     rows = np.stack([arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, arcs.along, v0 * arcs.omega], axis=1)
     driven = arcs.drive > TINY * np.max(abs(rows[:, [0, 1, 2, 3, 5]]), axis=1)
@@ -189,15 +189,15 @@ def solve_batch(
     >>> (raw["displacement"] / (raw["window"] * 2 / 65.4)).round(9).tolist()  # mean velocity
     [0.002032039, 0.004308808]
     """
-    arcs = reduced(model) if arcs is None else arcs
+    arcs = dimensionless_arcs(model) if arcs is None else arcs
     x0, v0 = _start(model, start)
-    rows, driven = rows_of(arcs, v0)
+    rows, driven = dimensionless_rows(arcs, v0)
     good = np.isfinite(rows).all(axis=1)
     rows[~(good & driven)] = AT_REST
     raw = solve_rows(rows, periods, settle, workers, progress)
     scale(raw, arcs, driven)
     for i in np.flatnonzero(good & ~driven):
-        undriven.fill(raw, int(i), arcs, v0[i], periods, settle)
+        undriven.fill_case(raw, int(i), arcs, v0[i], periods, settle)
     raw["x_end"] = raw["x_end"] + x0
     for name in raw.keys() & (*_LENGTHS, *_VELOCITIES, "margin_force"):
         raw[name][~good] = np.nan
@@ -244,9 +244,9 @@ def solve_one(
     >>> arcs.mode[:, 0].tolist(), counts
     ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
     """
-    numbers = reduced(model)
+    numbers = dimensionless_arcs(model)
     (x0,), (v0,) = _start(model, start)
-    rows, driven = rows_of(numbers, np.array([v0]))
+    rows, driven = dimensionless_rows(numbers, np.array([v0]))
     if not np.isfinite(rows).all():
         raise SolveError(
             f"the numbers of this case are not all finite: {dict(zip(_COLUMNS, rows[0].tolist(), strict=True))}; check the law's numbers"

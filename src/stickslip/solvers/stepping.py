@@ -68,7 +68,7 @@ def _stopped(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table:
     where = stopped.location(mechanics, t, u[case], sides)
     remedy = stopped.remedy(status, todo.rtol, bool(mechanics.stops))
     state = _state(todo, results.end[case], table.offsets[case], kernel.layout)
-    return stopped.sentence(status, f"{done.lstrip()} {where}".strip(), state, remedy)
+    return stopped.stopping_message(status, f"{done.lstrip()} {where}".strip(), state, remedy)
 
 
 def _failures(todo: Request, results: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> dict[int, str]:

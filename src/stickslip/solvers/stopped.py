@@ -62,7 +62,7 @@ def location(mechanics: Any, t: float, u: Any, sides: Array | None) -> str:
     return f"at t = {t:.9g} s, where {contact} {history} slip velocity is {slips[i]:.9g} m/s"
 
 
-def sentence(status: int, where: str, state: str, remedy: str) -> str:
+def stopping_message(status: int, where: str, state: str, remedy: str) -> str:
     """The message of a run that could not be finished."""
     return f"the run stopped {where}: {STATUS[status]}; the state was {state}. {remedy}"
 

@@ -49,7 +49,7 @@ def over_window(x: Array, settle: int, period: int, limit: float) -> dict[str, A
     return {"period": period, "limit": limit, "displacement": float(x[-1] - x[-1 - count]), "window": float(count)}
 
 
-def looks(end: float, periods: int, T: float) -> Any:
+def strobe_samples(end: float, periods: int, T: float) -> Any:
     """Instants at which the last drive periods before `end` are sampled."""
     count = _LOOKS * periods
     return end - periods * T * (1 - (np.arange(count) + 0.5) / count)

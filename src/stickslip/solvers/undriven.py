@@ -24,7 +24,7 @@ def arcs_of(arcs: Arcs, i: int, v0: float, end: float) -> tuple[Array, Array, Ar
     return t0, x0, start, mode.astype(np.int8)
 
 
-def fill(raw: dict[str, Array], i: int, arcs: Arcs, v0: float, periods: int, settle: int | str) -> None:
+def fill_case(raw: dict[str, Array], i: int, arcs: Arcs, v0: float, periods: int, settle: int | str) -> None:
     """Write the raw results of case i."""
     T, auto = float(arcs.period[i]), settle == "auto"
     t0, x0, start, mode = arcs_of(arcs, i, v0, periods * T)

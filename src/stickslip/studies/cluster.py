@@ -17,7 +17,7 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, StickslipError
 from stickslip.basics.interruption import look
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.optional import library
 from stickslip.results.storage import from_text
 from stickslip.studies.model_identity import ModelIdentities
@@ -42,7 +42,7 @@ def connected(address: str) -> Any:
         raise InputError("sweep", [f"no Dask scheduler answers at {address!r} ({error}); start one with `dask scheduler`"]) from None
 
 
-def message(plan: Plan, k: int, every: int = 1) -> dict[str, Any]:
+def tile_message(plan: Plan, k: int, every: int = 1) -> dict[str, Any]:
     """A tile without its classes: names, plain values and the rows of its own cases; every so-many-th of its models is compared."""
     points = plan.points(k)
     dims = ("case",) if plan.along is None else ("line", plan.along)
@@ -76,7 +76,7 @@ def _named(make: Any) -> dict[str, Any]:
 
 def _plain(name: str, value: Any) -> Any:
     if isinstance(value, (str, int, float, bool, type(None), np.generic)):
-        return plain(value)
+        return as_plain(value)
     raise InputError(
         "sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"]
     )
@@ -101,7 +101,7 @@ def _maker(make: dict[str, Any]) -> Any:
     return pkgutil.resolve_name(f"{make['module']}:{make['name']}")
 
 
-def work(message: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int], str]:
+def compute_tile(message: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int], str]:
     """Compute one tile on a worker: its columns, its notes, and the identity of the models as they are there."""
     from stickslip.studies.solving import solved_models
 
@@ -133,7 +133,7 @@ def tiles_from(
     def send(k: int) -> None:
         tries[k] = tries.get(k, 0) + 1
         key = f"stickslip-{secrets.token_hex(4)}-{k}"
-        future = client.submit(work, message(plan, k, identities.every), retries=retries, pure=False, key=key)
+        future = client.submit(compute_tile, tile_message(plan, k, identities.every), retries=retries, pure=False, key=key)
         running[future] = k
         ready.add(future)
 

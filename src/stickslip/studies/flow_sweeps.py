@@ -11,10 +11,10 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import partial_result
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.pool import shared
 from stickslip.basics.status import STATUS, Status
-from stickslip.solvers.flow_solving import asked_of, check_others, columns_of
+from stickslip.solvers.flow_solving import asked_of, check_others, flow_columns
 from stickslip.studies.progress import Watch
 from stickslip.studies.space import Space, space_of
 
@@ -47,7 +47,7 @@ def sweep_of_flow(
     data = {name: (space.dims, values, _attributes(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
     coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
-    attributes = {"settings": json.dumps(plain(arguments | {"start": str(arguments["start"])}))}
+    attributes = {"settings": json.dumps(as_plain(arguments | {"start": str(arguments["start"])}))}
     if ending.interrupted:
         attributes["notes"] = json.dumps({ending.note(Status.NOT_COMPUTED.sentence): sum(not columns for columns in rows)})
     return xr.Dataset(data, coords, attributes)
@@ -71,7 +71,7 @@ def _cases(flow: SwitchingFlow, space: Space, arguments: dict[str, Any]) -> Call
             todo = asked(k)
         except InputError:
             return {"status": Status.BAD_INPUT}
-        return columns_of(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
+        return flow_columns(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
     if len(good):

@@ -18,7 +18,7 @@ from typing import Any
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, StickslipError, as_path
 from stickslip.basics.whole_files import whole_file
-from stickslip.studies.labelling import labels_of
+from stickslip.studies.labelling import coordinates_of_grid
 from stickslip.studies.manifest import FORMAT, SECONDS, differences_between, flaw, manifest
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import Plan
@@ -35,10 +35,10 @@ class StorageError(StickslipError, OSError):
 
 
 # ---- bytes on the disk ----
-def put(path: Path, content: bytes, new: bool = False) -> bool:
+def put_file(path: Path, content: bytes, new: bool = False) -> bool:
     """Write a file atomically. With `new`, an existing file is kept, and False is returned."""
     try:
-        with whole_file(path, unwritable, new) as file:
+        with whole_file(path, unwritable_error, new) as file:
             file.write(content)
     except FileExistsError:
         return False
@@ -51,7 +51,7 @@ _NO_ROOM = {
 }  # fmt: skip
 
 
-def unwritable(path: Path, error: OSError) -> StickslipError:
+def unwritable_error(path: Path, error: OSError) -> StickslipError:
     """The error, with advice, for a file that could not be written."""
     if error.errno in _NO_ROOM:
         what = _NO_ROOM[error.errno]
@@ -68,12 +68,12 @@ def check_new(what: str, folder: Path, known: tuple[str, ...], kind: str) -> Non
         raise InputError(what, [f"{str(folder)!r} is there and is not {kind}; give a new or an empty folder"])
 
 
-def make_folder(folder: Path, inside: str = "") -> None:
+def make_study_folder(folder: Path, inside: str = "") -> None:
     """Create a folder with its parents, and one inside it."""
     try:
         (folder / inside).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise unwritable(folder, error) from None
+        raise unwritable_error(folder, error) from None
 
 
 def read_manifest(folder: str | Path) -> dict[str, Any]:
@@ -169,9 +169,9 @@ class StudyFolder:
 
     def _make(self) -> None:
         check_new("sweep", self.folder, (TILES, AXES, COMMAND), "a study folder")
-        make_folder(self.folder, TILES)
+        make_study_folder(self.folder, TILES)
         self._mend_axes()
-        if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
+        if not put_file(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was faster
 
     def _mend_axes(self) -> None:
@@ -179,7 +179,7 @@ class StudyFolder:
         try:
             read_labels(self.folder, self.manifest)
         except InputError:
-            put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
+            put_file(self.folder / AXES, axes_bytes(coordinates_of_grid(self.plan), self.manifest))
 
     def _check_same(self, theirs: dict[str, Any]) -> None:
         if theirs["stickslip_format"] != FORMAT:
@@ -200,7 +200,7 @@ class StudyFolder:
                 if path.name.split(".nc.")[0] + ".nc" in ours:
                     path.unlink(missing_ok=True)
         except OSError as error:
-            raise unwritable(self.folder / TILES / "x", error) from None
+            raise unwritable_error(self.folder / TILES / "x", error) from None
 
     @property
     def ours(self) -> range:
@@ -222,7 +222,7 @@ class StudyFolder:
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int], models: str) -> None:
         """Store a tile; `models` is the identity of the models with which it was computed."""
         self.check_models(k, models)
-        put(file_of(self.folder, k), tile_bytes(self.manifest, k, self.plan.bounds(k)[0], columns, notes))
+        put_file(file_of(self.folder, k), tile_bytes(self.manifest, k, self.plan.bounds(k)[0], columns, notes))
 
     def check_models(self, k: int, models: str) -> None:
         """Raise an `InputError` if tile k was computed with other models than the study has."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import spread
+from stickslip.basics.batch import spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.interruption import Interrupted, takes_some_cases, taking_some_cases
@@ -23,7 +23,7 @@ from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.methods import steps_of
 from stickslip.solvers.part_results import per_case
 from stickslip.solvers.request import Request, request
-from stickslip.studies.models_of_points import Group, groups_of, starts_at
+from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
 from stickslip.studies.planning import Plan, solver_arguments
 from stickslip.studies.result_columns import END, empty
 from stickslip.studies.solving import columns_of_group
@@ -65,14 +65,14 @@ def _position(todo: Request, x: Array) -> dict[str, Array]:
     """Initial position of the next case on its spring: time restarts at zero, and with it the displacement of the spring's far end."""
     if not knows_position(todo.model):
         return {}
-    return {"x": x - spread(machine_of(todo.model).far_end_velocity, todo.labels) * todo.span}
+    return {"x": x - spread_over_cases(machine_of(todo.model).far_end_velocity, todo.labels) * todo.span}
 
 
 def _named(state: dict[str, Array]) -> dict[str, Array]:
     return {END + name: values for name, values in state.items()}
 
 
-def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | None) -> tuple[dict[str, Array], dict[str, int]]:
+def columns_along(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | None) -> tuple[dict[str, Array], dict[str, int]]:
     """The columns of tile k: all its lines together, from value to value up the axis, and down again."""
     lines = plan.points(k)
     count, steps = lines.shape
@@ -98,7 +98,7 @@ def _one_step(
     plan: Plan, points: Array, ends: dict[Any, Array], workers: int, notes: Counter[str]
 ) -> tuple[dict[str, Array], dict[Any, Array]]:
     """Solve all lines at one value of the axis; after a failed case, the next one starts from the initial state of the study."""
-    groups, refused = groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
+    groups, refused = groups_of_points(plan.make, plan.space, points, starts_at(plan.start, points))
     columns, after = empty(len(points), plan.columns), dict[str, Any]()
     columns["status"][list(refused)] = Status.BAD_INPUT
     notes.update(refused.values())

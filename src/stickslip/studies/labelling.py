@@ -12,18 +12,18 @@ import numpy as np
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import field_description
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.quantities import axis_in
 from stickslip.basics.variables import VARIABLES, unit_of
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.naming import axis_of
 from stickslip.models.observables import Derived
 from stickslip.models.presets import DIMENSIONLESS
-from stickslip.results.datasets import described
+from stickslip.results.datasets import column_description
 from stickslip.solvers.request import versions
 from stickslip.studies.models_of_points import shared_numbers
 from stickslip.studies.planning import Plan
-from stickslip.studies.result_columns import COLUMNS, base_of, dim_of, stacked
+from stickslip.studies.result_columns import COLUMNS, base_of, dim_of, unflattened
 from stickslip.studies.solving import kept_columns
 from stickslip.studies.space import Column
 
@@ -53,7 +53,7 @@ def _version(library: str) -> str:
     return version(library)
 
 
-def labels_of(plan: Plan) -> dict[str, Column]:
+def coordinates_of_grid(plan: Plan) -> dict[str, Column]:
     """Coordinates of the dataset: labels of its dimensions, varying arguments, and single numbers."""
     labels = dict(plan.space.coords)
     if plan.along:
@@ -73,7 +73,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
     described = {
         "maker": maker_of(plan.make),
-        "fixed": json.dumps(plain(fixed)),
+        "fixed": json.dumps(as_plain(fixed)),
         "numbers": json.dumps(numbers := shared_numbers(plan.make, plan.space)),
         "described": json.dumps(_described(plan, numbers), ensure_ascii=False),
     }
@@ -88,7 +88,7 @@ def _units_of(plan: Plan) -> dict[str, str]:
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Names and units of axes and shared numbers, as far as fields and makers give them."""
-    axes = {name: axis_of(name, plan.make) for name in labels_of(plan)}
+    axes = {name: axis_of(name, plan.make) for name in coordinates_of_grid(plan)}
     if plan.sample is not None:
         axes |= {name: axis_in(field_description(plan.sample, name)) for name in numbers}
     return {name: axis for name, axis in axes.items() if axis}
@@ -106,16 +106,16 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
     """The columns, flat in the order of the results, as an `xarray.Dataset`."""
     kept = {}
     for name in kept_columns(plan):
-        values, dim = stacked(name, columns, plan.parts), dim_of(name, plan.parts)
+        values, dim = unflattened(name, columns, plan.parts), dim_of(name, plan.parts)
         kept[name] = ((*plan.dims, *([dim] if dim else [])), values.reshape((*plan.shape, *values.shape[1:])))
-    attributes = {**attributes_of(plan), **{k: json.dumps(plain(v)) for k, v in more.items()}}
+    attributes = {**attributes_of(plan), **{k: json.dumps(as_plain(v)) for k, v in more.items()}}
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
-    grid = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
-    return with_units(grid, about(plan))
+    grid = assembled(kept, coordinates_of_grid(plan) | labels_of_parts(plan.parts), attributes)
+    return with_units(grid, user_columns(plan))
 
 
-def about(plan: Plan) -> dict[str, dict[str, str]]:
+def user_columns(plan: Plan) -> dict[str, dict[str, str]]:
     """Units and meanings of user-defined columns."""
     observe = plan.options.get("observe") or {}
     units = {name: _slope_unit(plan, each) if each.unit is None else each.unit for name, each in observe.items()}
@@ -158,7 +158,7 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
     units = json.loads(attributes.get("units", "{}"))
     own = {name: {"units": units[base_of(name)]} if base_of(name) in units else {} for name in columns}
-    data = {name: (dims, values, described(base_of(name)) | own[name] | unitless) for name, (dims, values) in columns.items()}
+    data = {name: (dims, values, column_description(base_of(name)) | own[name] | unitless) for name, (dims, values) in columns.items()}
     known = json.loads(attributes.get("described", "{}"))
     coords = {name: (column.dims, _label(column.values), _attributes(name, known)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)

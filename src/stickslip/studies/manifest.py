@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip.basics.contracts import Model
 from stickslip.basics.fingerprints import fingerprint
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.basics.references import References
-from stickslip.studies.labelling import about, attributes_of, maker_of, provenance_of
+from stickslip.studies.labelling import attributes_of, maker_of, provenance_of, user_columns
 from stickslip.studies.model_identity import ModelIdentities, model_differences
 from stickslip.studies.planning import Plan
-from stickslip.studies.result_columns import COLUMNS, kind_of, part_columns
+from stickslip.studies.result_columns import COLUMNS, column_type, part_columns
 from stickslip.studies.seals import SEAL, of_manifest
 from stickslip.studies.solving import kept_columns
 
@@ -49,7 +49,7 @@ def identity(plan: Plan, every: int, models: list[str]) -> dict[str, str]:
     versions = provenance_of(plan)["versions"]
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
-    parts |= {name: plain(value) for name, value in plan.space.fixed.items()}
+    parts |= {name: as_plain(value) for name, value in plan.space.fixed.items()}
     parts |= {f"option {name}": value for name, value in plan.options.items() if name != "observe"}
     parts |= {f"observe {name}": each.fingerprint for name, each in (plan.options.get("observe") or {}).items()}
     parts |= {"version of stickslip": versions["stickslip"]}
@@ -84,8 +84,8 @@ def manifest(plan: Plan, there: dict[str, Any] | None = None, compared: ModelIde
         "compared": compared.every,
         "code": code,
         "unchecked": unchecked(compared),
-        "columns": {each: kind_of(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
-        **({"observed": about(plan)} if plan.observed else {}),
+        "columns": {each: column_type(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
+        **({"observed": user_columns(plan)} if plan.observed else {}),
         **({"parts": {dim: list(names) for dim, names in plan.parts.items()}} if plan.parts else {}),
         "attributes": attributes_of(plan),
         "provenance": provenance_of(plan),

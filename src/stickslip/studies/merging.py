@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.arguments import explains_arguments
 from stickslip.basics.errors import InputError, Problems, as_path
-from stickslip.studies.folder import MANIFEST, make_folder, put, read_manifest
+from stickslip.studies.folder import MANIFEST, make_study_folder, put_file, read_manifest
 from stickslip.studies.manifest import differences_between
 from stickslip.studies.opening import open_study
 from stickslip.studies.space_file import AXES, read_labels
@@ -58,13 +58,13 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
         named = ", ".join(map(str, missing[:8])) + (", …" if len(missing) > 8 else "")
         what = f"{len(missing)} of {manifest['tiles']} tiles are in none of the folders (number {named})"
         raise InputError("merge", [f"{what}; finish the shards with --resume, or type partial=True (--partial)"])
-    make_folder(target, TILES)
+    make_study_folder(target, TILES)
     for name in (AXES, MANIFEST):
         if not (target / name).exists():
-            put(target / name, (sources[0] / name).read_bytes())
+            put_file(target / name, (sources[0] / name).read_bytes())
     for k, file in files.items():
         if file != file_of(target, k):
-            put(file_of(target, k), file.read_bytes())
+            put_file(file_of(target, k), file.read_bytes())
     return open_study(target)
 
 

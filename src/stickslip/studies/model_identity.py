@@ -21,10 +21,10 @@ from stickslip.basics.fields import leaves
 from stickslip.basics.fingerprints import Fingerprint, fingerprint
 from stickslip.engine.equation_identity import equation_hash
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.observables import parted as parted_observables
+from stickslip.models.observables import by_time_of_computation as parted_observables
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.methods import SLOW
-from stickslip.studies.models_of_points import Group, Made, groups_of, parted, starts_at
+from stickslip.studies.models_of_points import Group, Made, groups_of_points, split_by_tile, starts_at
 from stickslip.studies.space import Column, Space
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class ModelIdentities:
     def made(self, k: int) -> Made:
         """The models of a tile, made now unless they were kept, and the reasons for places without one; what was kept is given once."""
         points = self.plan.points(k)
-        return self._kept.pop(k, None) or groups_of(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
+        return self._kept.pop(k, None) or groups_of_points(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
 
     def keep_only(self, tiles: Iterable[int]) -> None:
         """Let go of kept models of other tiles."""
@@ -104,7 +104,7 @@ class ModelIdentities:
         """The identity of the models at other places than those of the plan, which are given by their arguments."""
         count = len(next(iter(places.values())))
         columns = {name: Column(("place",), values) for name, values in places.items()}
-        groups, _ = groups_of(self.plan.make, Space({"place": count}, columns, self.plan.space.fixed, {}), np.arange(count), None)
+        groups, _ = groups_of_points(self.plan.make, Space({"place": count}, columns, self.plan.space.fixed, {}), np.arange(count), None)
         return self.of_groups(groups, [count])[0]
 
     def compared(self, points: Array) -> Array:
@@ -114,9 +114,9 @@ class ModelIdentities:
     def _of_points(self, tiles: dict[int, Array]) -> list[str]:
         """The identities of tiles that are given by their points."""
         points, counts = np.concatenate([*tiles.values()]), [len(points) for points in tiles.values()]
-        made = groups_of(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
+        made = groups_of_points(self.plan.make, self.plan.space, points, starts_at(self.plan.start, points))
         if self._keep and self.every == 1 and self._one_by_one:
-            self._kept |= dict(zip(tiles, parted(made, counts), strict=True))
+            self._kept |= dict(zip(tiles, split_by_tile(made, counts), strict=True))
         return self.of_groups(made[0], counts)
 
     def of_groups(self, groups: list[Group], counts: list[int]) -> list[str]:

@@ -25,7 +25,7 @@ class Group:
 Made = tuple[list[Group], dict[int, str]]
 
 
-def groups_of(make: Model | Callable[..., Any], space: Space, points: Array, start: dict[str, Any] | None) -> Made:
+def groups_of_points(make: Model | Callable[..., Any], space: Space, points: Array, start: dict[str, Any] | None) -> Made:
     """The robots for some points, one group for each kind; and the reason for each place without a robot.
 
     A place is an index into `points`. A non-finite number, or a combination that the maker refuses, affects its own case only.
@@ -86,7 +86,7 @@ def batch_of(what: str, make: Any, fixed: dict[str, Any], numbers: dict[str, Arr
         return point_by_point(what, make, fixed, numbers)
 
 
-def parted(made: Made, counts: list[int]) -> list[Made]:
+def split_by_tile(made: Made, counts: list[int]) -> list[Made]:
     """What was made for several tiles together, with so many points each, as what would have been made for each of them."""
     ends = np.cumsum([0, *counts])
     parts: list[Made] = [([], {}) for _ in counts]
@@ -124,7 +124,7 @@ def shared_numbers(make: Model | Callable[..., Any], space: Space) -> dict[str, 
     for i, size in enumerate(space.shape):
         stride = int(np.prod(space.shape[i + 1 :], dtype=np.int64))
         points |= {stride * (size // 2), stride * (size - 1)}
-    groups, _ = groups_of(make, space, np.array(sorted(points)), None)
+    groups, _ = groups_of_points(make, space, np.array(sorted(points)), None)
     tables = [dict(leaves(group.robot)) for group in groups]
     first = {name: np.ravel(value)[:1] for table in tables[:1] for name, value in table.items()}
     return {n: float(v[0]) for n, v in first.items() if all(n in table and np.all(np.asarray(table[n]) == v) for table in tables)}

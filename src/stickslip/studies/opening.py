@@ -18,10 +18,10 @@ from stickslip.basics.unpacking import Allowance
 from stickslip.studies.folder import read_manifest
 from stickslip.studies.labelling import assembled, labels_of_parts, with_units
 from stickslip.studies.manifest import UNCHECKED, has_checksums, has_models
-from stickslip.studies.result_columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
+from stickslip.studies.result_columns import COLUMNS, base_of, column_type, dim_of, from_characters, part_columns, unflattened, words
 from stickslip.studies.space import Column
 from stickslip.studies.space_file import read_labels
-from stickslip.studies.tiles import notes_of, read_tile
+from stickslip.studies.tiles import read_tile, tile_notes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +68,7 @@ def open_study(folder: str | Path) -> xr.Dataset:
     grid.attrs["provenance"] = json.dumps(manifest["provenance"])
     with_units(grid, manifest.get("observed", {}))
     grid.attrs["study"] = manifest["study"]
-    notes = notes_of(folder, manifest) | dict.fromkeys(_remarks(manifest), manifest["cases"])
+    notes = tile_notes(folder, manifest) | dict.fromkeys(_remarks(manifest), manifest["cases"])
     if notes:
         grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     return grid
@@ -85,7 +85,7 @@ def _open_file(path: Path) -> Any:
     import xarray as xr
 
     try:
-        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size), for_others=True):
+        with hdf5.checked_file(path, "study", Allowance("study", path.stat().st_size), for_others=True):
             pass
         grid = xr.load_dataset(path, engine="h5netcdf")
     except InputError:
@@ -124,7 +124,7 @@ class _Tiled(BackendArray):
         dim = dim_of(name, self.parts)
         self.cases = tuple(manifest["shape"])
         self.shape = (*self.cases, *([len(self.parts[dim])] if dim else []))
-        self.dtype = np.dtype(kind_of(name))
+        self.dtype = np.dtype(column_type(name))
 
     def __getitem__(self, key: Any) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
@@ -147,5 +147,5 @@ class _Tiled(BackendArray):
         for k in np.unique(tiles):
             at = np.flatnonzero(tiles == k)
             columns = read_tile(self.folder, self.manifest, int(k), [*names])
-            result[at] = stacked(self.name, columns, self.parts)[flat[at] - k * each]
+            result[at] = unflattened(self.name, columns, self.parts)[flat[at] - k * each]
         return result

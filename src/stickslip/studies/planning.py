@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, some_of, spread
+from stickslip.basics.batch import Labels, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.variables import VARIABLES
 from stickslip.models.machine_adapter import machine_of
-from stickslip.models.observables import checked, parted
+from stickslip.models.observables import by_time_of_computation, checked_observables
 from stickslip.solvers.methods import SLOW
-from stickslip.studies.models_of_points import groups_of, refusals
+from stickslip.studies.models_of_points import groups_of_points, refusals
 from stickslip.studies.result_columns import COLUMNS, part_columns
 from stickslip.studies.space import Space, space_of
 
@@ -118,7 +118,7 @@ class Plan:
     def sample(self) -> Any:
         """The first robot that can be made, from the first points; None if there is none."""
         parts = itertools.pairwise(np.minimum([0, *4 ** np.arange(7)], self.space.cases))
-        tried = (groups_of(self.make, self.space, np.arange(*part), None)[0] for part in parts)
+        tried = (groups_of_points(self.make, self.space, np.arange(*part), None)[0] for part in parts)
         return next((groups[0].robot for groups in tried if groups), None)
 
 
@@ -148,7 +148,7 @@ def planned(
     for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in plan.parts):
         problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
     problems.check()
-    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
+    checked_observables("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
     _check_derived(plan)
     if plan.observed and along is not None:
         raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
@@ -178,7 +178,7 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
         if np.ndim(value) == 0:
             continue
         try:
-            starts[name] = spread(value, Labels(space.shape, space.dims)) + 0.0
+            starts[name] = spread_over_cases(value, Labels(space.shape, space.dims)) + 0.0
         except ValueError as error:
             problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
     return starts
@@ -186,7 +186,7 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
 
 def _check_derived(plan: Plan) -> None:
     """Check derivatives: they are defined for the steady motion from rest; further errors are found with the first robot."""
-    derived = parted(plan.options.get("observe"))[1]
+    derived = by_time_of_computation(plan.options.get("observe"))[1]
     if not derived:
         return
     if plan.start or plan.options["settle"] != "auto":
@@ -200,7 +200,7 @@ def _check_options(plan: Plan) -> None:
     from stickslip.solvers.request import request
 
     if plan.sample is None:
-        groups, refused = groups_of(plan.make, plan.space, np.arange(min(plan.space.cases, 64)), None)
+        groups, refused = groups_of_points(plan.make, plan.space, np.arange(min(plan.space.cases, 64)), None)
         if not groups and plan.space.cases <= 64:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
@@ -216,7 +216,7 @@ def _check_options(plan: Plan) -> None:
 
 def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
     """Arguments of `solve`; with a duration, there are no periods to count."""
-    options = {**options, "observe": parted(options.get("observe"))[0] or None}
+    options = {**options, "observe": by_time_of_computation(options.get("observe"))[0] or None}
     if options["duration"] is None:
         return {name: value for name, value in options.items() if name != "duration"}
     return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}

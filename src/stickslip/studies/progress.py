@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.basics.interruption import PROGRESS, is_stopped, look, stop_call, takes_some_cases
 from stickslip.basics.progress import progress_callback
-from stickslip.basics.status import STATUS, counted
+from stickslip.basics.status import STATUS, code_counts
 
 PAUSE = 0.1  # shortest time between two reports [s]
 
@@ -105,7 +105,7 @@ class Watch:
         """Count a finished tile."""
         self._begun.pop(tile, None)
         self._finished += len(status)
-        self._statuses.update(counted(status))
+        self._statuses.update(code_counts(status))
         self._tell(PAUSE if self._finished < self.cases else 0.0)
 
     def now(self) -> Progress:

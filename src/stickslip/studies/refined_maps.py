@@ -16,7 +16,7 @@ from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.interruption import interruptible, look, partial_result, taking_some_cases
 from stickslip.basics.status import Status
 from stickslip.models.switching_flow import is_flow
-from stickslip.studies.labelling import dataset, labels_of, provenance_of
+from stickslip.studies.labelling import coordinates_of_grid, dataset, provenance_of
 from stickslip.studies.models_of_points import starts_at
 from stickslip.studies.planning import SOLVER, Plan, planned
 from stickslip.studies.progress import Watch
@@ -100,7 +100,7 @@ def _check_refining(given: dict[str, Any], coarse: Any) -> None:
 
 def _check_plane(plan: Plan) -> None:
     """Check that the plan has two numeric axes, before anything is computed."""
-    labels = labels_of(plan)
+    labels = coordinates_of_grid(plan)
     if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind in "if" for d in plan.dims):
         raise InputError("map", [_other_axes(plan.dims)])
 

@@ -12,7 +12,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.status import Status
 from stickslip.basics.variables import VARIABLES
-from stickslip.results.datasets import CODES, described
+from stickslip.results.datasets import CODES, column_description
 from stickslip.results.steadiness import UNKNOWN
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def flattened(name: str, values: Array, parts: dict[str, Any]) -> dict[str, Arra
     return {f"{name}.{i}": table[:, i] for i in range(table.shape[1])}
 
 
-def stacked(name: str, columns: dict[str, Array], parts: dict[str, Any]) -> Array:
+def unflattened(name: str, columns: dict[str, Array], parts: dict[str, Any]) -> Array:
     """The inverse of `flattened`: (cases,), or (cases, parts)."""
     kept = [columns[each] for each in part_columns(name, parts)]
     return kept[0] if dim_of(name, parts) is None else np.stack(kept, axis=-1)
@@ -100,7 +100,7 @@ def is_of_cases(grid: xr.Dataset, name: str) -> bool:
     return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
 
 
-def kind_of(name: str) -> str:
+def column_type(name: str) -> str:
     """Type of a column in memory."""
     return COLUMNS.get(base_of(name), "f8")  # user-defined columns are numbers
 
@@ -112,12 +112,12 @@ def empty(count: int, names: Iterable[str]) -> dict[str, Array]:
 
 def vacant(count: int, names: Iterable[str]) -> dict[str, Array]:
     """Uninitialised columns; patterns are only as long as necessary."""
-    return {name: np.empty(count, "U4" if base_of(name) == "pattern" else kind_of(name)) for name in names}
+    return {name: np.empty(count, "U4" if base_of(name) == "pattern" else column_type(name)) for name in names}
 
 
-def filled(columns: dict[str, Array], count: int, names: Iterable[str]) -> dict[str, Array]:
+def with_missing_cases(columns: dict[str, Array], count: int, names: Iterable[str]) -> dict[str, Array]:
     """All columns, in order and with their types (patterns may be shorter), of cases for which some columns are known."""
-    return {name: _typed(columns[name], kind_of(name)) if name in columns else _unknown(name, count) for name in names}
+    return {name: _typed(columns[name], column_type(name)) if name in columns else _unknown(name, count) for name in names}
 
 
 def _typed(values: Array, kind: str) -> Array:
@@ -126,19 +126,19 @@ def _typed(values: Array, kind: str) -> Array:
 
 def _unknown(name: str, count: int, shape: tuple[int, ...] = ()) -> Array:
     """A column of cases without results yet, with `shape` for each case."""
-    base, kind = base_of(name), kind_of(name)
+    base, kind = base_of(name), column_type(name)
     nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1}.get(
         base, np.nan if kind == "f8" else None
     )
     return np.zeros(count, kind) if nothing is None else np.full((count, *shape), nothing, kind)
 
 
-def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
+def concatenated(parts: list[dict[str, Array]]) -> dict[str, Array]:
     """Concatenated columns of cases; if a part lacks a column of another one, its cases have no result there.
 
     Examples
     --------
-    >>> joined([{"status": np.array([100])}, {"status": np.array([0]), "margin": np.array([0.5])}])["margin"].tolist()
+    >>> concatenated([{"status": np.array([100])}, {"status": np.array([0]), "margin": np.array([0.5])}])["margin"].tolist()
     [nan, 0.5]
     """
     known = {name: values for part in parts for name, values in part.items()}
@@ -232,4 +232,4 @@ def flags(name: str) -> dict[str, Any]:
 def attributes_in_files(name: str) -> dict[str, Any]:
     """Units and names of a column, with a word for each of its codes."""
     codes = flags(name)
-    return {about: value for about, value in described(base_of(name)).items() if about not in codes} | codes
+    return {about: value for about, value in column_description(base_of(name)).items() if about not in codes} | codes

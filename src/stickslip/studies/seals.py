@@ -36,7 +36,7 @@ def of_manifest(manifest: dict[str, Any]) -> str:
     return _hash("manifest", json.dumps(json.loads(json.dumps(rest)), sort_keys=True).encode()).decode()
 
 
-def sealed(content: bytes, mark: str, models: str = "") -> bytes:
+def sealed_bytes(content: bytes, mark: str, models: str = "") -> bytes:
     """The bytes of a file with their checksum; `mark` identifies the study and the part, `models` the models of a tile."""
     content += _MODELS + models.encode() if models else b""
     return content + _BEFORE + _hash(mark, content) + _AFTER
@@ -57,7 +57,7 @@ def _hash(mark: str, content: bytes) -> bytes:
     return made.hexdigest().encode()
 
 
-def text_of(attribute: Any) -> str:
+def attribute_text(attribute: Any) -> str:
     """An attribute of an HDF5 file as text."""
     return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
 
@@ -70,7 +70,7 @@ def _check(path: Path, mark: str | None, models: str) -> None:
         return
     if mark is not None:
         _check_seal(path.read_bytes(), mark, models)
-    with hdf5.opened(os.fspath(path), "study", Allowance("study", about.st_size), for_others=True):
+    with hdf5.checked_file(os.fspath(path), "study", Allowance("study", about.st_size), for_others=True):
         pass
     if len(_intact) > 100_000:
         _intact.clear()

@@ -18,16 +18,16 @@ from stickslip.basics.variables import VARIABLES
 from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.models.friction.law_adapter import law_of
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
-from stickslip.models.observables import parted
+from stickslip.models.observables import by_time_of_computation
 from stickslip.results.part_notes import notes_of_cases
 from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts
-from stickslip.solvers.closed_arcs import handles, reduced
+from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 from stickslip.solvers.methods import takes_closed_arcs
 from stickslip.solvers.request import request
 from stickslip.studies.model_identity import ModelIdentities
-from stickslip.studies.models_of_points import Group, groups_of, starts_at
+from stickslip.studies.models_of_points import Group, groups_of_points, starts_at
 from stickslip.studies.planning import Plan, solver_arguments
-from stickslip.studies.result_columns import COLUMNS, END, empty, filled, flattened, joined
+from stickslip.studies.result_columns import COLUMNS, END, concatenated, empty, flattened, with_missing_cases
 
 ALPHAS = ("alpha_plus", "alpha_minus")
 #: Columns that exist only for machines of one body on one contact.
@@ -50,11 +50,11 @@ def solved_models(
 ) -> tuple[dict[str, Array], dict[str, int], str]:
     """The same, with the identity of the models that were solved, or "" without `identities`."""
     if plan.along is not None:
-        from stickslip.studies.following import followed
+        from stickslip.studies.following import columns_along
 
-        return *followed(plan, k, workers, tell), identities.of_tiles([k])[0] if identities else ""
+        return *columns_along(plan, k, workers, tell), identities.of_tiles([k])[0] if identities else ""
     points = plan.points(k)
-    made = identities.made(k) if identities else groups_of(plan.make, plan.space, points, starts_at(plan.start, points))
+    made = identities.made(k) if identities else groups_of_points(plan.make, plan.space, points, starts_at(plan.start, points))
     if identities is None or identities.every > 1:
         models = identities.of_tiles([k])[0] if identities else ""
     else:
@@ -66,7 +66,7 @@ def solved_points(
     plan: Plan, points: Array, start: dict[str, Any], workers: int = 1, tell: Tell | None = None
 ) -> tuple[dict[str, Array], Counter[str]]:
     """The columns at some points of the space."""
-    return _solved_groups(plan, points, groups_of(plan.make, plan.space, points, start), workers, tell)
+    return _solved_groups(plan, points, groups_of_points(plan.make, plan.space, points, start), workers, tell)
 
 
 def _solved_groups(
@@ -89,7 +89,7 @@ def _solved_groups(
         return {name: values for name, values in columns.items() if name in whole}
 
     if len(groups) == 1 and not refused:  # all points, in their order
-        return filled(columns_of_one(groups[0]), len(points), plan.columns), notes
+        return with_missing_cases(columns_of_one(groups[0]), len(points), plan.columns), notes
     result = empty(len(points), plan.columns)
     result["status"][list(refused)] = Status.BAD_INPUT
     for group in groups:
@@ -132,7 +132,7 @@ def columns_of_group(
         if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence, solver):
             notes[sentence] += len(group.at)
             return {"status": np.full(len(group.at), Status.FAILED, COLUMNS["status"])}
-    return joined(
+    return concatenated(
         [
             columns_of_group(part, options, workers, tell, notes, solver)
             for part in _parts(group, *np.array_split(np.arange(len(group.at)), 2))
@@ -185,7 +185,7 @@ def columns_of(
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
     columns_kept = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
-    observed, derived = parted(options.get("observe"))
+    observed, derived = by_time_of_computation(options.get("observe"))
     columns_kept |= {name: many.columns[name] for name in observed}
     if derived:
         columns_kept |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
@@ -236,7 +236,7 @@ def _alphas(robot: Model) -> dict[str, Array]:
     twin = coulomb_twin(robot)
     if twin is None or handles(twin) is not None:
         return {}
-    arcs = reduced(twin)
+    arcs = dimensionless_arcs(twin)
     with np.errstate(invalid="ignore", divide="ignore"):
         plus, minus = arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive
     return {"alpha_plus": plus, "alpha_minus": minus}

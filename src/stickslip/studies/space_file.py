@@ -9,9 +9,9 @@ import numpy as np
 
 from stickslip.basics.errors import InputError
 from stickslip.studies.result_columns import characters, from_characters
-from stickslip.studies.seals import Damaged, read_sealed, sealed, text_of
+from stickslip.studies.seals import Damaged, attribute_text, read_sealed, sealed_bytes
 from stickslip.studies.space import Column
-from stickslip.studies.tiles import mark_of, written
+from stickslip.studies.tiles import mark_of, netcdf_bytes
 
 AXES = "axes.nc"
 
@@ -25,7 +25,7 @@ def axes_bytes(labels: dict[str, Column], manifest: dict[str, Any]) -> bytes:
             values, kept = characters(values)
             dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kept}
         variables[name.replace(".", "_") if name not in dims else name] = (dims, values, attrs)
-    return sealed(written(variables, {"stickslip_content": "axes of a study"}), str(mark_of(manifest, "axes")))
+    return sealed_bytes(netcdf_bytes(variables, {"stickslip_content": "axes of a study"}), str(mark_of(manifest, "axes")))
 
 
 def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
@@ -57,8 +57,8 @@ def _label(variable: Any, values: Any) -> tuple[str, Column]:
     dims = tuple(_dim(variable, i) for i in range(variable.ndim))
     if "kept_as" in variable.attrs:
         dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
-        values = from_characters(texts, text_of(variable.attrs["kept_as"]))
-    return text_of(variable.attrs["coordinate"]), Column(dims, values)
+        values = from_characters(texts, attribute_text(variable.attrs["kept_as"]))
+    return attribute_text(variable.attrs["coordinate"]), Column(dims, values)
 
 
 def _dim(variable: Any, i: int) -> str:

@@ -15,7 +15,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.studies.manifest import has_checksums, has_models
 from stickslip.studies.result_columns import attributes_in_files, coded, empty, unwritten, words
-from stickslip.studies.seals import Damaged, is_intact, read_sealed, sealed, text_of
+from stickslip.studies.seals import Damaged, attribute_text, is_intact, read_sealed, sealed_bytes
 
 TILES = "tiles"
 
@@ -31,7 +31,7 @@ def mark_of(manifest: dict[str, Any], part: str) -> str | None:
 
 
 # ---- writing ----
-def written(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]], attributes: dict[str, Any]) -> bytes:
+def netcdf_bytes(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]], attributes: dict[str, Any]) -> bytes:
     """A netCDF4 file as bytes; the same content gives the same bytes."""
     import h5netcdf
 
@@ -66,7 +66,7 @@ def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, 
         file.attrs["tile"] = k
         if notes:
             file.attrs["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
-    return sealed(kept.getvalue(), str(mark_of(manifest, f"tile {k}")), models_of(manifest, k))
+    return sealed_bytes(kept.getvalue(), str(mark_of(manifest, f"tile {k}")), models_of(manifest, k))
 
 
 @lru_cache(8)
@@ -76,7 +76,7 @@ def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
     for name in names:
         values = unwritten(name, count)
         variables[name] = (("case", "character")[: values.ndim], values, attributes_in_files(name))
-    return written(variables, {"stickslip_content": "tile of a study", "study": study})
+    return netcdf_bytes(variables, {"stickslip_content": "tile of a study", "study": study})
 
 
 # ---- reading ----
@@ -85,7 +85,7 @@ def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> d
     first, last = _cases(manifest, k)
 
     def columns(file: Any) -> dict[str, Array]:
-        if text_of(file.attrs.get("study", "")) != manifest["study"]:
+        if attribute_text(file.attrs.get("study", "")) != manifest["study"]:
             raise Damaged("it is of another study")
         if int(file.attrs["tile"]) != k or int(file["case"].shape[0]) != last - first or (last > first and int(file["case"][0]) != first):
             raise Damaged(f"it is tile {int(file.attrs['tile'])} under the name of another")
@@ -131,7 +131,7 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
         raise InputError("study", [f"{what}; delete it and resume the sweep (resume=True, --resume), which computes it again"]) from None
 
 
-def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
+def tile_notes(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
     """Errors and remarks, counted over all tiles."""
     notes = Counter[str]()
     for k in range(int(manifest["tiles"])):

@@ -7,7 +7,7 @@ from scipy.integrate import quad, solve_ivp
 
 import stickslip as ss
 from rows import each_row
-from stickslip.models.drives.oscillator import sampled, sine_from_rest
+from stickslip.models.drives.oscillator import modal_response, sine_from_rest
 
 BEAM = ss.PiezoBeam()
 F1 = float(BEAM.frequencies(1)[0])
@@ -112,8 +112,8 @@ def test_a_record_is_exact_between_its_samples():
     force = np.array([0.0, 1.0, -1.0, 0.5, 0.5, 0.0])
     fine = np.unique(np.concatenate([t, np.linspace(0.0, 6.0, 301)]))
     free, damping = np.array([3.0, 17.0]), np.array([0.02, 0.1])
-    coarse = sampled(t, force, free, damping)
-    assert coarse == pytest.approx(sampled(fine, np.interp(fine, t, force), free, damping)[np.searchsorted(fine, t)], abs=1e-13)
+    coarse = modal_response(t, force, free, damping)
+    assert coarse == pytest.approx(modal_response(fine, np.interp(fine, t, force), free, damping)[np.searchsorted(fine, t)], abs=1e-13)
     judge = integrated(lambda s: np.interp(s, t, force), fine, 3.0, 0.02)[np.searchsorted(fine, t)]
     assert coarse[:, 0] == pytest.approx(judge, abs=1e-6)  # the judge steps over the corners
 

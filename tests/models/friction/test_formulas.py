@@ -17,11 +17,11 @@ from stickslip.models.drives.beam_notes import largest_slope
 from stickslip.models.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.models.drives.drive import agree
 from stickslip.models.drives.drive_adapter import drive_of
-from stickslip.models.drives.fourier import extremes
+from stickslip.models.drives.fourier import series_range
 from stickslip.models.drives.patch_moment import modal_amplitudes
 from stickslip.models.forces import check_law, slip_ratio_of
 from stickslip.models.friction.bristle import _draw, _mix
-from stickslip.models.friction.law import several
+from stickslip.models.friction.law import field_numbers
 from stickslip.models.friction.law_adapter import adapted, is_law
 from stickslip.models.friction.sides import by_side
 
@@ -198,8 +198,8 @@ def test_a_table_whose_curve_begins_or_ends_flat_stays_flat_there():
 
 
 def test_what_is_no_tuple_of_numbers_is_no_several_numbers():
-    assert several((0.1, np.zeros(2))) == (0.1, pytest.approx(np.zeros(2)))
-    assert [several(wrong) for wrong in (None, [0.1, 0.2], ("fast", 0.2), 0.1)] == [()] * 4
+    assert field_numbers((0.1, np.zeros(2))) == (0.1, pytest.approx(np.zeros(2)))
+    assert [field_numbers(wrong) for wrong in (None, [0.1, 0.2], ("fast", 0.2), 0.1)] == [()] * 4
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -325,12 +325,12 @@ def extremes_of(values):
 )
 def test_the_extremes_of_a_series_are_those_at_the_zeros_of_its_slope(cosines, sines):
     """Both of its own, and in one array with others."""
-    assert extremes(cosines, sines) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
-    low, high = extremes([np.array([0.0, c]) for c in cosines], [np.array([1.0, s]) for s in sines])
+    assert series_range(cosines, sines) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
+    low, high = series_range([np.array([0.0, c]) for c in cosines], [np.array([1.0, s]) for s in sines])
     assert (low[1], high[1]) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
     stroke = ss.Recorded(period=0.03, cosines=tuple(map(float, cosines)), sines=tuple(map(float, sines))).stroke
     assert stroke == pytest.approx(high[1] - low[1], rel=1e-13)
-    assert extremes([0.0] * len(cosines), [0.0] * len(sines)) == (0.0, 0.0)
+    assert series_range([0.0] * len(cosines), [0.0] * len(sines)) == (0.0, 0.0)
 
 
 def test_a_law_has_both_methods_of_its_kind():

@@ -20,12 +20,12 @@ from stickslip.analysis.law_claims.moved_contact import burst, moved, shaken
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.attractors.basins import on_grid
 from stickslip.dynamics.periodic.periodic_orbits import states_of
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest
+from stickslip.dynamics.stroboscopic.strobe_maps import state_at_rest
 from stickslip.inverse.identification.law_forces import driven_force
 from stickslip.inverse.identification.motions import Motion
 from stickslip.maths import asinh, exp, log, where
 from stickslip.models.forces import inner_start
-from stickslip.models.friction.law_adapter import adapted, mirrored
+from stickslip.models.friction.law_adapter import adapted, mirrored_law
 from stickslip.testing import Claim, LawReport, check_law
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
@@ -169,8 +169,8 @@ def test_there_is_one_mirror_image_of_a_law():
     robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=law)
     assert ss.mirrored(robot).friction == Leaning(0.2, -0.05)
     both = ss.Sum(law, ss.Viscous(0.1, 0.3))
-    assert mirrored(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
-    assert mirrored(mirrored(both)) == both
+    assert mirrored_law(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
+    assert mirrored_law(mirrored_law(both)) == both
 
 
 @every_law
@@ -222,8 +222,8 @@ def test_every_case_of_a_batch_begins_where_its_own_law_says():
     loads = np.broadcast_to(robots.load(0.0, 0.0), (3, 2)).ravel()
     wanted = BENT * np.tile([0.12, 0.15], 3) * loads / BENT_LAW.sigma0
     np.testing.assert_allclose(inner_start(robots)[:, 0], wanted, rtol=1e-15)
-    np.testing.assert_array_equal(at_rest(robots)[:, 1], inner_start(robots)[:, 0])
-    assert not at_rest(robots)[:, 0].any()
+    np.testing.assert_array_equal(state_at_rest(robots)[:, 1], inner_start(robots)[:, 0])
+    assert not state_at_rest(robots)[:, 0].any()
 
 
 def test_dynamics_bench_and_sums_begin_where_the_law_says():

@@ -16,7 +16,7 @@ from stickslip.analysis.run_segments import shares
 from stickslip.analysis.steady import period_number, velocity_range
 from stickslip.basics.status import STATUS
 from stickslip.models.state_layout import BodyStates, ContactStates, StateLayout, of_one_contact
-from stickslip.results.datasets import flat, headed
+from stickslip.results.datasets import columns_with_units, headed
 from stickslip.results.dense_output import HarmonicArcs, PolynomialPieces, inner_rates, pieces_from_arrays
 from stickslip.results.events import events_of
 
@@ -255,7 +255,7 @@ def test_text_and_matlab_files_name_the_parts(pair, tmp_path):
     assert np.array_equal(np.array([line.split(",")[2] for line in lines[1:]], float), pair.x[:, 1])
     read = loadmat(pair.save(tmp_path / "pair.mat"))
     assert np.array_equal(read["z"], pair.z, equal_nan=True) and [n.strip() for n in read["body"]] == ["head", "tail"]
-    assert headed(flat({"t": T, "z": np.ones((4, 2))}, {}, None)) == ["t [s]", "z_0 [m]", "z_1 [m]"]
+    assert headed(columns_with_units({"t": T, "z": np.ones((4, 2))}, {}, None)) == ["t [s]", "z_0 [m]", "z_1 [m]"]
 
 
 def test_a_file_of_several_comes_back_bit_by_bit(monkeypatch, tmp_path):

@@ -13,7 +13,7 @@ import pytest
 import stickslip as ss
 from compiled import CC, OCTAVE, compiled_laws, octave_steps
 from rows import each_row
-from stickslip.analysis.bench.contact import MovedContact, steady
+from stickslip.analysis.bench.contact import MovedContact, constant_velocity
 from stickslip.analysis.bench.probe import Probe
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.friction import LAWS
@@ -123,7 +123,7 @@ def _by_python(law: Any, velocities: list[float], dt: float) -> list[float]:
     for v in velocities:
         if side * v < 0 or (side and v == 0.0):
             moved.z, moved.mode = moved.probe.law.passed_zero(moved.z, LOAD, moved.mode, int(side))
-        moved.follow(dt, steady(v or math.copysign(1e-300, side)))  # at rest time passes: contacts age
+        moved.follow(dt, constant_velocity(v or math.copysign(1e-300, side)))  # at rest time passes: contacts age
         side = math.copysign(1.0, v) if v else 0.0
         found.append(float(moved.probe.force(v, moved.z, moved.mode)))
     return found
@@ -213,7 +213,7 @@ def test_no_other_mujoco_joint_is_nearer_and_the_error_is_the_one_stated(name: s
         if not own.states:
             return abs(float(own.force(v, (), (), LOAD)))
         moved = MovedContact(probe, 1e-6)
-        moved.follow(2e-4 / abs(v), steady(v))  # far beyond the deflections of these laws
+        moved.follow(2e-4 / abs(v), constant_velocity(v))  # far beyond the deflections of these laws
         return abs(moved.force(v))
 
     forces = np.array([[friction(side * v) for v in speeds] for side in (1.0, -1.0)])

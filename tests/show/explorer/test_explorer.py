@@ -22,16 +22,16 @@ from pairs import each_once
 from rows import each_row
 from stickslip.show.explorer import kernels as kernels_module
 from stickslip.show.explorer.code import python
-from stickslip.show.explorer.dropped_records import drive_of, velocity_of
+from stickslip.show.explorer.dropped_records import drive_response, velocity_response
 from stickslip.show.explorer.effort import affordable, effort
 from stickslip.show.explorer.exports import EXPORTS, export
-from stickslip.show.explorer.frames import read
+from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.kernels import Kernels, state_table
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.show.explorer.paper_figures import PRESETS
 from stickslip.show.explorer.requests import DEFAULT, State, message, state
 from stickslip.show.explorer.sliders import PARAMETERS
-from stickslip.show.explorer.surroundings import PATIENCE as MOST_SECONDS, Stopped, watch
+from stickslip.show.explorer.surroundings import PATIENCE as MOST_SECONDS, Stopped, progress_watch
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, rig
 
 VALUES = {name: p.default for name, p in PARAMETERS.items()}
@@ -260,7 +260,7 @@ def test_a_map_does_not_keep_the_curves_waiting(explorer):
             socket.send(curves(i, also=[]))
             header = {"channel": "map", "id": 0}
             while header["id"] != i:  # one after another, each answered before the map that was asked for first
-                header, _ = read(socket.recv(timeout=PATIENCE))
+                header, _ = unpacked(socket.recv(timeout=PATIENCE))
                 assert header["channel"] == "curves"
 
 
@@ -321,8 +321,8 @@ def test_a_newer_map_takes_the_place_of_an_older_one(explorer):
 
 def test_work_that_nobody_waits_for_stops():
     with pytest.raises(Stopped):
-        watch(lambda: True)(1, 10)
-    assert watch(lambda: False)(1, 10) is None
+        progress_watch(lambda: True)(1, 10)
+    assert progress_watch(lambda: False)(1, 10) is None
     assert MOST_SECONDS < 60
 
 
@@ -400,7 +400,7 @@ def test_a_record_is_handed_back_in_si_units(tmp_path):
     (tmp_path / "a.csv").write_text("t [ms];v [mm/s]\n" + "".join(f"{1e3 * a:.9g};{1e3 * b:.9g}\n" for a, b in zip(t, v, strict=True)))
     (tmp_path / "b.txt").write_text("".join(f"{a:.9g}\t{b:.9g}\n" for a, b in zip(t, v, strict=True)))
     for name, notes in (("a.csv", 0), ("b.txt", 2)):
-        header, arrays = read(velocity_of(name, (tmp_path / name).read_bytes()))
+        header, arrays = unpacked(velocity_response(name, (tmp_path / name).read_bytes()))
         assert arrays["v"] == pytest.approx(v, abs=1e-7 * abs(v).max())  # float32 on the way
         assert header["mean"] == pytest.approx(np.trapezoid(v, t) / np.ptp(t), rel=1e-6) and header["step"] == pytest.approx(1e-4)
         assert len(header["notes"]) == notes
@@ -421,7 +421,7 @@ def rows(head, *columns):
      (rows("t [s],v [m/s]", DRIVE), 1), (rows("t [s],drive [m/s]", DRIVE + 0.05), 1)],
 )  # fmt: skip
 def test_the_drive_of_a_record_is_the_motion_that_was_measured(data, notes):
-    header, _ = read(drive_of("record.csv", data))
+    header, _ = unpacked(drive_response("record.csv", data))
     found = (
         State(drive="recorded", shape=tuple(map(tuple, header["shape"]))).robot(amplitude=header["amplitude"], omega=header["omega"]).drive
     )
@@ -439,11 +439,11 @@ def test_the_drive_of_a_record_is_the_motion_that_was_measured(data, notes):
     [b"no numbers\n", b"", b"t [s],F [N]\n0,1\n1,2\n2,3\n", rows("t [s],drive [m/s]", 0 * DRIVE), rows("t [s],drive [m/s]", 1e4 * DRIVE)],
 )
 def test_what_cannot_drive_a_robot_is_refused_with_a_sentence(data):
-    assert problems_of(lambda: drive_of("record.csv", data))
+    assert problems_of(lambda: drive_response("record.csv", data))
 
 
 def test_a_record_with_a_drive_alone_is_taken():
-    header, arrays = read(velocity_of("record.csv", rows("t [s],drive [m/s]", DRIVE)))
+    header, arrays = unpacked(velocity_response("record.csv", rows("t [s],drive [m/s]", DRIVE)))
     assert arrays == {} and "but a drive" in header["notes"][0]
 
 
@@ -462,7 +462,7 @@ def test_a_recorded_shape_is_kept_by_the_python_the_study_file_and_the_kernels()
      ("a.csv", b"t [s],F [N]\n0,1\n1,2\n2,3\n"), ("a.exe", b"MZ"), ("a.h5", b"\x89HDF")],
 )  # fmt: skip
 def test_what_is_no_record_is_refused_with_a_sentence(name, data):
-    assert problems_of(lambda: velocity_of(name, data))
+    assert problems_of(lambda: velocity_response(name, data))
 
 
 def test_a_record_that_is_too_large_or_not_ours_is_refused(explorer):

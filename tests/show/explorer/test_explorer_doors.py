@@ -16,7 +16,7 @@ import pytest
 from websockets.sync.client import connect
 
 from stickslip.show.explorer import server, uploads
-from stickslip.show.explorer.frames import read
+from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.upload_reading import Reader
 
 SOON = 20.0  # by when what is to end has ended, on a machine with other work
@@ -77,7 +77,7 @@ class Served:
             connection.request("POST", "/record/a.csv", data, {"Cookie": self.cookie})
             reply = connection.getresponse()
             body = reply.read()
-            return (reply.status, read(body)[0]) if reply.status == 200 else (reply.status, body.decode())
+            return (reply.status, unpacked(body)[0]) if reply.status == 200 else (reply.status, body.decode())
 
     def page(self):
         return connect(
@@ -129,7 +129,7 @@ def test_half_sent_requests_keep_nobody_out(served):
     assert served.status() == 200 and served.upload()[0] == 200
     with served.page() as page:
         page.send("{}")
-        assert read(page.recv(timeout=SOON))[0]["kind"] == "problems"
+        assert unpacked(page.recv(timeout=SOON))[0]["kind"] == "problems"
     for connection in held:
         connection.close()
 
@@ -172,7 +172,7 @@ def reader():
 
 
 def said(answer):
-    return " ".join(read(answer)[0].get("problems", ()))
+    return " ".join(unpacked(answer)[0].get("problems", ()))
 
 
 def process_of(reader):
@@ -191,7 +191,7 @@ def test_a_file_is_read_beside_the_server_and_the_next_one_by_the_same_process(r
     for what in ("velocity", "velocity", "drive"):
         reader.read(what, "a.csv", RECORD)
     assert process_of(reader) is process
-    assert read(reader.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
+    assert unpacked(reader.read("velocity", "a.csv", RECORD))[0]["mean"] == pytest.approx(0.0005, rel=0.05)
     assert "no table of numbers" in said(reader.read("velocity", "a.csv", b"no numbers"))
     assert "has no known file extension" in said(reader.read("velocity", "a", RECORD))
 
@@ -235,4 +235,4 @@ def test_messages_of_nonsense_do_not_end_a_page(served):
     with served.page() as page:
         for text in ("", "{", "[" * 20000, json.dumps({"channel": "\ud800", "id": "\udfff"}), b"\xff\xfe", b"\x00" * 100):
             page.send(text)
-            assert read(page.recv(timeout=SOON))[0]["kind"] == "problems"
+            assert unpacked(page.recv(timeout=SOON))[0]["kind"] == "problems"

@@ -19,7 +19,7 @@ from records.test_read_damaged import damaged
 from show.explorer.test_explorer_doors import NoKernels, Served
 from stickslip.show.explorer import server
 from stickslip.show.explorer.exports import EXPORTS
-from stickslip.show.explorer.frames import read
+from stickslip.show.explorer.frames import unpacked
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS
 from stickslip.show.explorer.requests import DEFAULT, KEPT
 from stickslip.show.explorer.sliders import PARAMETERS
@@ -200,7 +200,7 @@ async def messages(app, rng, count):
             sent = message(rng)
             answer = await page.answer(sent)
             assert answer["type"] == "websocket.send", (sent, answer)
-            header, _ = read(answer["bytes"])
+            header, _ = unpacked(answer["bytes"])
             problems = header.get("problems", ["-"])
             assert header["kind"] in ("curves", "map", "strip", "waits", "problems") and problems, sent
             assert not any("error of stickslip itself" in p or "Traceback" in p for p in problems), (sent, problems)

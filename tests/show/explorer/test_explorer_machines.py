@@ -19,7 +19,7 @@ from stickslip.basics.number_names import numbers_meant
 from stickslip.models.naming import axis_of
 from stickslip.show.cli.commands.explore import _opened
 from stickslip.show.explorer.effort import effort
-from stickslip.show.explorer.machines import Shown, numbers_of
+from stickslip.show.explorer.machines import Shown, sliders_of
 from stickslip.show.explorer.requests import message
 from stickslip.show.explorer.server import machine_page
 
@@ -55,7 +55,7 @@ def browser():
 @each_row("name", with_bodies)
 def test_every_number_of_every_machine_has_a_slider_around_its_value(name):
     model = every_machine[name][0]
-    found = {p.name: p for p in numbers_of(model)}
+    found = {p.name: p for p in sliders_of(model)}
     numbers = {n: float(v) for n, v in leaves(model)}
     meant = {n: p.default for name, p in found.items() for n in numbers_meant(name, numbers)}
     assert meant == numbers and all(name in numbers or name.startswith("*.") for name in found)
@@ -80,13 +80,13 @@ def test_a_field_says_its_range_its_words_and_its_unit():
         def links(self):
             return {("sledge", None): ss.Spring(self.stiffness)}
 
-    mass, stiffness = numbers_of(Sledge())
+    mass, stiffness = sliders_of(Sledge())
     assert (mass.low, mass.high, mass.label, mass.unit) == (0.1, 5.0, "mass of the sledge", "kg")
     assert (stiffness.label, stiffness.unit) == ("stiffness", "")  # what somebody's own number means nobody else knows
 
 
 def test_a_number_means_what_its_own_field_says_and_not_what_its_name_means_elsewhere():
-    belt = {p.name: p for p in numbers_of(every_machine["BlockOnBelt"][0])}
+    belt = {p.name: p for p in sliders_of(every_machine["BlockOnBelt"][0])}
     assert (belt["damping"].symbol, belt["damping"].label, belt["damping"].unit) == ("c", "damping", "N s/m")
     assert axis_of("damping", ss.presets.piezo_beam_rig) == ("damping ratio of the beam ζ", "1")
     assert axis_of("damping", ss.presets.two_modules) == ("damping c", "N s/m")

@@ -362,7 +362,7 @@ def test_the_beam_is_a_sum_of_modes_and_its_tip_a_sine(result):
 def test_what_the_body_does_to_the_tip_is_what_the_time_domain_says(result):
     """A second method for the harmonics that a moving clamp adds: the first mode stepped in time under the clamp's acceleration."""
     from stickslip.models.drives.cantilever import modal_mass, mode_shape
-    from stickslip.models.drives.oscillator import sampled
+    from stickslip.models.drives.oscillator import modal_response
     from stickslip.show.paper.beam import Beam
 
     beam, e = Beam(ss.PiezoBeam(modes=1)), EXPERIMENTS[0]
@@ -378,7 +378,7 @@ def test_what_the_body_does_to_the_tip_is_what_the_time_domain_says(result):
 
     clamp = np.fft.irfft(1j * k * omega * lines * (k < 9) * n)
     t = T * np.arange(120 * n + 1) / n
-    tip = sampled(t, -part * np.append(np.tile(clamp, 120), clamp[0]), np.array([free]), np.array([0.02]))[-n - 1 : -1, 0]
+    tip = modal_response(t, -part * np.append(np.tile(clamp, 120), clamp[0]), np.array([free]), np.array([0.02]))[-n - 1 : -1, 0]
     stepped = abs(np.fft.rfft(tip))[2:9] * 2 / n / e.amplitude
     ours = beam.shaken(type("Runs", (), {"lugre": {x.name: run for x in EXPERIMENTS}}))[e.tilt_deg]
     # straight lines between samples: (2 pi 8/2048)^2/12 of the eighth harmonic; left of the start after 120 periods: e^(-120 2 pi .02)

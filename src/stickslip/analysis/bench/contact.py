@@ -18,7 +18,7 @@ Velocity = Callable[[float], float]
 CALLS = 20_000
 
 
-def steady(speed: float) -> Velocity:
+def constant_velocity(speed: float) -> Velocity:
     """A constant velocity."""
     return lambda t: speed
 

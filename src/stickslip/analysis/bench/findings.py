@@ -187,7 +187,7 @@ class Bench(_Tabled):
     @property
     def table(self) -> str:
         """The numbers as a table of text, with remarks below it."""
-        return "\n".join([self._title(), aligned(self.rows()), *self._remarks()])
+        return "\n".join([self._title(), aligned_rows(self.rows()), *self._remarks()])
 
     def _remarks(self) -> list[str]:
         return [*(f"{e.title}: {e.remark}" for e in self.experiments if e.remark), *(f"note: {note}" for note in self.notes)]
@@ -260,7 +260,7 @@ class Benches(_Tabled):
     def table(self) -> str:
         """All numbers, a column for each law if there are few of them, else a row."""
         rows = self.rows()
-        return aligned(rows if len(self.benches) > len(rows[0]) else [tuple(column) for column in zip(*rows, strict=True)])
+        return aligned_rows(rows if len(self.benches) > len(rows[0]) else [tuple(column) for column in zip(*rows, strict=True)])
 
     def to_dict(self) -> dict[str, Any]:
         """The results as plain numbers and text."""
@@ -281,7 +281,7 @@ def _bare(quantity: Quantity) -> str:
     return quantity.text(3).removesuffix(quantity.unit).rstrip() if quantity.unit else quantity.text(3)
 
 
-def aligned(rows: list[tuple[str, ...]]) -> str:
+def aligned_rows(rows: list[tuple[str, ...]]) -> str:
     """Rows of text as aligned columns."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)

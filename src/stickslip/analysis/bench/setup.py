@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from stickslip.analysis.bench.contact import MovedContact, steady
+from stickslip.analysis.bench.contact import MovedContact, constant_velocity
 from stickslip.analysis.bench.findings import Experiment
 from stickslip.analysis.bench.probe import Probe
 from stickslip.basics.errors import SolveError
@@ -145,7 +145,7 @@ class Setup:
         moved = self.contact(stretch)
         for _ in range(14):
             done = moved.done
-            moved.follow(stretch / abs(v), steady(v))
+            moved.follow(stretch / abs(v), constant_velocity(v))
             mean = (moved.done - done) / stretch * math.copysign(1.0, v)
             now = mean if self.random else moved.force(v)
             if abs(now - before) < 1e-9 * abs(now) or (self.random and before < math.inf):

@@ -19,7 +19,7 @@ def steady_friction(bench: Setup) -> Experiment:
     count = 5 if bench.random else 17 if bench.remembers else 81
     ratio = (SPEEDS[1] / SPEEDS[0]) ** (1.0 / (count - 1))
     speeds = [bench.typical_speed * SPEEDS[0] * ratio**k for k in range(count)]
-    forward, backward = ([shown(bench, side * v) for v in speeds] for side in (1.0, -1.0))
+    forward, backward = ([force_at_speed(bench, side * v) for v in speeds] for side in (1.0, -1.0))
     low, high = bench.holds
     return Experiment(
         "steady", "steady friction", ("speed |v|", "m/s"), ("friction force |R|", "N"),
@@ -44,7 +44,7 @@ def _at_rest(bench: Setup, edge: float) -> tuple[ExperimentCurve, ...]:
     return (ExperimentCurve("at rest", (edge, edge), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
-def shown(bench: Setup, v: float) -> float:
+def force_at_speed(bench: Setup, v: float) -> float:
     """Steady force [N]; NaN where the law balances the applied force."""
     if bench.probe.law.needs_applied:
         low, high = (float(bench.probe.force(v, (), (), side * 1e12)) for side in (-1.0, 1.0))
@@ -98,7 +98,7 @@ def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple
         return middle + swing * math.sin(omega * t)
 
     if not bench.remembers:
-        return [(velocity(T * k / 200), shown(bench, velocity(T * k / 200))) for k in range(201)]
+        return [(velocity(T * k / 200), force_at_speed(bench, velocity(T * k / 200))) for k in range(201)]
     moved = bench.contact(middle * T)
     for _ in range(1 if bench.random else 2):
         moved.follow(T, velocity)

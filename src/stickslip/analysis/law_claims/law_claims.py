@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.analysis.bench.probe import Probe
 from stickslip.analysis.law_claims.moved_contact import burst, reversed_at_limit, shaken
-from stickslip.analysis.law_claims.reports import Claim, LawReport, judged
+from stickslip.analysis.law_claims.reports import Claim, LawReport, claim_of
 from stickslip.analysis.law_claims.symbol_values import traced
 from stickslip.analysis.law_claims.unit_change import FACTORS, in_other_units
 from stickslip.basics.arguments import explains_arguments
@@ -18,7 +18,7 @@ from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.fields import checked_number, example_in, is_array, leaves
 from stickslip.basics.quantities import between
 from stickslip.engine.law_checks import ARGUMENTS, check_signatures, finite
-from stickslip.models.friction.law_adapter import adapted, mirrored
+from stickslip.models.friction.law_adapter import adapted, mirrored_law
 
 if TYPE_CHECKING:
     from stickslip.models.friction.law_adapter import LawAdapter
@@ -80,7 +80,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
             try:
                 claims += _of_motions(probe)
             except SolveError as error:
-                claims.append(judged("endless", False, math.nan, error=error))
+                claims.append(claim_of("endless", False, math.nan, error=error))
     report = LawReport(type(law).__name__, tuple(claims))
     if raise_ and report.failures:
         raise InputError(report.law, [f"{c.name}: {_measured(c)}{c.meaning}; {c.remedy}" for c in report.failures])
@@ -159,7 +159,7 @@ def _finite(probe: Probe) -> Claim:
         except (ValueError, ZeroDivisionError, OverflowError):
             values = [math.nan]
         bad, total = bad + sum(not math.isfinite(value) for value in values), total + len(values)
-    return judged("finite", bad == 0, bad, total=total)
+    return claim_of("finite", bad == 0, bad, total=total)
 
 
 def _rest(probe: Probe) -> Claim | None:
@@ -168,11 +168,11 @@ def _rest(probe: Probe) -> Claim | None:
         if not probe.law.states:
             return None
         worst = max(_change_at_rest(probe, z) for _, z, _, _ in _points(probe)) / probe.velocity_scale
-        return judged("states_rest", worst <= _SAME, worst)
+        return claim_of("states_rest", worst <= _SAME, worst)
     low, high = probe.law.breakaway(probe.load)
     tiny = 1e-9 * probe.velocity_scale
     lack = max(low, -high, probe.force(tiny, (), ()) - high, low - probe.force(-tiny, (), ()), 0.0)
-    return judged("limits_enclose", lack <= 1e-6 * probe.load, lack)
+    return claim_of("limits_enclose", lack <= 1e-6 * probe.load, lack)
 
 
 def _change_at_rest(probe: Probe, z: tuple[float, ...]) -> float:
@@ -191,7 +191,7 @@ def _opposes(probe: Probe) -> Claim | None:
     if probe.law.states or probe.law.needs_applied:
         return None
     wrong = max(max(-math.copysign(1.0, v) * probe.force(v, z, mode) for v, z, mode, _ in _points(probe)), 0.0)
-    return judged("opposes", wrong <= 0, wrong)
+    return claim_of("opposes", wrong <= 0, wrong)
 
 
 def _cycles(probe: Probe) -> list[dict[str, float]]:
@@ -202,7 +202,7 @@ def _cycles(probe: Probe) -> list[dict[str, float]]:
 
 def _costs(runs: list[dict[str, float]]) -> Claim:
     least = min(run["loss"] / max(run["loss_turned"], 1e-300) for run in runs)
-    return judged("costs", least >= -1e-4, least)
+    return claim_of("costs", least >= -1e-4, least)
 
 
 def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
@@ -211,7 +211,7 @@ def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
     bursts = [burst(probe, reach, 0.01 * side * speed, fast * side * speed) for fast in BURSTS for side in (1.0, -1.0)]
     most = max(-run["least"] / max(run["turned"], 1e-300) for run in [*runs, *bursts])
     most = most if most > 1e-9 else 0.0
-    return judged("gives_back", None, most)
+    return claim_of("gives_back", None, most)
 
 
 def _restarts(probe: Probe) -> Claim | None:
@@ -223,18 +223,18 @@ def _restarts(probe: Probe) -> Claim | None:
         forces = [reversed_at_limit(probe, reach, side, by) for by in (0.0, _BESIDE, -_BESIDE)]
         size = max(probe.load, *map(abs, forces[0]))
         worst = max([worst, *(abs(a - b) / size for other in forces[1:] for a, b in zip(forces[0], other, strict=True))])
-    return judged("restarts", worst <= _SAME_AFTER, worst)
+    return claim_of("restarts", worst <= _SAME_AFTER, worst)
 
 
 def _mirror(probe: Probe) -> Claim:
-    other = Probe(mirrored(probe.law.law), probe.load)
+    other = Probe(mirrored_law(probe.law.law), probe.load)
     worst = min(_unmirrored(probe, other, turns) for turns in (-1.0, 1.0))
     if probe.law.modes:
         stroke = 3.0 * max(probe.scale, default=0.01)
         one, two = (shaken(p, stroke, side * probe.velocity_scale, cycles=1) for p, side in ((probe, 1.0), (other, -1.0)))
         apart = abs(one["turned"] - two["turned"]) / one["turned"]
         worst = max(worst, apart if apart > _SAME_WORK else 0.0)
-    return judged("mirror", worst <= _SAME, worst)
+    return claim_of("mirror", worst <= _SAME, worst)
 
 
 def _unmirrored(probe: Probe, other: Probe, turns: float) -> float:
@@ -251,7 +251,7 @@ def _other_units(probe: Probe) -> Claim:
     try:
         law = in_other_units(probe.law.law)
     except LookupError as error:
-        return judged("no_units", None, math.nan, field=error)
+        return claim_of("no_units", None, math.nan, field=error)
     other, worst = Probe(law, FACTORS["N"] * probe.load), 0.0
     own = probe.law.scale(probe.load) is not None
     sizes = [new / old if own else FACTORS["m"] for new, old in zip(other.scale, probe.scale, strict=True)]
@@ -261,7 +261,7 @@ def _other_units(probe: Probe) -> Claim:
         there = _all_values(other, v * FACTORS["m"] / FACTORS["s"], moved, mode, FACTORS["N"] * applied)
         by = [FACTORS["N"], *(size / FACTORS["s"] for size in sizes)]
         worst = max(worst, _difference([b * value for b, value in zip(by, here, strict=True)], there))
-    return judged("units", worst <= 1e-9, worst)
+    return claim_of("units", worst <= 1e-9, worst)
 
 
 def _arrays(probe: Probe) -> Claim | None:
@@ -275,10 +275,10 @@ def _arrays(probe: Probe) -> Claim | None:
     try:
         at_once = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
     except (TypeError, ValueError) as error:
-        return judged("no_arrays", False, math.nan, error=error)
+        return claim_of("no_arrays", False, math.nan, error=error)
     single = np.array([_all_values(probe, *point) for point in points], float).T
     worst = _difference(np.ravel(at_once), np.ravel(single))
-    return judged("arrays", worst <= _SAME, worst)
+    return claim_of("arrays", worst <= _SAME, worst)
 
 
 def _symbols(probe: Probe) -> Claim | None:
@@ -289,5 +289,5 @@ def _symbols(probe: Probe) -> Claim | None:
         for v, z, mode, applied in _points(probe):
             worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law.law, probe.load, v, z, mode, applied)))
     except (TypeError, ValueError, AttributeError) as error:
-        return judged("no_symbols", False, math.nan, error=error)
-    return judged("symbols", worst <= 1e-9, worst)
+        return claim_of("no_symbols", False, math.nan, error=error)
+    return claim_of("symbols", worst <= 1e-9, worst)

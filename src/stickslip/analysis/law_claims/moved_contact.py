@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.analysis.bench.contact import MovedContact, Velocity, steady, swing
+from stickslip.analysis.bench.contact import MovedContact, Velocity, constant_velocity, swing
 from stickslip.analysis.bench.probe import Probe
 
 #: A segment of a motion: its duration [s] and its velocity.
@@ -17,7 +17,7 @@ def shaken(probe: Probe, stroke: float, speed: float, cycles: int = 2) -> dict[s
 
 def burst(probe: Probe, stroke: float, slow: float, fast: float) -> dict[str, float]:
     """Push a fresh contact slowly over a stroke, and then suddenly fast."""
-    return moved(probe, [(stroke / abs(v), steady(v)) for v in (slow, fast)], last=1)
+    return moved(probe, [(stroke / abs(v), constant_velocity(v)) for v in (slow, fast)], last=1)
 
 
 def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:

@@ -45,7 +45,7 @@ def _texts() -> dict[str, dict[str, str]]:
     return tomllib.loads(Path(__file__).with_name("claims.toml").read_text(encoding="utf-8"))
 
 
-def judged(key: str, passed: bool | None, value: float, **values: Any) -> Claim:
+def claim_of(key: str, passed: bool | None, value: float, **values: Any) -> Claim:
     """A claim in the words of ``claims.toml``."""
     text = _texts()[key]
     return Claim(text["name"], passed, value, text["meaning"].format(**values), text.get("remedy", ""))

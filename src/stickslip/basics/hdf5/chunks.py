@@ -18,7 +18,7 @@ _DEFLATE, _SHUFFLE, _FLETCHER, _LZF = 1, 2, 3, 32000
 Undo = Callable[[bytes, int, tuple[int, ...]], bytes]
 
 
-def values(dataset: Any) -> Any:
+def dataset_values(dataset: Any) -> Any:
     """All numbers of a dataset; `ValueError` where a chunk is not what the dataset declares.
 
     Parameters

@@ -23,7 +23,7 @@ _UNPACK, _REPACK = "export the record with its numbers in the file itself", "typ
 
 
 @contextlib.contextmanager
-def opened(source: Any, doing: str, allowance: Allowance, *, for_others: bool = False) -> Iterator[Any]:
+def checked_file(source: Any, doing: str, allowance: Allowance, *, for_others: bool = False) -> Iterator[Any]:
     """An HDF5 file, open for reading, of which everything was looked through.
 
     Parameters
@@ -64,7 +64,7 @@ def _check(file: Any, doing: str, allowance: Allowance, for_others: bool) -> Non
             if isinstance(item, h5py.Dataset):
                 size += _checked_size(item.id, f"{prefix}{name}", doing, allowance)
                 chunked += [item.id] if for_others and item.chunks else []
-            elif isinstance(item, h5py.Group) and (address := place_of(item)) not in visited:
+            elif isinstance(item, h5py.Group) and (address := address_of(item)) not in visited:
                 visited.add(address)
                 waiting.append((f"{prefix}{name}/", item))
     allowance.take(size, "what it declares")
@@ -72,7 +72,7 @@ def _check(file: Any, doing: str, allowance: Allowance, for_others: bool) -> Non
         check_chunks(dataset)
 
 
-def place_of(item: Any) -> int:
+def address_of(item: Any) -> int:
     """Where in its file an object lies: it is the same one under all its names."""
     import h5py
 
@@ -90,7 +90,7 @@ def members(group: Any, doing: str) -> Iterator[tuple[str, Any]]:
         yield name, group.get(name) if isinstance(link, h5py.HardLink) else None
 
 
-def attributes(item: Any, allowance: Allowance, size: int) -> dict[str, Any]:
+def plain_attributes(item: Any, allowance: Allowance, size: int) -> dict[str, Any]:
     """The attributes of an object that are numbers or texts, and no more than a file of this size may unpack to.
 
     The library trusts the lengths in those of other types.

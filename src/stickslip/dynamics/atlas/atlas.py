@@ -20,17 +20,17 @@ from stickslip.basics.errors import InputError, Problems, SolveError
 from stickslip.basics.interruption import Ending, interruptible, look, partial_result
 from stickslip.dynamics.atlas.atlas_result import Atlas, without_twins
 from stickslip.dynamics.atlas.atlas_study import AtlasStudy
-from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, PointOfBorder, followed
+from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, PointOfBorder, follow_borders
 from stickslip.dynamics.atlas.changes_between_neighbours import Change, changes, seeds_of
 from stickslip.dynamics.atlas.levels import RefinementLevel, points_within, shared_upwards
-from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, look_at, rests_of, taken_over, with_more
+from stickslip.dynamics.atlas.motions_on_the_grid import Look, PointOfGrid, motions_at, rests_of, taken_over, with_more
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane, plane_over
 from stickslip.dynamics.atlas.uncertain_places import UncertainPlaces, explained_by
 from stickslip.dynamics.attractors.settled_motions import checked_limit
 from stickslip.dynamics.attractors.starts_run_on import STRETCH
 from stickslip.dynamics.continuation.branches import Branch, continuation
 from stickslip.dynamics.continuation.two_parameters import special_curve
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.studies.progress import Watch
 
 _TILE = 32  # points of the grid that run together and are kept together
@@ -206,9 +206,9 @@ class _Making:
         """The motions at some points, in parts and threads."""
 
         def work(part: slice, tell: Callable[[float], None]) -> dict[Cell, PointOfGrid]:
-            return look_at(plane, cells[part], self.look, more)
+            return motions_at(plane, cells[part], self.look, more)
 
-        for _, points in shared(len(cells), work, self.workers, self.progress, _TILE):
+        for _, points in over_chunks(len(cells), work, self.workers, self.progress, _TILE):
             results |= points
             if keep:
                 keep(plane.number(min(points)), points)
@@ -254,7 +254,7 @@ class _Making:
             if outcome is None:
                 known = [border for other in outcomes for border in other.borders]
                 new = partial(_is_new, self.plane, known)
-                outcome = followed(self.plane, seed, change, new, change.words in self.without_curve)
+                outcome = follow_borders(self.plane, seed, change, new, change.words in self.without_curve)
                 self.study.keep_outcome(name, outcome)
             outcomes.append(outcome)
             self.reasons.update(outcome.refused)
@@ -395,9 +395,9 @@ def atlas_time(
     """
     plane, look = _planned("atlas_time", make, over, starts, settle, limit, rtol, branches, refine, workers, False, None, fixed)
     probed = [plane.cell(int(k)) for k in np.unique(np.linspace(0, plane.cells - 1, min(_PROBED, plane.cells)).round())]
-    probes = look_at(plane, probed[:1], look)  # compiles
+    probes = motions_at(plane, probed[:1], look)  # compiles
     began = time.perf_counter()
-    probes |= look_at(plane, probed, look)
+    probes |= motions_at(plane, probed, look)
     grid = (time.perf_counter() - began) / len(probed) * plane.cells / workers
     return AtlasTime(grid, _time_of_a_branch(plane, probes) if branches else 0.0, branches)
 

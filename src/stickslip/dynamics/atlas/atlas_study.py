@@ -11,11 +11,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from stickslip.basics.errors import InputError
-from stickslip.basics.jsontext import plain
+from stickslip.basics.jsontext import as_plain
 from stickslip.dynamics.atlas.borders_followed import Border, BordersOfBranch, FollowedBranch, PointOfBorder
 from stickslip.dynamics.atlas.motions_on_the_grid import Look, MotionThere, PointOfGrid
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
-from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_folder, put
+from stickslip.studies.folder import COMMAND, MANIFEST, check_new, make_study_folder, put_file
 from stickslip.studies.manifest import differences, digest, identity, unchecked
 from stickslip.studies.model_identity import ModelIdentities
 from stickslip.studies.planning import SOLVER, Plan, planned
@@ -63,9 +63,9 @@ class AtlasStudy:
                 raise InputError("atlas", [f"{already}; type resume=True (--resume) to go on, or give another folder"])
             return
         check_new("atlas", folder, (COMMAND,), "the folder of an atlas")
-        make_folder(folder)
+        make_study_folder(folder)
         made = {"stickslip_format": _FORMAT, "content": "atlas", "study": digest(mine), "identity": mine, "unchecked": self.unchecked}
-        put(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
+        put_file(manifest, json.dumps(made, indent=1, ensure_ascii=False).encode())
 
     @property
     def unchecked(self) -> list[str]:
@@ -118,9 +118,9 @@ class AtlasStudy:
     # ---- files ----
     def _keep(self, name: str, value: Any, places: Callable[[Any], list[Any]]) -> None:
         if self.folder is not None:
-            value = plain(value)
+            value = as_plain(value)
             kept = {"models": self._models_at(places(value)), "result": value}
-            put(self.folder / name, json.dumps(kept, ensure_ascii=False).encode())
+            put_file(self.folder / name, json.dumps(kept, ensure_ascii=False).encode())
 
     def _all(self, names: str, made: Callable[[Any], T], places: Callable[[Any], list[Any]]) -> Iterator[T]:
         """The values read from all files with such a name, in the order of the names; their models must be those of today."""
@@ -154,7 +154,11 @@ def _plan_of(plane: Plane, look: Look) -> Plan:
 def _identity(plan: Plan, models: ModelIdentities, plane: Plane, look: Look) -> dict[str, str]:
     """The identity of an atlas, which all of its results share: that of a sweep over the plane, the starts, and how far they go."""
     sweep = identity(plan, 1, models.of_tiles(range(plan.tiles)))
-    return {**sweep, "starts": json.dumps([_DRAWN, plain(plane.starts)]), "limit": f"{look.limit} drive periods for what has not settled"}
+    return {
+        **sweep,
+        "starts": json.dumps([_DRAWN, as_plain(plane.starts)]),
+        "limit": f"{look.limit} drive periods for what has not settled",
+    }
 
 
 def _level_of(stored: dict[str, Any]) -> tuple[dict[Cell, PointOfGrid], int, list[Cell]]:

@@ -129,7 +129,9 @@ class BordersOfBranch:
     refused: tuple[str, ...] = field(default_factory=tuple)
 
 
-def followed(plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOfBorder], bool], short: bool = False) -> BordersOfBranch:
+def follow_borders(
+    plane: Plane, seed: Seed, change: Change, wanted: Callable[[PointOfBorder], bool], short: bool = False
+) -> BordersOfBranch:
     """Follow a motion along its axis, and the curves of those of its special points that are wanted.
 
     `short`: only to just beyond the neighbour, and no curves, as of borders that no curve is known for.

@@ -12,10 +12,10 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.atlas.parameter_plane import Cell, Plane
 from stickslip.dynamics.attractors.kinds_of_motion import PERIODIC, UNSETTLED
-from stickslip.dynamics.attractors.motion_features import features_of, numbered
+from stickslip.dynamics.attractors.motion_features import features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import settled_motions
 from stickslip.dynamics.flows.flow_stretches import passage
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import spread_over, state_at_rest
 from stickslip.models.machine_adapter import machine_of
 from stickslip.solvers import solve
 
@@ -90,7 +90,7 @@ class Look:
     rtol: float
 
 
-def look_at(plane: Plane, cells: list[Cell], look: Look, more: dict[Cell, Array] | None = None) -> dict[Cell, PointOfGrid]:
+def motions_at(plane: Plane, cells: list[Cell], look: Look, more: dict[Cell, Array] | None = None) -> dict[Cell, PointOfGrid]:
     """The motions at some points of the grid, all run together.
 
     Parameters
@@ -112,7 +112,7 @@ def rests_of(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dict[C
 
 
 def _at_rest(plane: Plane, cells: list[Cell]) -> Array:
-    rest = at_rest(plane.family.robots(*np.array([plane.point(cell) for cell in cells]).T), plane.at)
+    rest = state_at_rest(plane.family.robots(*np.array([plane.point(cell) for cell in cells]).T), plane.at)
     return np.broadcast_to(rest, (len(cells), rest.shape[1]))
 
 
@@ -121,7 +121,7 @@ def _one_by_one(plane: Plane, cells: list[Cell]) -> tuple[dict[Cell, Array], dic
     refused: dict[Cell, PointOfGrid] = {}
     for cell in cells:
         try:
-            kept[cell] = at_rest(plane.family.robot(*plane.point(cell)), plane.at)[0]
+            kept[cell] = state_at_rest(plane.family.robot(*plane.point(cell)), plane.at)[0]
         except InputError as error:
             refused[cell] = PointOfGrid(refused=error.problems[0])
     return kept, refused
@@ -140,7 +140,7 @@ def _run(plane: Plane, begun: dict[Cell, Array], look: Look) -> dict[Cell, Point
     lost = np.bincount(owner, ~settled.attracted, len(begun)).astype(int).tolist()
     unsettled = np.bincount(owner, settled.kind == UNSETTLED, len(begun)).astype(int).tolist()
     for k in range(len(begun)):
-        numbers = numbered(motions, settled.attracted & (owner == k))
+        numbers = motion_numbers(motions, settled.attracted & (owner == k))
         own = [np.flatnonzero(numbers == n) for n in range(numbers.max() + 1)]
         V = [float(motions.mean_velocity[m].mean()) for m in own]
         by_point.append([(len(first) + i, int(settled.period[m[0]]), V[i], len(m)) for i, m in enumerate(own)])
@@ -253,7 +253,7 @@ def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, 
     for cell, point in grid.items():
         if point.refused:
             continue
-        for other in neighbours(plane, cell):
+        for other in neighbours_on_grid(plane, cell):
             for motion in unmatched(grid[other], point) if other in grid else ():
                 if (cell, other, motion.word) not in tried:
                     tried.add((cell, other, motion.word))
@@ -261,7 +261,7 @@ def _to_try(plane: Plane, grid: dict[Cell, PointOfGrid], tried: set[tuple[Cell, 
     return {cell: np.array(states) for cell, states in todo.items()}
 
 
-def neighbours(plane: Plane, cell: Cell) -> list[Cell]:
+def neighbours_on_grid(plane: Plane, cell: Cell) -> list[Cell]:
     """The points beside a point of the grid."""
     i, j = cell
     adjacent = ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1))

@@ -16,7 +16,7 @@ from stickslip.basics.interruption import interruptible, look, partial_result
 from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, start_axes, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import checked_values, state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import OF_MOTIONS, RUNS_AWAY, UNDONE, UNSETTLED, UNSOLVED
-from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
+from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -172,7 +172,7 @@ class _Along:
     def numbered(self, model: Model, settled: Settled) -> tuple[Features, Array]:
         """Features of the motions, and a number for each."""
         motions = features_of(float(model.period), settled, self.at)
-        return motions, numbered(motions, settled.attracted)
+        return motions, motion_numbers(motions, settled.attracted)
 
 
 def _at_value(along: _Along, k: int, tracks: list[_Track]) -> list[int]:

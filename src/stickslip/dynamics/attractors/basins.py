@@ -18,12 +18,12 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.kinds_of_motion import NOT_COMPUTED, OF_MOTIONS, PERIODIC, UNSETTLED
-from stickslip.dynamics.attractors.motion_features import Features, features_of, numbered
+from stickslip.dynamics.attractors.motion_features import Features, features_of, motion_numbers
 from stickslip.dynamics.attractors.settled_motions import Settled, checked_limit, settled_motions
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
-from stickslip.dynamics.stroboscopic.phase_shift import shifted
+from stickslip.dynamics.stroboscopic.phase_shift import shifted_robots
 from stickslip.dynamics.stroboscopic.refusals import needs_model
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest
 from stickslip.models.switching_flow import is_flow
 from stickslip.solvers.request import LARGEST_START
 
@@ -203,7 +203,7 @@ def basins(
     axes, limit = start_axes("basins", at, starts, settle, limit, workers, model)
     table = grid_of(axes)
     states = on_grid(table, model)
-    batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
+    batch = shifted_robots("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     settled = settled_motions(batch, states, at, settle, limit, rtol, workers=workers, progress=progress, partly=True)
     result = _gathered(model, axes, settled, at, "phase" in table)
     if settled.ending.interrupted:
@@ -223,7 +223,7 @@ def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
 def on_grid(table: dict[str, Array], model: Model) -> Array:
     """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
     at = coordinates(model)
-    return from_rest(table, at.names, at_rest(model, at)[0])
+    return from_rest(table, at.names, state_at_rest(model, at)[0])
 
 
 def from_rest(table: dict[str, Array], names: tuple[str, ...], rest: Array) -> Array:
@@ -270,7 +270,7 @@ def _gathered(model: Model, axes: dict[str, Array], settled: Settled, at: Coordi
     import xarray as xr
 
     motions = features_of(float(model.period), settled, at, by_phase)
-    number = numbered(motions, settled.attracted)
+    number = motion_numbers(motions, settled.attracted)
     dims, shape, flow = tuple(axes), tuple(len(axis) for axis in axes.values()), is_flow(model)
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))

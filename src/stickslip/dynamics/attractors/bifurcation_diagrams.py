@@ -19,7 +19,7 @@ from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.settled_motions import checked_limit, settled_motions
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map
 from stickslip.models.naming import in_its_unit
@@ -110,7 +110,7 @@ def bifurcation(
         if follow:
             _hysteresis(diagram, how, values, first, progress)
         else:
-            for part, columns in shared(len(values), lambda part, tell: how.at_values(values[part], first[part]), workers, progress):
+            for part, columns in over_chunks(len(values), lambda part, tell: how.at_values(values[part], first[part]), workers, progress):
                 for name, column in columns.items():
                     diagram[name][0, part] = column
     grid = _dataset(how, parameter, values, diagram, DIRECTIONS if follow else ("from start",))

@@ -103,7 +103,7 @@ def features_of(T: Any, settled: Settled, at: Coordinates, by_phase: bool = Fals
     return Features(settled.kind, settled.period, V, means, spread, clouds)
 
 
-def numbered(motions: Features, good: Array) -> Array:
+def motion_numbers(motions: Features, good: Array) -> Array:
     """A number for each motion, in the order of the starts; -1 of starts that are on none."""
     number: Array = np.full(len(good), -1)
     first: list[int] = []

@@ -20,7 +20,7 @@ from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
 from stickslip.dynamics.exponents.motion_exponents import exponents_from
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map
 
@@ -108,7 +108,7 @@ def chaos_map(
         return _looked_at(robots, [column[part] for column in grid], start, settle, most, periods, rtol, tell)
 
     with partial_result() as ending:
-        for part, results in shared(grid[0].size, looked_at, workers, progress):
+        for part, results in over_chunks(grid[0].size, looked_at, workers, progress):
             for column, values in zip(whole, results, strict=True):
                 column[part] = values
     shape = tuple(len(axis) for axis in axes.values())

@@ -36,11 +36,11 @@ def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Arra
 
 def _lasting(points: Array, scales: Array, tolerance: float) -> int:
     """The period number, if every point is on the motion, the first ones too."""
-    p = repeated(points, scales, tolerance)[0]
+    p = array_period_number(points, scales, tolerance)[0]
     return p if p and (abs(points[p:, 1:] - points[:-p, 1:]) <= tolerance * scales).all() else 0
 
 
-def repeated(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
+def array_period_number(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
     """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
     last = len(points) - 1
     return recurrence().period_number(points, last, last, LONGEST, np.array(scales, float), tolerance, tolerance)

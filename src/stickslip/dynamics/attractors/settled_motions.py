@@ -31,7 +31,7 @@ from stickslip.dynamics.attractors.kinds_of_motion import ATTRACTING, RUNS_AWAY,
 from stickslip.dynamics.attractors.motions_without_period import GroupOfStarts, late_ends
 from stickslip.dynamics.attractors.period_numbers import POINTS
 from stickslip.dynamics.attractors.starts_run_on import STRETCH, StartsRun, WatchedStarts
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
 
 LIMIT = 8  # times the drive periods of settling: how long a start is run on, unless a limit is given
@@ -147,7 +147,7 @@ def settled_motions(
         return run.watched
 
     with partial_result() if partly else nullcontext(Ending()) as ending:
-        for part, watched in shared(cases, work, workers, progress):
+        for part, watched in over_chunks(cases, work, workers, progress):
             whole.put(part, watched)
     left = np.flatnonzero(whole.kind == UNSETTLED)
     for group in np.unique(groups[left]):

@@ -18,10 +18,10 @@ from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import Reported, reporting
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
-from stickslip.dynamics.continuation.following.other_branches import across, chosen, doubled, range_of
+from stickslip.dynamics.continuation.following.other_branches import across, doubled, range_of, special_point_of
 from stickslip.dynamics.continuation.following.path_kinds import path_of
 from stickslip.dynamics.continuation.following.steps import SIDE_BY_SIDE
-from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, followed
+from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, trace_branch
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.special_points.accuracy import Special
 from stickslip.dynamics.continuation.special_points.own_events import Event, checked_events
@@ -129,7 +129,7 @@ class Branch(Drawn):
         if isinstance(self.orbits[0], LimitCycle):
             why = "it is a branch of limit cycles; allowed are branches of driven motions"
             raise InputError("Branch.doubled", [f"{why}; type ss.periodic_orbit(mechanism, period=2, guess=run) beside the flip"])
-        flip = chosen(self, flip, "flip", "doubled")
+        flip = special_point_of(self, flip, "flip", "doubled")
         return _branch(self.family, 2 * self.period, doubled(self, flip, *range_of(self, flip, stop), step, points), self.events)
 
     @explains_arguments
@@ -164,7 +164,7 @@ class Branch(Drawn):
         >>> bool(abs(other.values - [orbit.state[0] ** 2 for orbit in other.orbits]).max() < 1e-9)
         True
         """
-        special = chosen(self, special, "branch-point", "switched")
+        special = special_point_of(self, special, "branch-point", "switched")
         return _branch(self.family, self.period, across(self, special, *range_of(self, special, stop), step, points), self.events)
 
     _drawn_by = "continuation"
@@ -286,7 +286,7 @@ def continuation(
         raise SolveError(
             f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine a property that distinguishes them, such as damping"
         )
-    whole = followed(path, begun, min(start, stop), max(start, stop), step, points, own, report)
+    whole = trace_branch(path, begun, min(start, stop), max(start, stop), step, points, own, report)
     report(whole.ended, len(whole.points), len(whole.points))
     return _branch(robots, first.period, whole, own)
 

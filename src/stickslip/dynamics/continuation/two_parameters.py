@@ -16,7 +16,7 @@ from stickslip.basics.notebook_display import Drawn
 from stickslip.basics.progress import Reported, reporting
 from stickslip.dynamics.continuation.branches import Branch
 from stickslip.dynamics.continuation.curves.branch_points import crossing_problem
-from stickslip.dynamics.continuation.curves.following import followed_curve, settled
+from stickslip.dynamics.continuation.curves.following import followed_curve, two_parameters_of
 from stickslip.dynamics.continuation.curves.multipliers import CONDITIONS, multiplier_problem
 from stickslip.dynamics.continuation.curves.of_a_number import event_problem, touch_problem
 from stickslip.dynamics.continuation.curves.problems import CurveProblem
@@ -192,7 +192,7 @@ def special_curve(
     followed = followed_curve(problem, u, special.kind, float(np.sign(stop - begin)), step, points, report)
     report(followed.ended, len(followed.points), len(followed.points))
     orbits, missing = _orbits(problem, [f.at for f in followed.points])
-    placed = [settled(problem, f) for f in followed.points[: len(orbits)]]
+    placed = [two_parameters_of(problem, f) for f in followed.points[: len(orbits)]]
     values, accuracy = (np.array(column) for column in zip(*placed, strict=True))
     return Curve(special.kind, (branch.parameter, parameter), both, values, accuracy, orbits, followed.special, followed.ended + missing)
 

@@ -209,7 +209,7 @@ def _cycles(model: Model) -> list[Any]:
     return [] if model.period is None else [model.period / drive.period for drive in drives_within(model)]
 
 
-def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
+def direction_parts(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
     """Parts of the directions in the numbers."""
     names = dict.fromkeys(name for names in moved.values() for name in names)
     return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
@@ -229,11 +229,11 @@ def _period_slopes(model: Model, numbers: dict[str, Array], count: int) -> Array
 
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
-    V, slopes, state, notes = along(orbit, seeds_of(moved), len(moved))
+    V, slopes, state, notes = along_direction(orbit, direction_parts(moved), len(moved))
     return Sensitivity(tuple(moved), _values(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
 
 
-def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
+def along_direction(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
     """Mean velocity of a periodic motion, its derivative and that of the strobe state along directions in the numbers, and notes.
 
     The motion stays periodic: what a number changes and what the start does about it cancel.
@@ -247,10 +247,10 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
         How many directions there are.
     """
     closed = Closing(orbit.model, coordinates(orbit.model), directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
-    return float(closed.mean_velocity[0]), closed.slopes[0], closed.changes[0], notes_of(closed)
+    return float(closed.mean_velocity[0]), closed.slopes[0], closed.changes[0], derivative_notes(closed)
 
 
-def notes_of(closed: ClosedMotions) -> tuple[str, ...]:
+def derivative_notes(closed: ClosedMotions) -> tuple[str, ...]:
     """Notes on the derivatives of a motion."""
     if not np.isfinite(closed.monodromy).all():
         return ("a switch is touched without being crossed: there are no derivatives",)
@@ -261,7 +261,7 @@ def notes_of(closed: ClosedMotions) -> tuple[str, ...]:
 def _of_run(run: Trajectory, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     """From the same start."""
     model, at, k = run.model, coordinates(run.model), len(moved)
-    d, numbers = at.smooth, seeds_of(moved)
+    d, numbers = at.smooth, direction_parts(moved)
     end = float(run.pieces.t[-1])
     span = None if model.period is not None else end
     if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:

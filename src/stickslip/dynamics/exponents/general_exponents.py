@@ -20,7 +20,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import Ending, interruptible, look, looking, partial_result
 from stickslip.basics.notebook_display import Drawn, rounded
 from stickslip.dynamics.flows.flow_stretches import passage
-from stickslip.dynamics.flows.user_functions import numbers, of_state
+from stickslip.dynamics.flows.user_functions import coordinates_of_map, of_state
 from stickslip.models.switching_flow import is_flow
 
 _LEAST = 10  # parts of a motion over which an interrupted average is taken at least
@@ -195,13 +195,13 @@ def lyapunov_of_map(
     slope = jacobian or (lambda x: of_state(f, x)[1])
     for _ in range(settle):
         look()
-        x = numbers(f, x)
+        x = coordinates_of_map(f, x)
     Q, logs, done = np.eye(len(x)), np.empty((int(iterations), len(x))), 0
     with partial_result() as ending:
         while done < len(logs):
             look()
             Q, logs[done] = grown(np.asarray(slope(x), float), Q)
-            x, done = numbers(f, x), done + 1
+            x, done = coordinates_of_map(f, x), done + 1
     if not np.isfinite(x).all():
         raise InputError("lyapunov_of_map", [f"the map diverges from x0 = {x0!r}; give a start on its attractor"])
     return _noted(logs, done, 1.0, "iteration", ending)
@@ -278,12 +278,12 @@ def lyapunov_of_flow(
     n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
 
     def rates(t: float, y: Array) -> Array:
-        return np.concatenate([numbers(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
+        return np.concatenate([coordinates_of_map(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
 
-    if not np.isfinite(numbers(f, x)).all():
-        raise InputError("lyapunov_of_flow", [f"f gave {numbers(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
+    if not np.isfinite(coordinates_of_map(f, x)).all():
+        raise InputError("lyapunov_of_flow", [f"f gave {coordinates_of_map(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
     if settle > 0:
-        x = _followed(lambda t, y: numbers(f, y), x, settle, rtol, 0.0, x0)
+        x = _followed(lambda t, y: coordinates_of_map(f, y), x, settle, rtol, 0.0, x0)
     if not duration / every <= _MOST:
         raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
     Q, logs, done = np.eye(n), np.empty((max(int(duration / every), 1), n)), 0

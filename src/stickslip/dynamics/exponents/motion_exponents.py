@@ -19,7 +19,7 @@ from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_
 from stickslip.dynamics.exponents.general_exponents import Lyapunov, error_of_mean, exponents_of, gathered, grown
 from stickslip.dynamics.periodic.closed_orbits import resting
 from stickslip.dynamics.periodic.given_states import states_of
-from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, over_chunks
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume
@@ -85,7 +85,7 @@ def lyapunov(
     >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
     -2.418858
     """
-    checked(model, periods, settle)
+    check_exponents(model, periods, settle)
     return exponents_along(model, periods, settle, start, rtol, progress)[0]
 
 
@@ -93,7 +93,7 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
     """The exponents of `lyapunov`, and whether they are averages over fewer periods, as it was interrupted."""
     if is_flow(model):
         return _of_flow(model, periods, settle, start), False
-    state = settled(model, start, settle, rtol)
+    state = state_after(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
     watch = Watch(periods, progress)
@@ -115,18 +115,18 @@ def exponents_along(model: Model, periods: int, settle: int, start: Any, rtol: f
 
 def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
-    state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
+    state, T = state_after(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = list(flow.fields)[round(float(state[-1]))]
     return _summary(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
 
 
-def settled(model: Model, start: Any, settle: int, rtol: float) -> Array:
+def state_after(model: Model, start: Any, settle: int, rtol: float) -> Array:
     """The strobe state after some periods: array (1, coordinates)."""
     state = states_of(start, model)
     return strobe_map(model, state, settle, rtol).state if settle else state
 
 
-def checked(model: Model, periods: Any, settle: Any) -> None:
+def check_exponents(model: Model, periods: Any, settle: Any) -> None:
     """Refuse what has no exponents here, and lengths that are none."""
     needs_model("lyapunov", model, flows=True)
     if not is_flow(model):
@@ -283,7 +283,7 @@ def _parts_apart(
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
 
-    return shared(len(state), apart_by, workers, progress)
+    return over_chunks(len(state), apart_by, workers, progress)
 
 
 def _apart_by(model: Model, state: Array, at: Coordinates, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:

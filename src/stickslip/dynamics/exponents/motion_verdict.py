@@ -11,7 +11,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.basics.notebook_display import Face
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov
-from stickslip.dynamics.exponents.motion_exponents import checked, exponents_along, settled
+from stickslip.dynamics.exponents.motion_exponents import check_exponents, exponents_along, state_after
 from stickslip.dynamics.exponents.rotation import Rotation, rotation_of_strobe
 from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -103,8 +103,8 @@ def verdict(
     >>> ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=50, settle=50).kind
     'periodic'
     """
-    checked(model, periods, settle)
-    state = settled(model, start, settle, rtol)
+    check_exponents(model, periods, settle)
+    state = state_after(model, start, settle, rtol)
     back = repetition(model, state[0], rtol)
     whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
     exponents, interrupted = exponents_along(model, -(-periods // whole) * whole, 0, state[0], rtol, progress)

@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import SolveError
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.flows.step_extremes import extremes, first_fall, points
-from stickslip.dynamics.flows.user_functions import derivative, value
+from stickslip.dynamics.flows.step_extremes import first_fall, lowest_and_highest, points
+from stickslip.dynamics.flows.user_functions import scalar_of, value_and_slopes
 
 if TYPE_CHECKING:
     from stickslip.models.switching_flow import SwitchingFlow
@@ -31,14 +31,14 @@ class FlowGuard:
 
     def __call__(self, t: float, y: Array) -> float:
         """Its value; an error where it has none."""
-        number = value(self.g, t, y, self.name)
+        number = scalar_of(self.g, t, y, self.name)
         if np.isnan(number):
             raise SolveError(f"{self.name} gave nan at t = {t:.9g}, y = {y.tolist()}; it must be defined wherever its mode goes")
         return number
 
     def slopes(self, t: float, y: Array) -> tuple[float, float, Array]:
         """Value, derivative by t, derivatives by y."""
-        values, by_t, by_y = derivative(self.g, t, y, self.name, 1)
+        values, by_t, by_y = value_and_slopes(self.g, t, y, self.name, 1)
         return float(values[0]), float(by_t[0]), by_y[0]
 
     def level(self, t: float, y: Array) -> float:
@@ -79,7 +79,7 @@ def sizes(y: Array) -> Array:
     return np.maximum(abs(y), 1e-3 * (1.0 + abs(y).max()))
 
 
-def arc(flow: SwitchingFlow, mode: Any, t: float, y: Array, end: float, rtol: float) -> Arc:
+def flow_arc(flow: SwitchingFlow, mode: Any, t: float, y: Array, end: float, rtol: float) -> Arc:
     """One arc, to its first switch or to the end. No guard is below zero where it begins."""
     from scipy.integrate import DOP853
 
@@ -101,7 +101,7 @@ def arc(flow: SwitchingFlow, mode: Any, t: float, y: Array, end: float, rtol: fl
                 raise SolveError(f"the flow could not be followed in mode {mode!r} beyond t = {solver.t:.9g}: {why}")
             crossing = _first(watched, solver, n)
             stop = solver.t if crossing is None else crossing[1]
-            low, high = extremes(solver.dense_output()(points(solver.t_old, stop))[:n], low, high)
+            low, high = lowest_and_highest(solver.dense_output()(points(solver.t_old, stop))[:n], low, high)
             if crossing is not None and stop - t <= _ROUNDING * (end - t):  # at once: where rounding puts it decides nothing
                 return Arc(t, y, M, crossing[0], y, y)
             if crossing is not None:
@@ -116,7 +116,7 @@ def _rates(f: Callable[..., Any], name: str, n: int) -> Callable[[float, Array],
     """The flow and its variational equation."""
 
     def rates(s: float, u: Array) -> Array:
-        rate, _, J = derivative(f, s, u[:n], name, n)
+        rate, _, J = value_and_slopes(f, s, u[:n], name, n)
         return np.concatenate([rate, (J @ u[n:].reshape(n, n)).ravel()])
 
     return rates

@@ -14,7 +14,7 @@ from stickslip.basics.errors import InputError, Problems, SolveError, is_whole
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.interruption import interruptible
 from stickslip.dynamics.flows.flow_stretches import Passage, passage, started
-from stickslip.dynamics.flows.user_functions import derivative
+from stickslip.dynamics.flows.user_functions import value_and_slopes
 from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.models.friction.law_adapter import law_of
@@ -302,8 +302,8 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
         step, reach = np.linalg.lstsq(A, -miss, rcond=1e-12)[0], max(reach, _REACH * float(1 + abs(y).max()))
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
     plain = flow.plain
-    along = derivative(plain.fields[mode], 0.0, y)[0]
-    ahead = derivative(plain.fields[done.mode], T, done.state)[0]
+    along = value_and_slopes(plain.fields[mode], 0.0, y)[0]
+    ahead = value_and_slopes(plain.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
     step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))

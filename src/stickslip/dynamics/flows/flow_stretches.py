@@ -16,10 +16,10 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.basics.errors import InputError, Problems, is_number, is_one_of
 from stickslip.basics.fields import floats
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.flows.judged_flows import judged
+from stickslip.dynamics.flows.judged_flows import passage_by_scipy
 from stickslip.models.switching_flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.results.flow_run import extremes
-from stickslip.solvers.flow_engine import check_flow, followed, unknown
+from stickslip.solvers.flow_engine import check_flow, follow_flow, unknown
 
 METHODS = ("auto", "exact", "dop853")
 _TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
@@ -114,9 +114,9 @@ def passage(
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
-        end, last, t, events, M, rank_deficient, low, high = judged(plain, y, mode, float(duration), float(begin), rtol, switches)
+        end, last, t, events, M, rank_deficient, low, high = passage_by_scipy(plain, y, mode, float(duration), float(begin), rtol, switches)
         return Passage(end, last, t, events, M, rank_deficient, low, high, "dop853", why)
-    done = followed(flow, y, mode, float(duration), float(begin), switches)
+    done = follow_flow(flow, y, mode, float(duration), float(begin), switches)
     low, high = extremes(done.coefficients, np.vstack([y, done.passed, done.state]))
     return Passage(done.state, done.mode, done.time, done.events, done.growth, done.rank_deficient, low, high)
 

@@ -22,8 +22,8 @@ import numpy as np
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.basics.interruption import look
-from stickslip.dynamics.flows.flow_arcs import arc, guards_of
-from stickslip.dynamics.flows.user_functions import answer, derivative
+from stickslip.dynamics.flows.flow_arcs import flow_arc, guards_of
+from stickslip.dynamics.flows.user_functions import checked_call, value_and_slopes
 from stickslip.models.switching_flow import knows_mode, unknown_mode
 from stickslip.solvers.flow_engine import MOST_SWITCHES, accumulates
 
@@ -50,7 +50,7 @@ class _Crossing:
         """The crossing with one more reset, and the state after it."""
         if f is None:
             return self, y
-        new, G_t, G_y = derivative(f, t, y, name, len(y))
+        new, G_t, G_y = value_and_slopes(f, t, y, name, len(y))
         if not np.isfinite(new).all():
             raise SolveError(f"{name} gave {new.tolist()} at t = {t:.9g}, y = {y.tolist()}; allowed is a finite state")
         return _Crossing(self.before, G_y @ self.A, G_y @ self.rate + G_t, self.moved), new + 0.0  # no negative zero
@@ -61,7 +61,9 @@ class _Crossing:
         return self.A + np.outer(jump, self.moved) if jump.any() else self.A
 
 
-def judged(flow: SwitchingFlow, y: Array, mode: Any, duration: float, begin: float, rtol: float, switches: int | None) -> tuple[Any, ...]:
+def passage_by_scipy(
+    flow: SwitchingFlow, y: Array, mode: Any, duration: float, begin: float, rtol: float, switches: int | None
+) -> tuple[Any, ...]:
     """State, mode and time at the end, the switches, the derivative of the end by the start, whether a direction was lost, and extremes."""
     t, end, M, rank_deficient = float(begin), float(begin) + float(duration), np.eye(len(y)), False
     events: list[tuple[float, Any, Any]] = []
@@ -72,7 +74,7 @@ def judged(flow: SwitchingFlow, y: Array, mode: Any, duration: float, begin: flo
         if hit is None and t >= end:
             break
         if hit is None:
-            there = arc(flow, mode, t, y, end, rtol)
+            there = flow_arc(flow, mode, t, y, end, rtol)
             low, high = np.minimum(low, there.low), np.maximum(high, there.high)
             if there.t > t:
                 visited = set()
@@ -92,7 +94,7 @@ def judged(flow: SwitchingFlow, y: Array, mode: Any, duration: float, begin: flo
 
 def _crossed(flow: SwitchingFlow, mode: Any, hit: int, t: float, y: Array, M: Array) -> _Crossing:
     """The crossing of a guard that an arc ended on; a guard that is only touched moves by no number."""
-    rate = derivative(flow.fields[mode], t, y)[0]
+    rate = value_and_slopes(flow.fields[mode], t, y)[0]
     guard = guards_of(flow, mode)[hit]
     speed, (_, _, by_y) = guard.speed(t, y, rate), guard.slopes(t, y)
     return _Crossing(M, np.eye(len(y)), rate, -by_y / speed if speed else np.full(len(y), np.nan))
@@ -101,11 +103,11 @@ def _crossed(flow: SwitchingFlow, mode: Any, hit: int, t: float, y: Array, M: Ar
 def _switched(flow: SwitchingFlow, mode: Any, hit: int, t: float, y: Array, crossing: _Crossing) -> tuple[Any, Array, _Crossing, Array]:
     """Mode and state after a switch, the crossing so far, and its saltation matrix."""
     switch, name = flow.switches[mode][hit], f"switches[{mode!r}][{hit}]"
-    after = answer(switch.to, f"{name}.to", t, y.copy()) if callable(switch.to) else switch.to
+    after = checked_call(switch.to, f"{name}.to", t, y.copy()) if callable(switch.to) else switch.to
     if not knows_mode(flow.fields, after):
         raise InputError("SwitchingFlow", [f"{name}.to gave {after!r} at t = {t:.9g}: {unknown_mode(after, flow.fields)}"])
     crossing, new = crossing.through(switch.reset, f"{name}.reset", t, y)
-    ahead = derivative(flow.fields[after], t, new, f"fields[{after!r}]", len(y))[0]
+    ahead = value_and_slopes(flow.fields[after], t, new, f"fields[{after!r}]", len(y))[0]
     return after, new, crossing, crossing.saltation(ahead)
 
 

@@ -35,13 +35,13 @@ def _at(x: Array, begin: float, end: float) -> Array:
     return np.where(x < 0, np.maximum(begin + half * (1.0 + x), begin), np.minimum(end - half * (1.0 - x), end))
 
 
-def extremes(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
+def lowest_and_highest(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
     """The lowest and the highest value so far of each row of a table (functions, points), also between the points.
 
     Examples
     --------
     >>> t, start = points(0.0, 1.0), np.zeros(2)
-    >>> low, high = extremes(np.array([t * (1.0 - t), t]), start, start)
+    >>> low, high = lowest_and_highest(np.array([t * (1.0 - t), t]), start, start)
     >>> low.round(12).tolist(), high.round(12).tolist()
     ([0.0, 0.0], [0.25, 1.0])
     """

@@ -17,7 +17,7 @@ _PLAIN = (
 )
 
 
-def derivative(f: Callable[..., Any], t: float, y: Array, name: str = "f", count: int | None = None) -> tuple[Array, Array, Array]:
+def value_and_slopes(f: Callable[..., Any], t: float, y: Array, name: str = "f", count: int | None = None) -> tuple[Array, Array, Array]:
     """Values of f(t, y), their derivatives by t, and by y; not a number where its arithmetic fails.
 
     Parameters
@@ -33,12 +33,12 @@ def derivative(f: Callable[..., Any], t: float, y: Array, name: str = "f", count
     Examples
     --------
     >>> from stickslip.maths import sin
-    >>> value, by_t, by_y = derivative(lambda t, y: (y[1], -sin(y[0])), 0.0, [0.0, 2.0])
+    >>> value, by_t, by_y = value_and_slopes(lambda t, y: (y[1], -sin(y[0])), 0.0, [0.0, 2.0])
     >>> value.tolist(), by_y.tolist()
     ([2.0, -0.0], [[0.0, 1.0], [-1.0, 0.0]])
     """
     at, *coordinates = variables(t, *y)
-    rows = _rows(answer(f, name, at, coordinates), name, count)
+    rows = _rows(checked_call(f, name, at, coordinates), name, count)
     if rows is None:
         return np.full(count or 1, np.nan), np.full(count or 1, np.nan), np.full((count or 1, len(y)), np.nan)
     slopes = np.array([slopes_of(row, 1 + len(y)) for row in rows], float)
@@ -47,19 +47,19 @@ def derivative(f: Callable[..., Any], t: float, y: Array, name: str = "f", count
 
 def of_state(f: Callable[..., Any], x: Array) -> tuple[Array, Array]:
     """Values of f(x), as many as there are coordinates, and their derivatives."""
-    values, _, by_x = derivative(lambda t, y: f(y), 0.0, x, "f", len(x))
+    values, _, by_x = value_and_slopes(lambda t, y: f(y), 0.0, x, "f", len(x))
     return values, by_x
 
 
-def numbers(f: Callable[..., Any], x: Array) -> Array:
+def coordinates_of_map(f: Callable[..., Any], x: Array) -> Array:
     """Values of f(x) on plain numbers, as many as there are coordinates; not a number where its arithmetic fails."""
-    rows = _rows(answer(f, "f", np.array(x, float)), "f", len(x))
+    rows = _rows(checked_call(f, "f", np.array(x, float)), "f", len(x))
     return np.full(len(x), np.nan) if rows is None else np.array([_float(row, "f") for row in rows])
 
 
-def value(f: Callable[..., Any], t: float, y: Array, name: str = "f") -> float:
+def scalar_of(f: Callable[..., Any], t: float, y: Array, name: str = "f") -> float:
     """The one number f(t, y); not a number where its arithmetic fails."""
-    rows = _rows(answer(f, name, float(t), np.array(y, float)), name, 1)
+    rows = _rows(checked_call(f, name, float(t), np.array(y, float)), name, 1)
     return float("nan") if rows is None else _float(rows[0], name)
 
 
@@ -67,7 +67,7 @@ _UNDEFINED = object()
 _NO_NUMBERS = (str, bytes, bool, np.bool_, Truth, dict, list, tuple, np.ndarray, complex)
 
 
-def answer(f: Callable[..., Any], name: str, *given: Any) -> Any:
+def checked_call(f: Callable[..., Any], name: str, *given: Any) -> Any:
     """The value of a function; its exceptions become errors of ours. Undefined arithmetic is reported to `_rows`."""
     try:
         with np.errstate(all="ignore"):

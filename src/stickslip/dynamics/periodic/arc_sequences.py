@@ -95,12 +95,12 @@ def _speed(model: Model) -> float:
 
 def _slide(model: Model, mode: int, begin: float, times: Array) -> Array:
     """Velocity at rising times of a slide that begins with v = 0."""
-    from stickslip.solvers.closed_arcs import handles, reduced
+    from stickslip.solvers.closed_arcs import dimensionless_arcs, handles
 
     if handles(model) is None:
         from stickslip.results.dense_output import HarmonicArcs
 
-        n = reduced(model)
+        n = dimensionless_arcs(model)
         numbers = (float(a[0]) for a in (n.drive, n.omega, n.resist_plus, n.resist_minus))
         arc = HarmonicArcs(np.array([begin, np.inf]), np.array([mode]), np.zeros(1), np.zeros(1), *numbers)
         return arc.evaluate(times, np.zeros(len(times), int))[1][:, 0]

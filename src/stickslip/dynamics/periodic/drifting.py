@@ -15,7 +15,7 @@ _DRIFTS_AWAY = (
 _GROWS, _EVENLY = 1e-3, 1e-3  # of the scale in a period, and of that growth
 
 
-def drift(model: Model, state: Array, memory: Array) -> str:
+def drift_sentence(model: Model, state: Array, memory: Array) -> str:
     """In words, where velocities grow by the same amount in every drive period for ever: nothing then repeats."""
     at = coordinates(model)
     end = strobe_map(model, np.append(state * at.scales[: at.smooth], memory)[None], _DRIFTS, 1e-7).state

@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import floats, number
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, states_of_parts, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, state_at_rest, states_of_parts, strobe_states
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow, knows_mode, unknown_mode
 from stickslip.solvers.flow_solving import starts_of
@@ -20,7 +20,7 @@ from stickslip.solvers.request import LARGEST_START
 
 def states_of(start: Any, model: Model) -> Array:
     """Strobe states from a start as `solve` takes it, states, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
-    at, rest = coordinates(model), at_rest(model)
+    at, rest = coordinates(model), state_at_rest(model)
     if start is None:
         return rest
     if isinstance(start, (list, np.ndarray)) and (table := floats(start)).shape == rest.shape:

@@ -16,7 +16,7 @@ from stickslip.dynamics.derivatives.tangents import jacobian_of
 from stickslip.dynamics.periodic.closed_orbits import ClosedMotion, multipliers_of, resting
 from stickslip.dynamics.periodic.cycle_sections import TURN, Section, returns, section_of, states_of_returns
 from stickslip.dynamics.periodic.newton import newton_within
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, difference_jacobian, largest_size
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.steadiness import way_of_machine
 
@@ -206,7 +206,7 @@ def _once(cycle: LimitCycle, rtol: float, tolerance: float) -> LimitCycle:
 
 def clock(model: Model) -> float:
     """The time in which durations are measured [s]."""
-    return largest(machine_of(model).time_scale)
+    return largest_size(machine_of(model).time_scale)
 
 
 # ---- guesses ----

@@ -18,20 +18,20 @@ from stickslip.basics.variables import unit_of
 from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, multipliers_of, resting
-from stickslip.dynamics.periodic.drifting import drift
+from stickslip.dynamics.periodic.drifting import drift_sentence
 from stickslip.dynamics.periodic.given_states import states_of
 from stickslip.dynamics.periodic.limit_cycles import limit_cycle
 from stickslip.dynamics.periodic.newton import STEP, Root, newton_within
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import (
     Coordinates,
-    at_rest,
     coordinates,
     difference_jacobian,
     flight,
+    position_of,
+    state_at_rest,
     strobe_map,
     strobe_orbit,
-    way_of,
     with_rests,
 )  # fmt: skip
 from stickslip.models.machine_adapter import is_machine, machine_of
@@ -127,7 +127,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def mean_velocity(self) -> float:
         """Mean velocity V [m/s]: the net displacement in a motion period over its duration; for several bodies of their centre of mass."""
-        run, way = self.run, way_of(self.run)
+        run, way = self.run, position_of(self.run)
         return float((way[-1] - way[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
 
     @cached_property
@@ -270,7 +270,7 @@ def _failure(model: Model, period: int, tried: list[Root], guess: Any) -> str:
             f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
         )
     best = min(tried, key=lambda f: f.residual)
-    if np.isfinite(best.residual) and (reason := drift(model, best.at, best.memory)):
+    if np.isfinite(best.residual) and (reason := drift_sentence(model, best.at, best.memory)):
         return f"no motion of period {period} was found: {reason}"
     hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
     if guess is None:
@@ -318,7 +318,7 @@ def _shorter(model: Model, state: Array, period: int, rtol: float) -> bool:
 
 def _from_rest(model: Model, period: int, at: Coordinates) -> list[Array]:
     """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
-    settled = strobe_map(model, at_rest(model), _SETTLING, 1e-6).state
+    settled = strobe_map(model, state_at_rest(model), _SETTLING, 1e-6).state
     points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
     means = 0.5 * (points[1:] + points[:-1])
     means[:, at.smooth :] = points[1:, at.smooth :]

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.basics.batch import labels_of, some_of, spread
+from stickslip.basics.batch import labels_of, some_of, spread_over_cases
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.dynamics.derivatives.tangents import Follower
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, as_it_ends, has_arcs, refuse_chance, run_lanes, state_at_rest
 from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.models.machine_adapter import machine_of
 
@@ -41,7 +41,7 @@ class SteadyMotions:
     stepped: bool = True
 
 
-def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> SteadyMotions:
+def motions_from_rest(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> SteadyMotions:
     """The motions in which machines end that start from rest, each run until it repeats.
 
     Parameters
@@ -62,18 +62,18 @@ def settled(model: Model, at: Coordinates, cases: int = 1, periods: int = 400, r
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
     >>> from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
-    >>> found = settled(robot, coordinates(robot))
+    >>> found = motions_from_rest(robot, coordinates(robot))
     >>> found.period.tolist(), found.mean_velocity.round(9).tolist()
     ([1], [0.004308808])
     """
     refuse_chance(machine_of(model))
-    T = spread(model.period, labels_of(model))
+    T = spread_over_cases(model.period, labels_of(model))
     if has_arcs(model):
         from stickslip.solvers.set_valued import solve_batch
 
         raw = solve_batch(model, periods, "auto")
         return SteadyMotions(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
-    start = np.broadcast_to(at_rest(model, at), (cases, len(at.names)))
+    start = np.broadcast_to(state_at_rest(model, at), (cases, len(at.names)))
     results, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):
         return SteadyMotions(end, results.period, results.displacement / (results.window * T) + table.carried, results.status)

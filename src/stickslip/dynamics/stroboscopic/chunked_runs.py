@@ -17,18 +17,18 @@ Report = Callable[[Progress], Any] | bool
 PART = 128  # cases that run together: enough for full lanes, few enough that threads finish together
 
 
-def parts_of(cases: int, size: int = PART) -> list[slice]:
+def chunks_of(cases: int, size: int = PART) -> list[slice]:
     """The cases in parts; their size does not depend on the number of threads.
 
     Examples
     --------
-    >>> parts_of(5, 2)
+    >>> chunks_of(5, 2)
     [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
     """
     return [slice(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def shared(
+def over_chunks(
     cases: int, work: Callable[[slice, Callable[[float], None]], T], workers: int, progress: Report | None, size: int = PART
 ) -> Iterator[tuple[slice, T]]:
     """The results of `work` for every chunk, as they become ready; independent of the number of threads.
@@ -49,7 +49,7 @@ def shared(
 
     Examples
     --------
-    >>> dict((part.start, part.stop) for part, _ in shared(5, lambda part, tell: part.stop, 1, None, 2))
+    >>> dict((part.start, part.stop) for part, _ in over_chunks(5, lambda part, tell: part.stop, 1, None, 2))
     {0: 2, 2: 4, 4: 5}
     """
     watch = Watch(cases, progress)
@@ -61,7 +61,7 @@ def shared(
         tell(0.0)
         return work(part, tell)
 
-    todo = parts_of(cases, size)
+    todo = chunks_of(cases, size)
     first = pool.shared(done, todo[:1], 1)  # compiles what all of them need
     for part, result in chain(first, pool.shared(done, todo[1:], workers)):
         watch.finished(part.start, np.zeros(part.stop - part.start, int))

@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.attractors.period_numbers import LONGEST, repeated
+from stickslip.dynamics.attractors.period_numbers import LONGEST, array_period_number
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_orbit
 from stickslip.results.recurrence import apart, approach
 
@@ -49,7 +49,7 @@ def repetition(model: Model, state: Numeric, rtol: float = 1e-9, points: int = 9
     at, tolerance = coordinates(model), max(30 * rtol, 1e-9)
     states, moved = strobe_orbit(model, np.asarray(state, float)[None, :], points, rtol)
     kept = np.column_stack([np.cumsum(moved[:, 0]), states[:, 0]])
-    period, last = repeated(kept, at.scales, tolerance)[0], points - 1
+    period, last = array_period_number(kept, at.scales, tolerance)[0], points - 1
     if period:
         miss = apart(kept, last, period, 1, at.scales)
         why = f"the last {points} strobe points repeat after {period} within {miss:.1e} of their scales"

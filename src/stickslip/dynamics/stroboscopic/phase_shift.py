@@ -43,14 +43,14 @@ class ShiftedTrack(VaryingInTime):
         return self.track.grip(t + self.phase * period, period)
 
 
-def shifted(what: str, model: Any, phase: Any) -> Any:
+def shifted_robots(what: str, model: Any, phase: Any) -> Any:
     """The robots whose drive is at a phase when they start; `InputError` where there is none, or something else keeps the time too.
 
     Examples
     --------
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
-    >>> later = shifted("basins", robot, 0.25)
+    >>> later = shifted_robots("basins", robot, 0.25)
     >>> bool(later.drive.position(0.0) == robot.drive.position(robot.period / 4))
     True
     """

@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
-from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest_size
 from stickslip.dynamics.stroboscopic.strobe_states import order_of
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.models.switching_flow import is_flow
@@ -74,7 +74,7 @@ def _drifts(model: Model) -> bool:
     for power in (0, 0, 1, 2, 3, 4):  # stops act far away
         y = list(random.uniform(-speed, speed, order.states))
         positions = variables(*(y[order.places]))
-        y[order.places] = [position * (10.0**power * largest(machine_of(one).time_scale)) for position in positions]
+        y[order.places] = [position * (10.0**power * largest_size(machine_of(one).time_scale)) for position in positions]
         q, u, _ = order.parted(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
         free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))

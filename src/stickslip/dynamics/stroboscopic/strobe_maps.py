@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import cases_of, labels_of, spread
+from stickslip.basics.batch import cases_of, labels_of, spread_over_cases
 from stickslip.basics.contracts import Array, ArrayLike, Model, Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
 from stickslip.basics.frozen_arrays import sealed
-from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered, order_of
+from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered_names, order_of
 from stickslip.models.forces import inner_start
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
 from stickslip.models.switching_flow import is_flow
@@ -145,15 +145,15 @@ def coordinates(model: Model) -> Coordinates:
     machine = machine_of(model)
     order = order_of(model, machine)
     mechanics, laws = machine.mechanics, machine.laws
-    speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
-    time = largest(machine.time_scale)
+    speed = largest_size(machine.free_velocity) or largest_size(machine.velocity_scale) or 1.0
+    time = largest_size(machine.time_scale)
     places = [speed * time / (2 * np.pi)] * mechanics.coordinates
     sizes: list[float] = []
     if any(law.states for law in laws):
         for law, load in zip(laws, mechanics.loads(0.0, mechanics.start), strict=True):
             typical = law.scale(load) if law.states else ()
-            sizes += [largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
-    sizes += [largest(size) for size in mechanics.controllers.scales]
+            sizes += [largest_size(s) for s in ((speed * time,) * law.states if typical is None else typical)]
+    sizes += [largest_size(size) for size in mechanics.controllers.scales]
     scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
@@ -166,7 +166,7 @@ def _wavelength(machine: Any, order: Order) -> float | None:
     length = machine.wavelength
     if length is None or np.size(length) != 1 or not order.kept:
         return None
-    length, m, T = float(np.ravel(length)[0]), machine.mechanics, largest(machine.time_scale)
+    length, m, T = float(np.ravel(length)[0]), machine.mechanics, largest_size(machine.time_scale)
     for part in _PARTS_OF_A_WAVE:
         here, there = (
             (*m.loads(part * T, (q,)), *m.accelerations(part * T, (q,), (0.0,), (0.0,))) for q in (part * length, (1 + part) * length)
@@ -176,7 +176,7 @@ def _wavelength(machine: Any, order: Order) -> float | None:
     return length
 
 
-def at_rest(model: Model, at: Coordinates | None = None) -> Array:
+def state_at_rest(model: Model, at: Coordinates | None = None) -> Array:
     """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
 
     Who knows its coordinates gives them too.
@@ -184,7 +184,7 @@ def at_rest(model: Model, at: Coordinates | None = None) -> Array:
     Examples
     --------
     >>> import stickslip as ss
-    >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    >>> state_at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
     [[0.0, 0.0], [0.0, 0.0]]
     """
     at = coordinates(model) if at is None else at
@@ -212,12 +212,12 @@ def states_of_parts(what: str, model: Model, start: Any, at: Coordinates | None 
 def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
     """Names of what laws remember, by contact where there are several."""
     if machine.is_single:
-        return numbered("memory", machine.laws[0].modes)
+        return numbered_names("memory", machine.laws[0].modes)
     contacts = zip(machine.mechanics.contacts, machine.laws, strict=True)
     return tuple(f"memory.{name}.{k}" for name, law in contacts for k in range(law.modes))
 
 
-def largest(value: Any) -> float:
+def largest_size(value: Any) -> float:
     """The largest size of a number or of an array of them."""
     return float(np.max(np.abs(np.asarray(value, float))))
 
@@ -312,7 +312,11 @@ def _steps(model: Model, rtol: float) -> tuple[Any, float]:
     """The same of the states alone, for which Taylor series know some laws with inner states."""
     from stickslip.solvers import series
 
-    return series.method(max(rtol, _FINEST)) if machine_of(model).has_inner_states and not series.lacks(model) else map_method(model, rtol)
+    return (
+        series.method(max(rtol, _FINEST))
+        if machine_of(model).has_inner_states and not series.series_refusal(model)
+        else map_method(model, rtol)
+    )
 
 
 def _ended(model: Model, results: Any, table: Any, end: Array, periods: int) -> Ends:
@@ -349,7 +353,7 @@ def run_lanes(
         check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
-    span = (0.0 if model.period is None else spread(model.period, labels_of(model))) if span is None else span
+    span = (0.0 if model.period is None else spread_over_cases(model.period, labels_of(model))) if span is None else span
     start = np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])])
     table = CaseTable(model, kernel, start, span) if table is None else table.restarted(start)
     job = lanes.Job(periods, periods // 2 if auto else 0, auto, tolerance, 0.75, budget_of(model, periods) if auto else BUDGET * periods)
@@ -428,7 +432,7 @@ def _one_by_one(model: Model, states: Array, periods: int, rtol: float) -> Ends:
     cases = cases * (len(states) // len(cases))
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
-    way = np.array([way_of(run)[-1] - way_of(run)[0] for run in runs])
+    way = np.array([position_of(run)[-1] - position_of(run)[0] for run in runs])
     if not machine_of(model).is_single:
         none = np.full(len(runs), np.nan)
         return Ends(ends, way, np.zeros(len(runs), int), none, none)
@@ -452,7 +456,7 @@ def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
     run = run.parted
     x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
-    return np.column_stack([*columns_of(run.model, x, v, z), *([] if memory is None else [memory])])
+    return np.column_stack([*coordinates_in(run.model, x, v, z), *([] if memory is None else [memory])])
 
 
 def state_at(run: Any, t: float) -> Array:
@@ -461,10 +465,10 @@ def state_at(run: Any, t: float) -> Array:
         states = run.at(t)
         return np.array([states[name] for name in run.names])
     run, times = run.parted, np.array([t])
-    return np.column_stack(columns_of(run.model, *run._states_at(times, run._index(times))))[0]
+    return np.column_stack(coordinates_in(run.model, *run._states_at(times, run._index(times))))[0]
 
 
-def columns_of(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
+def coordinates_in(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
     """The coordinates of a machine, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
     q, u = (m.coordinates_of(tuple(np.reshape(each, (len(v), -1)).T)) for each in (x, v))
@@ -472,7 +476,7 @@ def columns_of(model: Model, x: Any, v: Any, z: Any) -> list[Array]:
     return order_of(model).joined(q, u, inner)
 
 
-def way_of(run: Trajectory) -> Array:
+def position_of(run: Trajectory) -> Array:
     """Position of the body, of the principal body, or of the centre of mass of several, at the strobe times [m]."""
     return run.strobe_x if machine_of(run.model).is_single else way_of_machine(run.model, run.parted.strobe_x)
 

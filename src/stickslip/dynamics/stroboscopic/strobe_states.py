@@ -77,7 +77,7 @@ def order_of(model: Model, machine: MachineAdapter | None = None) -> Order:
     machine = machine_of(model) if machine is None else machine
     if machine.is_single:
         count, placed = law_of(model).states, int(knows_position(model))
-        names = (*(("x",) * placed), "v", *numbered("z", count))
+        names = (*(("x",) * placed), "v", *numbered_names("z", count))
         kept = tuple(range(placed))
         return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), kept, not placed)
     if why := refusal_of(machine):
@@ -98,7 +98,7 @@ def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
     return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))
 
 
-def numbered(name: str, count: int) -> tuple[str, ...]:
+def numbered_names(name: str, count: int) -> tuple[str, ...]:
     """Names of so many numbers of one kind."""
     return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
 

@@ -10,7 +10,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.fields import leaves
 from stickslip.basics.notebook_display import NOT_DETERMINED, rounded, sure
 from stickslip.basics.quantities import with_unit
-from stickslip.models.naming import described
+from stickslip.models.naming import description_of
 
 if TYPE_CHECKING:
     from stickslip.inverse.identification.fit import Fit
@@ -47,7 +47,7 @@ def unit_of_values(target: Any) -> str:
 
 def unit_of_parameter(fit: Fit, name: str) -> str:
     """The unit of a free parameter as its field or maker describes it; empty where it is a bare number, or nobody says."""
-    unit = str(described(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
+    unit = str(description_of(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
     return "" if unit == "1" else unit
 
 

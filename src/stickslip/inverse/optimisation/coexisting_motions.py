@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import StickslipError
 from stickslip.basics.fields import leaves
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, state_at_rest, strobe_map
 from stickslip.inverse.optimisation.results import results_of
 from stickslip.models.machine_adapter import machine_of
 
@@ -56,7 +56,7 @@ def continued(given: Any, best: Any, numbers: dict[str, float]) -> float | None:
     if not set(numbers) <= set(own) or _kind(given) != _kind(best):
         return None
     try:
-        state = at_rest(given)
+        state = state_at_rest(given)
         for part in np.linspace(0.0, 1.0, _STEPS + 1):
             now = given.replace({name: (1.0 - part) * own[name] + part * value for name, value in numbers.items()})
             state = strobe_map(now, state, _PERIODS).state

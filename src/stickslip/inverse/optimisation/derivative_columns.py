@@ -11,10 +11,10 @@ from stickslip.basics.batch import shape_of, some_of
 from stickslip.basics.contracts import Array, Model
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import leaves, replace_leaf
-from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
+from stickslip.dynamics.derivatives.sensitivity import direction_parts, directions_of
 from stickslip.dynamics.derivatives.tangents import not_followed
-from stickslip.dynamics.periodic.steady_motions import Closing, SteadyMotions, settled
-from stickslip.dynamics.stroboscopic.chunked_runs import parts_of
+from stickslip.dynamics.periodic.steady_motions import Closing, SteadyMotions, motions_from_rest
+from stickslip.dynamics.stroboscopic.chunked_runs import chunks_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.inverse.optimisation.exact_derivatives import Exact, exactly
 from stickslip.inverse.optimisation.gradients import AGREE, RTOL_OF_SLOPES, check_of
@@ -80,9 +80,9 @@ def values(model: Model, cases: int, asked: dict[str, Derived], periods: int) ->
         return {}
     model = model if shape_of(model) else replace_leaf(model, {name: np.full(cases, float(own)) for name, own in leaves(model)})
     derivatives = {name: np.full(cases, np.nan) for name in asked}
-    for part in parts_of(cases, _PART):
+    for part in chunks_of(cases, _PART):
         machines = some_of(model, part)
-        motions = settled(machines, at, part.stop - part.start, periods)
+        motions = motions_from_rest(machines, at, part.stop - part.start, periods)
         for period in np.unique(motions.period[motions.period > 0]):
             which = np.flatnonzero((motions.period == period) & np.isfinite(motions.state).all(axis=1))
             for names in quantities:
@@ -108,7 +108,7 @@ def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[lis
     for name, each in asked.items():
         check_of("derivative", each.of, first)
         moved = directions_of("derivative", first, each.by)
-        if exactly(each.of, first, at, seeds_of(moved), 1) is None:
+        if exactly(each.of, first, at, direction_parts(moved), 1) is None:
             reason = f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.gradient(robot, ...) for one machine"
             raise InputError("derivative", [f"{name}: {reason}"])
         together.setdefault(each.of, []).append(name)
@@ -120,7 +120,7 @@ def _slopes(
 ) -> dict[str, Array]:
     """Derivatives of one quantity of machines whose motions have one period."""
     moved = directions_of("derivative", first, [each.by for each in asked.values()])
-    seeds, count, period = seeds_of(moved), len(moved), int(motions.period[which[0]])
+    seeds, count, period = direction_parts(moved), len(moved), int(motions.period[which[0]])
     exact = exactly(next(iter(asked.values())).of, machines, at, seeds, count)
     assert isinstance(exact, Exact)
     along = Closing(machines, at, seeds, count, RTOL_OF_SLOPES, len(which), exact.means, exact.observe)

@@ -17,7 +17,7 @@ from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Array, Model, Numeric
 from stickslip.dynamics.derivatives.tangents import Follower
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, columns_of
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates_in
 from stickslip.engine.graphs import Along
 from stickslip.engine.observed import LEAST, MOST
 from stickslip.engine.observing import WAY
@@ -193,7 +193,7 @@ class Looked:
         run, single = self.run.parted.at(t), machine_of(self.model).is_single
         x, v, z = (None if run[name] is None else np.reshape(run[name], (len(t), -1) if single else run[name].shape) for name in "xvz")
         states: list[Any] = [*([x] if "x" in self.at.names else []), v, *([] if z is None else [z])]
-        states = states if single else columns_of(self.model, x, v, z)
+        states = states if single else coordinates_in(self.model, x, v, z)
         q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
         return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 

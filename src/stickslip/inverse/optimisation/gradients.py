@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.arguments import Model, explains_arguments
-from stickslip.basics.batch import labels_of, spread
+from stickslip.basics.batch import labels_of, spread_over_cases
 from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError, did_you_mean
 from stickslip.basics.interruption import interruptible
-from stickslip.dynamics.derivatives.sensitivity import directions_of, notes_of, seeds_of
+from stickslip.dynamics.derivatives.sensitivity import derivative_notes, direction_parts, directions_of
 from stickslip.dynamics.derivatives.tangents import has_corners_of, not_followed
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing, settled
-from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, spread_over, strobe_map
+from stickslip.dynamics.periodic.steady_motions import ClosedMotions, Closing, motions_from_rest
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over, state_at_rest, strobe_map
 from stickslip.inverse.optimisation.exact_derivatives import OWN, STATE, Exact, exactly
 from stickslip.inverse.optimisation.extremes import Looked, extreme_of
 from stickslip.inverse.optimisation.perturbed_machines import moves_of, sides_of, sizes_of, words_of
@@ -120,14 +120,14 @@ def gradient(
         raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
     if not_followed(model):
         return _by_differences(_orbit_of_runs(model), of, moved)
-    at, seeds = coordinates(model), seeds_of(moved)
+    at, seeds = coordinates(model), direction_parts(moved)
     exact = exactly(of, model, at, seeds, len(moved))
     motion, orbit, stepped = steady_motion(model, moved, at, exact, rtol)
     one_sided = _one_sided(motion, orbit, moved, at, stepped)
     value, slopes = (each[0] for each in exact.of(motion)) if exact else _extremes(of, orbit, at, seeds, motion)
     if exact is None and np.isnan(slopes).any():
         return _by_differences(orbit, of, moved, one_sided)
-    result = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *one_sided])
+    result = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*derivative_notes(motion), *one_sided])
     unknown = {name: moved[name] for name, slope in result.items() if np.isnan(slope)}
     return _with_differences(result, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else result
 
@@ -144,10 +144,10 @@ def steady_motion(
     model: Model, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
 ) -> tuple[ClosedMotions, PeriodicOrbit, bool]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved; whether it is made of steps."""
-    steady = settled(model, at, periods=PERIODS)
+    steady = motions_from_rest(model, at, periods=PERIODS)
     period, V, state = _repeating(int(steady.period[0])), float(steady.mean_velocity[0]), steady.state[0]
     means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
-    along = Closing(model, at, seeds_of(moved), len(moved), rtol, means=means, observe=observe)
+    along = Closing(model, at, direction_parts(moved), len(moved), rtol, means=means, observe=observe)
     motion = along.near(state[None], period)
     if not along.is_good(motion)[0] or at.memories:
         orbit = periodic_orbit(model, period, guess=state)
@@ -188,7 +188,7 @@ def _orbit_of_runs(model: Any) -> PeriodicOrbit:
     """The same under laws that are written for plain numbers only, by runs alone."""
     results = results_of(spread_over(model, 1), 1)
     period = _repeating(int(results.get("period", [0])[0]))
-    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), int(results["periods_run"][0]), RTOL).state[0])
+    orbit = periodic_orbit(model, period, guess=strobe_map(model, state_at_rest(model), int(results["periods_run"][0]), RTOL).state[0])
     _check_same(model, float(results["mean_velocity"][0]), orbit.mean_velocity)
     return orbit
 
@@ -300,5 +300,5 @@ def _around(
     starts = np.repeat(np.repeat(motion.nearer, k, axis=0), 3, axis=0)
     starts[:, : motion.changes.shape[2]] += (shares[:, :, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
     ends = strobe_map(near, starts, orbit.period, orbit.rtol, at, stepped)
-    V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
+    V = (ends.displacement / (orbit.period * spread_over_cases(near.period, labels_of(near)))).reshape(k, 3)
     return np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3), V

@@ -13,7 +13,7 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import Problems
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.drives import MultiHarmonic, Pieces, Recorded
-from stickslip.models.drives.fourier import extremes
+from stickslip.models.drives.fourier import series_range
 
 _KINDS = {"pieces": 2, "fourier": 1, "spline": 4}  # with the least count of each
 _MOST = 64
@@ -209,7 +209,7 @@ def _scaled(cosines: Array, sines: Array, u: Array, scales: Scales) -> tuple[Arr
     k = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
 
     def span(a: Array, b: Array) -> tuple[Array, Array]:
-        low, high = extremes(tuple(a), tuple(b))
+        low, high = series_range(tuple(a), tuple(b))
         return np.asarray(low), np.asarray(high)
 
     low, high = span(cosines, sines)

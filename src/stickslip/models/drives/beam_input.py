@@ -41,7 +41,7 @@ def given(voltage: Numeric, frequency: Numeric) -> tuple[Any, Any]:
     return voltage, frequency
 
 
-def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
+def checked_transient(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
     """Times and volts of a transient, checked."""
     import numpy as np
 
@@ -68,7 +68,7 @@ def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
 
 
 @contextlib.contextmanager
-def together(**arrays: Any) -> Iterator[bool]:
+def arithmetic(**arrays: Any) -> Iterator[bool]:
     """Arithmetic with these numbers: whether they carry names; arrays that do not fit together are an `InputError`."""
     many = {name: a for name, a in arrays.items() if is_array(a)}
     named = [name for name, a in many.items() if hasattr(a, "dims")]

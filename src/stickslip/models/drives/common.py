@@ -57,12 +57,12 @@ def own_time(t: Numeric, period: Numeric, count: int) -> Any:
     return elapsed
 
 
-def repeated(instants: Iterable[Any], period: Numeric, count: int) -> tuple[Any, ...]:
+def repeated_instants(instants: Iterable[Any], period: Numeric, count: int) -> tuple[Any, ...]:
     """Instants of one period in each of `count` periods in a row, and the borders between these [s].
 
     Examples
     --------
-    >>> repeated([0.2], 0.5, 2)
+    >>> repeated_instants([0.2], 0.5, 2)
     (0.2, 0.5, 0.7)
     """
     own = tuple(instants)

@@ -175,14 +175,14 @@ def _resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callabl
     for other, different in others:
         if not agree(different, value):
             problems.add(
-                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for {wanted} = "
-                f"{shown(different)}, not {shown(value)} {_UNITS[wanted]}; allowed is a motion that closes; give one of them; "
+                f"{name} = {six_digits(known[name])} and {other} = {six_digits(known[other])} do not agree: {other} asks for {wanted} = "
+                f"{six_digits(different)}, not {six_digits(value)} {_UNITS[wanted]}; allowed is a motion that closes; give one of them; "
                 f"type for example {example}"
             )
     return {wanted: value}
 
 
-def shown(value: Numeric) -> str:
+def six_digits(value: Numeric) -> str:
     """A number as a message shows it: six digits."""
     return describe(value) if is_array(value) else f"{value:.6g}"
 

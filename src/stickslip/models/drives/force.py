@@ -9,7 +9,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import InputError, Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.maths import within
-from stickslip.models.drives.common import MOST_REPEATS, own_time, repeated, repeats_of
+from stickslip.models.drives.common import MOST_REPEATS, own_time, repeated_instants, repeats_of
 from stickslip.models.drives.drive_adapter import lacking
 
 #: What a force has to say; `breaks`, the instants in (0, period) at which it is not smooth [s], may be left out.
@@ -113,7 +113,7 @@ class ForceSum(Force):
     def breaks(self) -> tuple[Any, ...]:
         """Instants at which one of them is not smooth, in each of its periods, or at which such a one starts anew [s]."""
         broken = [(part, count) for part, count in zip(self.parts, self._repeats, strict=True) if _broken(part)]
-        return tuple(instant for part, count in broken for instant in repeated(part.breaks, part.period, count))
+        return tuple(instant for part, count in broken for instant in repeated_instants(part.breaks, part.period, count))
 
     def at(self, t: Numeric) -> Any:
         """The sum [N]."""

@@ -87,22 +87,22 @@ class FourierDrive(Drive):
     @property
     def stroke(self: Any) -> float:
         """From end to end [m]."""
-        low, high = extremes(*self.coefficients)
+        low, high = series_range(*self.coefficients)
         return high - low
 
     @property
     def specific_energy(self: Any) -> Any:
         """Largest kinetic energy of the relative motion for each kilogram of the inner mass [J/kg]."""
-        low, high = extremes(*_derivative(*self.coefficients))
+        low, high = series_range(*_derivative(*self.coefficients))
         return 0.5 * self.omega**2 * maximum(-low, high) ** 2
 
 
-def extremes(cosines: Coefficients, sines: Coefficients) -> tuple[Any, Any]:
+def series_range(cosines: Coefficients, sines: Coefficients) -> tuple[Any, Any]:
     """Smallest and largest value of a series: by Newton's method on the slope, from every point of a grid that may be next to it.
 
     Examples
     --------
-    >>> extremes([3.0], [4.0])
+    >>> series_range([3.0], [4.0])
     (-5.0, 5.0)
     """
     import numpy as np

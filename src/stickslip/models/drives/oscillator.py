@@ -43,7 +43,7 @@ def sine_from_rest(t: Numeric, omega: Numeric, free: Any, damping: Numeric) -> A
     return size * (np.exp(-damping * free * t) * (np.sin(lag) * np.cos(damped * t) + swing) + np.sin(omega * t - lag))
 
 
-def sampled(t: Array, force: Any, free: Any, damping: Array) -> Any:
+def modal_response(t: Array, force: Any, free: Any, damping: Array) -> Any:
     """Answer of several modes, at rest at the first time, to a force that is linear between its samples: exact, whatever the steps.
 
     Parameters
@@ -64,7 +64,7 @@ def sampled(t: Array, force: Any, free: Any, damping: Array) -> Any:
     --------
     >>> import numpy as np
     >>> t = np.linspace(0.0, 5.0, 2001)
-    >>> q = sampled(t, np.sin(2.0 * t), np.array([3.0]), np.array([0.1]))[:, 0]
+    >>> q = modal_response(t, np.sin(2.0 * t), np.array([3.0]), np.array([0.1]))[:, 0]
     >>> bool(abs(q - sine_from_rest(t, 2.0, 3.0, 0.1)).max() < 1e-6)
     True
     """

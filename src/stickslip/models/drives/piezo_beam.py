@@ -12,7 +12,7 @@ from stickslip.basics.fields import Frozen, describe, everywhere, is_array
 from stickslip.basics.maths import pi, sqrt
 from stickslip.basics.quantities import Rule, at_least, positive, quantity
 from stickslip.models.drives import beam_notes
-from stickslip.models.drives.beam_input import given, record, take_damping, together
+from stickslip.models.drives.beam_input import arithmetic, checked_transient, given, take_damping
 from stickslip.models.drives.cantilever import cantilever_eigenvalues
 from stickslip.models.drives.harmonic import Harmonic
 from stickslip.models.drives.patch_moment import tip_by_modes, tip_participation
@@ -184,7 +184,7 @@ class PiezoBeam(Frozen):
             zeta = np.asarray(self.damping) if per_mode else np.asarray(damping)[..., None]
             return moment * function(omega, ratio, end, self.modes, zeta)
 
-        with together(**vars(self), voltage=voltage, frequency=frequency) as labelled:
+        with arithmetic(**vars(self), voltage=voltage, frequency=frequency) as labelled:
             moment = self.moment_per_volt * voltage * self.length / self.bending_stiffness
             numbers = (2 * pi * frequency / self.angular_unit, self.tip_mass_ratio, self.patch_length / self.length)
             arguments = (*numbers, 0.0 if per_mode else self.damping, moment)
@@ -232,7 +232,7 @@ class PiezoBeam(Frozen):
         """
         import numpy as np
 
-        from stickslip.models.drives.oscillator import sampled, sine_from_rest
+        from stickslip.models.drives.oscillator import modal_response, sine_from_rest
 
         b = self.eigenvalues()
         if b.ndim > 1 or is_array(self.moment_per_volt * self.length):
@@ -240,8 +240,12 @@ class PiezoBeam(Frozen):
                 "PiezoBeam", ["transient is for one beam and this one holds arrays; type for example beam.replace(length=0.1)"]
             )
         free, damping = b**2 * self.angular_unit, np.broadcast_to(self.damping, b.shape)
-        t, volts = record(t, voltage, frequency)
-        q = sampled(t, volts, free, damping) if frequency is None else volts * sine_from_rest(t[:, None], 2 * pi * frequency, free, damping)
+        t, volts = checked_transient(t, voltage, frequency)
+        q = (
+            modal_response(t, volts, free, damping)
+            if frequency is None
+            else volts * sine_from_rest(t[:, None], 2 * pi * frequency, free, damping)
+        )
         push = tip_participation(b, self.tip_mass_ratio, self.patch_length / self.length) * self.angular_unit**2
         return (q * push).sum(axis=1) * self.moment_per_volt * self.length**2 / self.bending_stiffness
 

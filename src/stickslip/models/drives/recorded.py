@@ -11,7 +11,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import OfPeriod, Remarked
 from stickslip.models.drives.fourier import FourierDrive, OfCoefficients
-from stickslip.models.drives.samples import checked, fitted
+from stickslip.models.drives.samples import checked_samples, fourier_fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +85,8 @@ class Recorded(OfPeriod, Remarked, OfCoefficients, FourierDrive):
             Records with gaps, of less than a period, that do not repeat, or of a velocity or acceleration that has a mean.
         """
         given = {"position": position, "velocity": velocity, "acceleration": acceleration}
-        record = checked(t, given, period, tolerance, order, cls.__name__, cls._typed)
-        a, b, _, remark = fitted(record, tolerance, order)
+        record = checked_samples(t, given, period, tolerance, order, cls.__name__, cls._typed)
+        a, b, _, remark = fourier_fit(record, tolerance, order)
         return cls(record.period, *_position(a, b, 2 * math.pi / record.period, record.derivatives), notes=(remark,))
 
     @classmethod

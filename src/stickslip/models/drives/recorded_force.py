@@ -11,7 +11,7 @@ from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import Remarked
 from stickslip.models.drives.force import Force
 from stickslip.models.drives.fourier import OfCoefficients, series
-from stickslip.models.drives.samples import checked, fitted
+from stickslip.models.drives.samples import checked_samples, fourier_fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ class RecordedForce(Remarked, OfCoefficients, Force):
         InputError
             Records with gaps, of less than a period, or that do not repeat.
         """
-        record = checked(t, {"force": force}, period, tolerance, order, cls.__name__, cls._typed)
-        a, b, mean, remark = fitted(record, tolerance, order)
+        record = checked_samples(t, {"force": force}, period, tolerance, order, cls.__name__, cls._typed)
+        a, b, mean, remark = fourier_fit(record, tolerance, order)
         return cls(record.period, mean, tuple(map(float, a)), tuple(map(float, b)), notes=(remark,))
 
     @classmethod

@@ -55,7 +55,7 @@ class Samples:
         return float(self.values.std())
 
 
-def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str, example: str) -> Samples:
+def checked_samples(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str, example: str) -> Samples:
     """The record, or everything that is wrong with it, with what to type for example."""
     problems = Problems(what)
     names = [name for name, values in given.items() if values is not None]
@@ -201,7 +201,7 @@ def _misses(record: Samples, c: Array) -> Array:
     return np.concatenate([values - basis @ c for basis, values in _chunks(record, len(c) // 2)])
 
 
-def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[float], list[float], float, str]:
+def fourier_fit(record: Samples, tolerance: float, order: int | None) -> tuple[list[float], list[float], float, str]:
     """Coefficients of the cosines and of the sines of the record, its mean, and a sentence on what they leave."""
     import numpy as np
 

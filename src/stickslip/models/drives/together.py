@@ -10,7 +10,7 @@ from typing import Any
 from stickslip.basics.contracts import Drive, Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import within
-from stickslip.models.drives.common import MOST_REPEATS, own_time, repeated, repeats_of, times
+from stickslip.models.drives.common import MOST_REPEATS, own_time, repeated_instants, repeats_of, times
 from stickslip.models.drives.drive_adapter import drive_of
 
 
@@ -82,7 +82,7 @@ class Together:
         for drive, count in zip(self.drives, self.cycles, strict=True):
             own = drive_of(drive).breaks
             if len(own) > 0 or not drive_of(drive).smooth:
-                instants += repeated(own, drive.period, count)
+                instants += repeated_instants(own, drive.period, count)
         return tuple(instants)
 
     @property

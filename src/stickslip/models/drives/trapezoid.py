@@ -10,7 +10,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.fields import everywhere
 from stickslip.basics.maths import bisected, maximum, where, within
 from stickslip.basics.quantities import PERIOD, positive, quantity
-from stickslip.models.drives.drive import PeriodicDrive, completed, shown
+from stickslip.models.drives.drive import PeriodicDrive, completed, six_digits
 
 _EXAMPLE = "Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)"
 
@@ -78,8 +78,8 @@ class Trapezoid(PeriodicDrive):
         total = (self.u1 + self.u2) * self.ramp
         if not everywhere((total < self.period * self.u1) & (total < self.period * self.u2)):
             problems.add(
-                f"ramp = {shown(self.ramp)} with period = {shown(self.period)} leaves no plateau; allowed is below T u/(u1 + u2), u "
-                "being the smaller speed; type a shorter ramp, a longer period, or a MultiHarmonic"
+                f"ramp = {six_digits(self.ramp)} with period = {six_digits(self.period)} leaves no plateau; allowed is below "
+                "T u/(u1 + u2), u being the smaller speed; type a shorter ramp, a longer period, or a MultiHarmonic"
             )
 
     @property

@@ -9,7 +9,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.maths import maximum, where, within
 from stickslip.basics.quantities import STROKE, positive, quantity
-from stickslip.models.drives.drive import PeriodicDrive, agree, given_numbers, shown, taken
+from stickslip.models.drives.drive import PeriodicDrive, agree, given_numbers, six_digits, taken
 
 _EXAMPLE = "TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
 _TYPED = f"type for example {_EXAMPLE}"
@@ -118,8 +118,8 @@ def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:
 def _complete_phase(known: dict[str, Any], u: str, t: str, problems: Problems) -> None:
     if u in known and t in known and "stroke" in known:
         if not agree(known[u] * known[t], known["stroke"]):
-            way = shown(known[u] * known[t])
-            problems.add(f"{u} {t} = {way} m and stroke = {shown(known['stroke'])} m; allowed is one stroke for both phases; {_TYPED}")
+            way = six_digits(known[u] * known[t])
+            problems.add(f"{u} {t} = {way} m and stroke = {six_digits(known['stroke'])} m; allowed is one stroke for both phases; {_TYPED}")
             del known[t]
     elif u in known and t in known:
         known["stroke"] = known[u] * known[t]

@@ -11,7 +11,7 @@ from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import where
 from stickslip.basics.quantities import positive, quantity
 from stickslip.models.friction.coefficients import SIGMA2, V_S
-from stickslip.models.friction.law import several
+from stickslip.models.friction.law import field_numbers
 from stickslip.models.friction.sides import alone_or_all, by_side, each, fading
 from stickslip.models.friction.two_sided import Bristles, Fading
 
@@ -84,7 +84,7 @@ class GMS(Fading, Bristles):
 
     def _check(self, problems: Problems) -> None:
         super()._check(problems)
-        shares = {name: several(getattr(self, name)) for name in ("stiffness", "weights")}
+        shares = {name: field_numbers(getattr(self, name)) for name in ("stiffness", "weights")}
         for name, values in shares.items():
             total = sum(values)
             if values and not everywhere(abs(total - 1.0) < 1e-9):

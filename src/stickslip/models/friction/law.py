@@ -26,7 +26,7 @@ class Law(Frozen):
         return Sum(other, self)
 
 
-def several(values: Any) -> tuple[Any, ...]:
+def field_numbers(values: Any) -> tuple[Any, ...]:
     """A field of several numbers; () where there is none, or something else among them, which has been reported."""
     good = isinstance(values, tuple) and all(isinstance(value, float) or is_array(value) for value in values)
     return values if good else ()

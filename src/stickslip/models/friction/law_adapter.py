@@ -261,13 +261,13 @@ def _takes_applied(kind: Any) -> bool:
     return "applied" in inspect.signature(kind.force).parameters
 
 
-def mirrored(law: LawAdapter) -> Any:
+def mirrored_law(law: LawAdapter) -> Any:
     """The law as it is for who looks from the other side: what its own `mirrored()` says, else plus and minus exchanged, in parts too.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> mirrored(ss.Coulomb(mu_plus=0.15, mu_minus=0.21))
+    >>> mirrored_law(ss.Coulomb(mu_plus=0.15, mu_minus=0.21))
     Coulomb(mu_plus=0.21, mu_minus=0.15, f_plus=None, f_minus=None)
     """
     if hasattr(law, "mirrored"):
@@ -285,4 +285,4 @@ def mirrored(law: LawAdapter) -> Any:
 def _mirrored_parts(value: Numeric) -> Any:
     if isinstance(value, tuple):
         return tuple(map(_mirrored_parts, value))
-    return mirrored(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value
+    return mirrored_law(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value

@@ -12,7 +12,7 @@ from stickslip.basics.fields import describe, everywhere
 from stickslip.basics.maths import where
 from stickslip.basics.quantities import at_least, quantity
 from stickslip.models.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS
-from stickslip.models.friction.law import Law, several
+from stickslip.models.friction.law import Law, field_numbers
 from stickslip.models.friction.sides import by_side, static
 
 
@@ -69,12 +69,12 @@ class Tabulated(Law):
     f_minus: float | None = field(default=None, metadata=F_MINUS | {"example": None})
 
     def _check(self, problems: Problems) -> None:
-        speed = several(self.speed)
+        speed = field_numbers(self.speed)
         _check_rising(speed, problems)
         if isinstance(self.speed, tuple) and len(self.speed) < 2:
             problems.add(f"speed has {len(self.speed)} values; allowed is a table of two or more; type for example speed=(0.0, 0.1)")
         for side in ("plus", "minus"):
-            mu, f = several(getattr(self, f"mu_{side}")), getattr(self, f"f_{side}")
+            mu, f = field_numbers(getattr(self, f"mu_{side}")), getattr(self, f"f_{side}")
             if mu and speed and len(mu) != len(speed):
                 problems.add(f"mu_{side} has {len(mu)} values and speed {len(speed)}; allowed is one coefficient for every speed")
             if mu and f is not None and not everywhere(f >= mu[0]):

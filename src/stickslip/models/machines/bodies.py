@@ -9,7 +9,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.basics.quantities import MASS
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import mirrored as mirrored_law
+from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from stickslip.basics.errors import Problems
 from stickslip.basics.maths import pi, sqrt
 from stickslip.basics.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import law_of, mirrored as mirrored_law
+from stickslip.models.friction.law_adapter import law_of, mirrored_law as mirrored_law
 from stickslip.models.machines.filed import Filed
 
 

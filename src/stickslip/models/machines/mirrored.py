@@ -11,7 +11,7 @@ from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen
 from stickslip.models.drives.turned import Reversed
-from stickslip.models.friction.law_adapter import mirrored as mirrored_law
+from stickslip.models.friction.law_adapter import mirrored_law as mirrored_law
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact
 from stickslip.models.several_bodies import several

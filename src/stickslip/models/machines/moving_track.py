@@ -15,7 +15,7 @@ from stickslip.basics.quantities import GRAVITY, MASS, TILT, Rule, holding, posi
 from stickslip.models.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.models.drives.turned import Reversed
 from stickslip.models.forces import check_law
-from stickslip.models.friction.law_adapter import adapted, mirrored as mirrored_law
+from stickslip.models.friction.law_adapter import adapted, mirrored_law as mirrored_law
 from stickslip.models.machines.checks import periods_differ
 from stickslip.models.machines.machine import Machine
 from stickslip.models.machines.parts import Body, Contact

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from stickslip.basics.contracts import Numeric
 from stickslip.basics.errors import Problems
 from stickslip.basics.fields import Frozen, is_record
-from stickslip.models.drives.common import own_time, repeated
+from stickslip.models.drives.common import own_time, repeated_instants
 from stickslip.models.machines.periodic_record import PeriodicRecord
 
 MOST = 64  # periods of an input that one period of the machine may be
@@ -52,7 +52,7 @@ def breaks_of(value: Numeric, count: int) -> list[Any]:
         return []
     jumps = [instant for instant, _ in getattr(value, "jumps", None) or () if not (isinstance(instant, float) and instant == 0.0)]
     own = [*(getattr(value, "breaks", None) or ()), *jumps]
-    return list(repeated(own, period, count))
+    return list(repeated_instants(own, period, count))
 
 
 def most_times(whole: Any, period: Numeric) -> int:

@@ -9,7 +9,7 @@ from stickslip.basics.contracts import Array, Numeric
 from stickslip.basics.quantities import PERIOD, quantity
 from stickslip.models.drives.drive import OfPeriod
 from stickslip.models.drives.fourier import FourierDrive, OfCoefficients
-from stickslip.models.drives.samples import checked, fitted
+from stickslip.models.drives.samples import checked_samples, fourier_fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +70,10 @@ class PeriodicRecord(OfPeriod, OfCoefficients, FourierDrive):
             Records with gaps, that do not close, or of what is not a number.
         """
         period = float(t[-1]) - float(t[0]) if len(t) > 1 else None
-        record = checked(t, {"record": values}, period, tolerance, order, "record", "type (times, values), two arrays over one period")
-        cosines, sines, mean, _ = fitted(record, tolerance, order)
+        record = checked_samples(
+            t, {"record": values}, period, tolerance, order, "record", "type (times, values), two arrays over one period"
+        )
+        cosines, sines, mean, _ = fourier_fit(record, tolerance, order)
         return cls(record.period, mean, tuple(map(float, cosines)), tuple(map(float, sines)))
 
     @classmethod

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from stickslip.basics.errors import InputError, StickslipError, did_you_mean
 from stickslip.basics.interruption import ended_early
-from stickslip.show.cli.declaring import declaration, names, summary
+from stickslip.show.cli.declaring import declaration, names, summary_line
 
 __all__ = ["COMMANDS", "done", "main"]
 
@@ -87,7 +87,7 @@ def _dispatch(words: list[str]) -> int:
     if not words or words[0] in ("-h", "--help", "help"):
         width = max(map(len, COMMANDS))
         text = Path(__file__).with_name("templates").joinpath("help.txt").read_text(encoding="utf-8")
-        print(text.format(commands="\n".join(f"  {name:<{width}}  {summary(name)}" for name in COMMANDS)), end="")
+        print(text.format(commands="\n".join(f"  {name:<{width}}  {summary_line(name)}" for name in COMMANDS)), end="")
         return 0 if words else 2
     if words[0] in ("-V", "--version"):
         from stickslip import __version__
@@ -103,7 +103,7 @@ def _dispatch(words: list[str]) -> int:
 def done(name: str, words: list[str]) -> int:
     """Run a command, whose module is imported only now, and show its results."""
     from stickslip.show.cli.arguments import asked
-    from stickslip.show.cli.outputs import finish
+    from stickslip.show.cli.outputs import deliver
 
     arguments = asked(name, words)
-    return finish(arguments, declaration(name).act(arguments))
+    return deliver(arguments, declaration(name).act(arguments))

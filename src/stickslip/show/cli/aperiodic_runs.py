@@ -40,12 +40,12 @@ def as_text(record: dict[str, Any]) -> str:
     """The record as text."""
     rows = [
         ("mechanism", f"{record['mechanism']} with {record['law']} friction"),
-        ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
-        ("velocity", f"{show.quantity(record['velocity_min'], 'm/s')} to {show.quantity(record['velocity_max'], 'm/s')}"),
+        ("mean velocity", show.quantity_text(record["mean_velocity"], "m/s")),
+        ("velocity", f"{show.quantity_text(record['velocity_min'], 'm/s')} to {show.quantity_text(record['velocity_max'], 'm/s')}"),
         ("parts of the time", ", ".join(f"{name} {100 * share:.1f} %" for name, share in record["shares"].items())),
         ("events", ", ".join(f"{name} {n}" for name, n in record["events"].items()) or "none"),
         ("energy", f"drive {record['energy']['drive']:.4g} J, friction {record['energy']['friction']:.4g} J"),
         ("energy balance", f"worst residual {record['energy']['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {record['duration']:.6g} s"),
     ]
-    return show.of_run(record, rows, record["provenance"]["settings"]["method"])
+    return show.run_text(record, rows, record["provenance"]["settings"]["method"])

@@ -120,12 +120,12 @@ def value(text: str, unit: str = "") -> Any:
         return None if text.lower() == "none" else in_unit(text, unit) if unit else text
 
 
-def ends(text: str) -> tuple[float, float]:
+def range_ends(text: str) -> tuple[float, float]:
     """Both numbers of A..B.
 
     Examples
     --------
-    >>> ends("1e-3..2")
+    >>> range_ends("1e-3..2")
     (0.001, 2.0)
     """
     low, high = map(float, text.split(".."))
@@ -322,7 +322,7 @@ def check_driven(command: str, name: str) -> None:
     raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
 
 
-def several(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:
+def axes_among(command: str, arguments: dict[str, Any], count: int, example: str) -> tuple[list[str], dict[str, Any]]:
     """The names of the arguments with several values, of which there must be `count`, and the other arguments."""
     many = [name for name, value in arguments.items() if isinstance(value, list)]
     if len(many) != count:

@@ -74,7 +74,7 @@ def as_text(record: dict[str, Any]) -> str:
     work = record["energy"]
     driven, period = record["period_time"] is not None, record.get("period")
     per_second = record["velocity_unit"]
-    mean = show.quantity(record["mean_velocity"], per_second)
+    mean = show.quantity_text(record["mean_velocity"], per_second)
     rows = [
         ("machine", f"{record['machine']} with {record['law']} friction"),
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
@@ -84,11 +84,11 @@ def as_text(record: dict[str, Any]) -> str:
         *_balance(work, driven),
         ("status", f"{record['status']}, {record['duration']:.6g} s"),
     ]
-    return show.of_run(record, rows, record["provenance"]["settings"]["method"])
+    return show.run_text(record, rows, record["provenance"]["settings"]["method"])
 
 
 def _of_body(body: dict[str, float], per_second: str) -> str:
-    mean, low, high = (show.quantity(body[name], per_second) for name in ("mean_velocity", "velocity_min", "velocity_max"))
+    mean, low, high = (show.quantity_text(body[name], per_second) for name in ("mean_velocity", "velocity_min", "velocity_max"))
     return f"mean velocity {mean}, velocity {low} to {high}"
 
 

@@ -131,12 +131,12 @@ def names() -> list[str]:
     return sorted(there, key=lambda name: commands.FIRST.index(name) if name in commands.FIRST else len(there))
 
 
-def summary(name: str) -> str:
+def summary_line(name: str) -> str:
     """The line of a command in the list, from the first line of its file, which is not run for it.
 
     Examples
     --------
-    >>> summary("run")
+    >>> summary_line("run")
     'simulate one robot and report its motion'
     """
     with (_FOLDER / f"{name.replace('-', '_')}.py").open(encoding="utf-8") as file:

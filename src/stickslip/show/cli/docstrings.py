@@ -13,21 +13,21 @@ _LETTERS = {
 }  # fmt: skip
 
 
-def plain(text: str) -> str:
+def without_markup(text: str) -> str:
     r"""Text without the markup of reStructuredText and LaTeX.
 
     Examples
     --------
-    >>> plain(r"Eq. 2.2: :math:`\xi(t) = A \sin(\omega t)`, see `solve`; ``None`` is none")
+    >>> without_markup(r"Eq. 2.2: :math:`\xi(t) = A \sin(\omega t)`, see `solve`; ``None`` is none")
     'Eq. 2.2: ξ(t) = A sin(ω t), see solve; None is none'
     """
     text = re.sub(r":\w+:`([^`]*)`", lambda m: re.sub(r"\\([A-Za-z]+)", lambda c: _LETTERS.get(c[1], c[1]), m[1]), text)
     return " ".join(text.replace("`", "").split())
 
 
-def about(thing: Any) -> str:
+def first_line(thing: Any) -> str:
     """The first line of the docstring."""
-    return plain((inspect.getdoc(thing) or "").partition("\n")[0])
+    return without_markup((inspect.getdoc(thing) or "").partition("\n")[0])
 
 
 def meanings(thing: Any) -> dict[str, dict[str, str]]:
@@ -52,7 +52,7 @@ def _entries(names: list[str], kind: str, text: str) -> dict[str, dict[str, str]
     bracket = re.search(r"\s*\[([^\]]*)\]", text)
     units = [u.strip() for u in bracket[1].split(",")] if bracket else [""]
     units = units if len(units) == len(names) else [", ".join(units)] * len(names)
-    meaning = plain(text.replace(bracket[0], "", 1) if bracket else text)
+    meaning = without_markup(text.replace(bracket[0], "", 1) if bracket else text)
     choice = re.fullmatch(r"\{(.*)\}", kind)
     if choice:
         meaning = f"one of {', '.join(c.strip().strip(chr(34)) for c in choice[1].split(','))}: {meaning}"

@@ -11,7 +11,7 @@ from stickslip.basics.arguments import described_arguments
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.basics.quantities import symbol_text
 from stickslip.show.cli import show
-from stickslip.show.cli.docstrings import about, meanings
+from stickslip.show.cli.docstrings import first_line, meanings
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _LISTED = {"presets": ("presets", "PRESETS"), "laws": ("friction", "LAWS"), "mec
 _FEW = 4  # lists of at most this many entries show every argument
 
 
-def listed(asked: Namespace) -> Outcome:
+def listing(asked: Namespace) -> Outcome:
     """What there is, or those that are named."""
     command, known = asked.command, things(asked.command)
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
@@ -37,7 +37,7 @@ def listed(asked: Namespace) -> Outcome:
 
 def _text(name: str, entry: dict[str, Any]) -> str:
     rows = [[n, a["symbol"], a["unit"], _default(a), a["meaning"]] for n, a in entry["arguments"].items()]
-    lines = show.table(["name", "symbol", "unit", "default", "meaning"], rows).splitlines()
+    lines = show.aligned_table(["name", "symbol", "unit", "default", "meaning"], rows).splitlines()
     return "\n".join([f"{name}: {entry['about']}", *(f"  {line}" for line in lines)])
 
 
@@ -70,7 +70,7 @@ def _entry(thing: Any) -> dict[str, Any]:
             "symbol": symbol_text(of_field.get("symbol", "")),
             **words,
         }
-    return {"about": about(thing), "arguments": arguments}
+    return {"about": first_line(thing), "arguments": arguments}
 
 
 def _default(argument: dict[str, Any]) -> str:

@@ -32,7 +32,7 @@ class Outcome:
     code: int = 0
 
 
-def finish(asked: Namespace, outcome: Outcome | int) -> int:
+def deliver(asked: Namespace, outcome: Outcome | int) -> int:
     """Write, print and draw the results, in this order, so that an error in a figure loses no numbers."""
     if isinstance(outcome, int):
         return outcome

@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 _TYPED = Path(__file__).parent / "templates" / "typed_in_python.toml"
 
 
-def typed(text: str, of: str = "records") -> str:
+def in_command_words(text: str, of: str = "records") -> str:
     """A sentence with its advice for Python replaced by that for the command line.
 
     Examples
     --------
-    >>> typed('type units={"LDV": "m/s"} with the right one'), typed("settle=0 takes them as steady")
+    >>> in_command_words('type units={"LDV": "m/s"} with the right one'), in_command_words("settle=0 takes them as steady")
     ('type --unit LDV=m/s with the right one', '--settle 0 takes them as steady')
-    >>> typed('type columns=["t [s]", "v [mm/s]"]'), typed('type for example free={"mu0": (0.05, 0.5)}')
+    >>> in_command_words('type columns=["t [s]", "v [mm/s]"]'), in_command_words('type for example free={"mu0": (0.05, 0.5)}')
     ('type --columns "t [s],v [mm/s]"', 'type for example --free mu0=0.05..0.5')
-    >>> typed('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over', "searches")
+    >>> in_command_words('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over', "searches")
     'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
     """
     for pattern, words in tomllib.loads(_TYPED.read_text(encoding="utf-8"))[of]:
@@ -41,7 +41,7 @@ def in_words_of_the_shell(of: str = "records") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(error.what, [typed(sentence, of) for sentence in error.problems]) from None
+        raise InputError(error.what, [in_command_words(sentence, of) for sentence in error.problems]) from None
 
 
 def pairs(words: list[str], what: str) -> dict[str, str]:
@@ -55,7 +55,7 @@ def pairs(words: list[str], what: str) -> dict[str, str]:
     return texts
 
 
-def opened(path: str, asked: Namespace) -> Any:
+def opened_record(path: str, asked: Namespace) -> Any:
     """The record at a path, read with the options."""
     from stickslip.records import read
 

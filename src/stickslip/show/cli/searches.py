@@ -116,7 +116,7 @@ def _number(text: str) -> float:
     raise ValueError(text)
 
 
-def table_of(best: Any) -> dict[str, Any]:
+def search_table(best: Any) -> dict[str, Any]:
     """The table [optimise] of a study file that repeats the search.
 
     Examples
@@ -124,7 +124,7 @@ def table_of(best: Any) -> dict[str, Any]:
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
     >>> best = ss.optimise(robot, over={"drive.amplitude": (2e-4, 8e-4)}, maximise="mean_velocity", subject_to={"stroke": (None, 1e-3)})
-    >>> table_of(best)["over"], table_of(best)["subject_to"]
+    >>> search_table(best)["over"], search_table(best)["subject_to"]
     ({'drive.amplitude': [0.0002, 0.0008]}, {'stroke': '..0.001'})
     """
     asked = best.search

@@ -15,12 +15,12 @@ from stickslip.basics.errors import InputError, as_path
 from stickslip.basics.jsontext import strict
 
 
-def quantity(value: float, unit: str = "", digits: int = 7) -> str:
+def quantity_text(value: float, unit: str = "", digits: int = 7) -> str:
     """A number with its unit; a dash if it is not finite.
 
     Examples
     --------
-    >>> quantity(0.002032038697782, "m/s"), quantity(float("nan"), "m/s")
+    >>> quantity_text(0.002032038697782, "m/s"), quantity_text(float("nan"), "m/s")
     ('0.002032039 m/s', '-')
     """
     if value is None or not math.isfinite(value):
@@ -52,7 +52,7 @@ def facts(rows: Iterable[tuple[str, str]]) -> str:
     return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
 
 
-def of_run(record: dict[str, Any], rows: Iterable[tuple[str, str]], method: str) -> str:
+def run_text(record: dict[str, Any], rows: Iterable[tuple[str, str]], method: str) -> str:
     """The text on a run: its name, facts, remarks, files, and provenance."""
     more = [(word, text) for word, name in (("note", "notes"), ("written", "written")) for text in record[name]]
     made = f"stickslip {record['provenance']['versions']['stickslip']}, {method}"
@@ -71,7 +71,7 @@ def is_watched() -> bool:
     return sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def aligned_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of text in aligned columns."""
     widths = [max([len(head[i]), *(len(row[i]) for row in rows)]) for i in range(len(head))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in [head, *rows])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.basics.errors import InputError, Problems
-from stickslip.show.explorer.frames import written
+from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.requests import MOST_HARMONICS
 from stickslip.show.explorer.sliders import PARAMETERS
 
@@ -21,20 +21,20 @@ MOST_DRIVE, _DRIFT = 20_000, 0.02
 _COUNTS = (5, 10, 20, MOST_HARMONICS)
 
 
-def velocity_of(name: str, data: bytes) -> bytes:
+def velocity_response(name: str, data: bytes) -> bytes:
     r"""The response to a file: times from `start` in steps of `step` [s], velocities [m/s], and the mean of the whole record.
 
     Examples
     --------
-    >>> from stickslip.show.explorer.frames import read
+    >>> from stickslip.show.explorer.frames import unpacked
     >>> rows = "".join(f"{i}.0;{2 * (i % 2)}.0\n" for i in range(5))
-    >>> header, arrays = read(velocity_of("record.csv", f"t [ms];v [mm/s]\n{rows}".encode()))
+    >>> header, arrays = unpacked(velocity_response("record.csv", f"t [ms];v [mm/s]\n{rows}".encode()))
     >>> round(header["mean"], 9), round(header["step"], 9), arrays["v"].size
     (0.001, 0.001, 5)
     """
     record = _read(name, data)
     if "velocity" not in record and "drive" in record:
-        return written({"mean": None, "notes": ["it has no velocity of the body, but a drive"]})
+        return encoded({"mean": None, "notes": ["it has no velocity of the body, but a drive"]})
     t, v, notes = _velocity(record)
     good = np.isfinite(t) & np.isfinite(v)
     t, v = t[good], v[good]
@@ -44,7 +44,7 @@ def velocity_of(name: str, data: bytes) -> bytes:
     t, v = t[-MOST_SAMPLES:], v[-MOST_SAMPLES:]
     even = np.linspace(t[0], t[-1], t.size)
     header = {"start": float(t[0]), "step": float((t[-1] - t[0]) / (t.size - 1)), "mean": mean, "notes": notes}
-    return written(header, {"v": np.interp(even, t, v)})
+    return encoded(header, {"v": np.interp(even, t, v)})
 
 
 def _read(name: str, data: bytes) -> Any:
@@ -72,7 +72,7 @@ def _velocity(record: Any) -> tuple[Any, Any, list[str]]:
     return np.asarray(t, float), np.asarray(v, float), notes
 
 
-def drive_of(name: str, data: bytes) -> bytes:
+def drive_response(name: str, data: bytes) -> bytes:
     r"""The response to a file whose motion will drive the robot: amplitude (half the stroke) [m], omega [rad/s], and the shape.
 
     The drive is the velocity of the inner mass relative to the body: the channel with that role, or absolute less convected velocity, as
@@ -80,10 +80,10 @@ def drive_of(name: str, data: bytes) -> bytes:
 
     Examples
     --------
-    >>> from stickslip.show.explorer.frames import read
+    >>> from stickslip.show.explorer.frames import unpacked
     >>> v = [0.1 * np.cos(2 * np.pi * 50 * i * 1e-4) for i in range(1000)]
     >>> rows = "".join(f"{i / 10},{v[i]:.9g}\n" for i in range(1000))
-    >>> header, arrays = read(drive_of("record.csv", f"t [ms],drive [m/s]\n{rows}".encode()))
+    >>> header, arrays = unpacked(drive_response("record.csv", f"t [ms],drive [m/s]\n{rows}".encode()))
     >>> round(header["omega"], 3), round(header["amplitude"], 9), len(header["shape"][0])
     (314.159, 0.00031831, 5)
     """
@@ -105,7 +105,7 @@ def drive_of(name: str, data: bytes) -> bytes:
     problems.check()
     count = next(n for n in _COUNTS if n >= drive.order)  # each number of harmonics needs its own kernel: only a few are allowed
     shape = [[c / amplitude for c in side] + [0.0] * (count - len(side)) for side in drive.coefficients]
-    return written({"amplitude": amplitude, "omega": omega, "shape": shape, "notes": [*notes, *(drive.notes or ())]})
+    return encoded({"amplitude": amplitude, "omega": omega, "shape": shape, "notes": [*notes, *(drive.notes or ())]})
 
 
 def _check(name: str, value: float, problems: Problems) -> None:

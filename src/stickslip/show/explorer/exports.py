@@ -46,14 +46,14 @@ def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
 
 def _csv(state: State) -> bytes:
     """Every column of the last periods, with all digits."""
-    from stickslip.results.datasets import COLUMNS, flat, headed, write_csv
+    from stickslip.results.datasets import COLUMNS, columns_with_units, headed, write_csv
 
     run = run_of(state, state.law, True)
     end = float(run.strobe_times[-1])
     count = min(PERIODS, len(run.strobe_times) - 1)
     at = run.at(np.clip(np.linspace(end - count * run.period_time, end, 400 * count + 1), 0.0, end))
     file = io.StringIO()
-    columns = flat({name: at[name] for name in COLUMNS if at.get(name) is not None}, {}, None)
+    columns = columns_with_units({name: at[name] for name in COLUMNS if at.get(name) is not None}, {}, None)
     write_csv(headed(columns), [values for values, _ in columns.values()], file)
     return file.getvalue().encode()
 

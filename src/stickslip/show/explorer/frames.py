@@ -10,12 +10,12 @@ from typing import Any
 from stickslip.basics.jsontext import strict
 
 
-def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
+def encoded(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
     """The bytes of a response.
 
     Examples
     --------
-    >>> header, arrays = read(written({"id": 1}, {"v": [0.5, 2.0]}))
+    >>> header, arrays = unpacked(encoded({"id": 1}, {"v": [0.5, 2.0]}))
     >>> header["id"], arrays["v"].tolist()
     (1, [0.5, 2.0])
     """
@@ -30,7 +30,7 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
     return b"".join([struct.pack("<I", len(head)), head, *(a.astype("<f4").tobytes() for a in flat.values())])
 
 
-def read(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
+def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
     """Header and arrays of a response, as the page reads them."""
     import numpy as np
 

@@ -69,7 +69,7 @@ class Shown:
     @cached_property
     def numbers(self) -> dict[str, Parameter]:
         """The numbers with sliders, by dotted names."""
-        return {p.name: p for p in numbers_of(self.model)}
+        return {p.name: p for p in sliders_of(self.model)}
 
     @property
     def groups(self) -> dict[str, list[Parameter]]:
@@ -102,7 +102,7 @@ class Shown:
         return {**given, "periods": affordable(model, wanted if fine else min(wanted, COARSE))}
 
 
-def numbers_of(model: Any) -> Iterator[Parameter]:
+def sliders_of(model: Any) -> Iterator[Parameter]:
     """Every number of a machine with the range of its slider: that of its field (metadata "range"), else one around its value.
 
     Numbers that may only change together, such as the frequencies of all drives of a chain, have one slider: "*.omega".
@@ -110,7 +110,7 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     Examples
     --------
     >>> import stickslip as ss
-    >>> first = next(numbers_of(ss.Chain.example()))
+    >>> first = next(sliders_of(ss.Chain.example()))
     >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
     ('modules.0.body_mass', 'mass of the body', 'g', (0.01, 0.2))
     """
@@ -166,12 +166,12 @@ def _part(name: str) -> str:
     return ".".join(places[:2]) if len(places) > 2 and places[1].isdigit() else places[0] if len(places) > 1 else ""
 
 
-def in_words(part: str) -> str:
+def part_label(part: str) -> str:
     """The name of a part on the page, counted from 1 as bodies are.
 
     Examples
     --------
-    >>> in_words("modules.0"), in_words("link"), in_words("")
+    >>> part_label("modules.0"), part_label("link"), part_label("")
     ('module 1', 'link', 'the machine')
     """
     name, _, number = part.partition(".")

@@ -13,7 +13,7 @@ from stickslip.basics.errors import InputError, StickslipError
 from stickslip.show.explorer.code import python
 from stickslip.show.explorer.effort import RTOL, affordable
 from stickslip.show.explorer.faster import faster_of
-from stickslip.show.explorer.frames import written
+from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.machines import OF_A_ROBOT, Shown, picture
 from stickslip.show.explorer.models import FRICTION
@@ -38,14 +38,14 @@ def answer(asked: Message, kernels: Kernels, stop: IsCancelled, shown: Shown | N
         else:
             response = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
     except InputError as error:
-        response = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
+        response = {"kind": "problems", "problems": [without_python(p) for p in error.problems]}, {}
     except StickslipError as error:
         response = {"kind": "problems", "problems": [str(error)]}, {}
     header, arrays = response
-    return written({**head, **header}, arrays)
+    return encoded({**head, **header}, arrays)
 
 
-def sentence(problem: str) -> str:
+def without_python(problem: str) -> str:
     """A problem as the page shows it, without the advice on Python code."""
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 

@@ -26,7 +26,7 @@ from stickslip.models.drives.within import drives_within
 from stickslip.show.explorer.exports import EXPORTS, export
 from stickslip.show.explorer.guard import RequestGuard, is_loopback
 from stickslip.show.explorer.kernels import Kernels
-from stickslip.show.explorer.machines import Shown, in_words, report, study
+from stickslip.show.explorer.machines import Shown, part_label, report, study
 from stickslip.show.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.show.explorer.paper_figures import GROUPS, PRESETS
 from stickslip.show.explorer.requests import DEFAULT, KEPT, MOST_HARMONICS, machine_numbers, state
@@ -63,7 +63,7 @@ def _rendered(template: str, **content: Any) -> str:
 def machine_page(shown: Shown) -> str:
     """The page of a machine before any script runs."""
     data = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
-    groups = {in_words(part): of for part, of in shown.groups.items()}
+    groups = {part_label(part): of for part, of in shown.groups.items()}
     return _rendered("machine.html", shown=shown, groups=groups, exports=list(MACHINE_EXPORTS), data=data, kept=_kept(shown))
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stickslip.basics.errors import InputError
-from stickslip.show.explorer.frames import read, written
+from stickslip.show.explorer.frames import encoded, unpacked
 from stickslip.show.explorer.kernels import Kernels
 from stickslip.show.explorer.machines import Shown
 from stickslip.show.explorer.requests import CHANNELS, Message, message
@@ -119,7 +119,7 @@ class Session:
             try:
                 asked = message(text)
             except InputError as error:
-                await self._send(written({"channel": None, "kind": "problems", "problems": error.problems, **_who(text)}))
+                await self._send(encoded({"channel": None, "kind": "problems", "problems": error.problems, **_who(text)}))
                 continue
             self._slots[asked.channel].put(asked)
 
@@ -147,7 +147,7 @@ class Session:
             return None
         except Exception as error:  # an internal error is reported, and the page stays usable
             sentence = f"{type(error).__name__}: {error}. This is an error of stickslip itself"
-            return written({"channel": asked.channel, "id": asked.id, "kind": "problems", "problems": [sentence]})
+            return encoded({"channel": asked.channel, "id": asked.id, "kind": "problems", "problems": [sentence]})
 
     async def _send(self, data: bytes) -> None:
         async with self._sending:
@@ -157,7 +157,7 @@ class Session:
 
 def _waits(data: bytes) -> bool:
     """Whether a response is still waiting for a kernel."""
-    header, _ = read(data)
+    header, _ = unpacked(data)
     return "waits" in header or any("waits" in law for law in header.get("laws", ()))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.basics.batch import some_of
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.attractors.period_numbers import periods_of, return_tolerance
-from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, state_at_rest, strobe_map
 from stickslip.show.explorer.effort import RTOL, effort, too_much
 from stickslip.show.explorer.kernels import Kernels, compiling
 from stickslip.show.explorer.requests import Message, State
@@ -49,7 +49,7 @@ def map_of(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[st
     columns = {name: np.full(shape, np.nan) for name in ("mean_velocity", "motion_type", "period", "stick_fraction")}
     began = time.perf_counter()
     if many is not None:
-        solved = solve(many, periods=FINE, settle="auto", rtol=1e-3, keep="summary", progress=watch(stop))
+        solved = solve(many, periods=FINE, settle="auto", rtol=1e-3, keep="summary", progress=progress_watch(stop))
         ended = np.isin(solved.status, (0, 1))
         for name in columns:
             values = _codes(solved.motion_type) if name == "motion_type" else np.asarray(solved.columns[name], float)
@@ -82,7 +82,7 @@ def _codes(types: Any) -> Any:
     return codes
 
 
-def watch(stop: IsCancelled) -> Callable[[int, int], None]:
+def progress_watch(stop: IsCancelled) -> Callable[[int, int], None]:
     """A progress callback that ends the work if it is superseded or takes too long."""
     began = time.perf_counter()
 
@@ -103,7 +103,7 @@ def strip_of(asked: Message, kernels: Kernels, stop: IsCancelled) -> tuple[dict[
     assert plane is not None
     header = {**vars(plane), "kind": "strip", "law": state.law}
     (name,), (span,), (count,) = plane.names, plane.spans, plane.cells
-    tell = watch(stop)
+    tell = progress_watch(stop)
     if not kernels.ready(state, state.law, state.robot(), True):
         return header | {"kind": "waits", "waits": compiling(state, state.law)}, {}
     values = np.linspace(*span, count)
@@ -141,7 +141,7 @@ class _Strip:
         self._robots, self._tell, self._began = robots, tell, time.perf_counter()
         self._swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
         self.wanted, self._at = ~too_much(self._swings, decays), coordinates(robots)
-        self._state = np.resize(at_rest(robots), (count, len(self._at.names)))
+        self._state = np.resize(state_at_rest(robots), (count, len(self._at.names)))
         self.strobes, self.means = np.full((count, KEPT), np.nan), np.full(count, np.nan)
         self.total, self.settled = np.zeros(count), np.zeros(count, bool)
 

@@ -17,9 +17,9 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.basics.errors import InputError
-from stickslip.show.explorer.frames import written
+from stickslip.show.explorer.frames import encoded
 from stickslip.show.explorer.kernels import killed
-from stickslip.show.explorer.responses import sentence
+from stickslip.show.explorer.responses import without_python
 
 #: Address space of a reading process [bytes]: its libraries take half a GB of it.
 _MEMORY = 4 << 30
@@ -28,7 +28,7 @@ _START = 120.0
 
 
 def _problem(*sentences: str) -> bytes:
-    return written({"kind": "problems", "problems": sentences})
+    return encoded({"kind": "problems", "problems": sentences})
 
 
 class Reader:
@@ -165,12 +165,12 @@ def main() -> None:
 
 
 def _answer(what: str, name: str, data: bytes) -> bytes:
-    from stickslip.show.explorer.dropped_records import drive_of, velocity_of
+    from stickslip.show.explorer.dropped_records import drive_response, velocity_response
 
     try:
-        return {"velocity": velocity_of, "drive": drive_of}[what](name, data)
+        return {"velocity": velocity_response, "drive": drive_response}[what](name, data)
     except InputError as error:
-        problems = [sentence(p) for p in error.problems]
+        problems = [without_python(p) for p in error.problems]
     except MemoryError:
         problems = ["the record needs more memory than is allowed here; cut it, or read it with stickslip.read"]
     except Exception as error:  # an internal error is reported, and the page stays usable
@@ -180,13 +180,13 @@ def _answer(what: str, name: str, data: bytes) -> bytes:
 
 def _prepare() -> None:
     """Load the libraries for all formats before the first file."""
-    from stickslip.show.explorer.dropped_records import drive_of
+    from stickslip.show.explorer.dropped_records import drive_response
 
     for module in ("h5py", "scipy.io", "scipy.signal", "openpyxl", "nptdms"):
         with contextlib.suppress(ImportError):
             __import__(module)
     with contextlib.suppress(InputError):
-        drive_of("ready.csv", b"t [ms],drive [m/s]\n0,0\n1,1\n2,0\n3,-1\n4,0\n5,1\n6,0\n7,-1\n")
+        drive_response("ready.csv", b"t [ms],drive [m/s]\n0,0\n1,1\n2,0\n3,-1\n4,0\n5,1\n6,0\n7,-1\n")
 
 
 def _limit_memory() -> None:

@@ -177,9 +177,9 @@ def _load_of(model: Any) -> float:
 def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     from stickslip import __version__
     from stickslip.engine.law_as_written import traced_as_written
-    from stickslip.show.export.written import MATLAB, C, written
+    from stickslip.show.export.written import MATLAB, C, source_of
 
-    return ExportedLaw(language, name, written(traced_as_written(own), name, C if language == "c" else MATLAB, __version__))
+    return ExportedLaw(language, name, source_of(traced_as_written(own), name, C if language == "c" else MATLAB, __version__))
 
 
 def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
@@ -191,10 +191,10 @@ def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
 
 
 def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature: float) -> ExportedLaw:
-    from stickslip.show.export.mujoco import reduced, written_for_mujoco
+    from stickslip.show.export.mujoco import joint_friction, written_for_mujoco
 
     low, high = map(float, speeds)
-    fitted, lost = reduced(own, load, (low, high))
+    fitted, lost = joint_friction(own, load, (low, high))
     remark = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
     numbers = fitted | {"armature": armature}
     return ExportedLaw(language, name, written_for_mujoco(numbers, lost, name, remark), numbers, lost)

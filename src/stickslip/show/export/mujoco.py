@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from stickslip.analysis.bench.setup import Setup
-from stickslip.analysis.bench.velocity import shown
+from stickslip.analysis.bench.velocity import force_at_speed
 from stickslip.basics.errors import InputError
 from stickslip.models.friction.law_adapter import adapted
 
@@ -15,7 +15,7 @@ _COUNT = 41  # speeds in each direction: a factor of 1.26 apart over four decade
 _ROUNDING = 1e-9  # relative to the largest force: rounding of the linear programme
 
 
-def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[str, float], tuple[str, ...]]:
+def joint_friction(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[str, float], tuple[str, ...]]:
     """Friction and damping with the smallest maximum error (a linear programme) at geometrically spaced speeds.
 
     Returns
@@ -30,7 +30,7 @@ def reduced(law: Any, load: float, speeds: tuple[float, float]) -> tuple[dict[st
     bench = Setup(law, load, 1.0)
     ratio = (speeds[1] / speeds[0]) ** (1.0 / (_COUNT - 1))
     velocities = [side * speeds[0] * ratio**k for side in (1.0, -1.0) for k in range(_COUNT)]
-    forces = [math.copysign(1.0, v) * shown(bench, v) for v in velocities]
+    forces = [math.copysign(1.0, v) * force_at_speed(bench, v) for v in velocities]
     if not all(map(math.isfinite, forces)):
         still = max(abs(v) for v, force in zip(velocities, forces, strict=True) if not math.isfinite(force))
         why, above = f"at |v| = {still:.3g} m/s the law has no steady friction", f"speeds=({2 * still:.3g}, {20 * still:.3g})"

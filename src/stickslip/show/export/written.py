@@ -90,7 +90,7 @@ MATLAB = Files(
 )
 
 
-def written(law: TracedLaw, name: str, files: Files, version: str) -> str:
+def source_of(law: TracedLaw, name: str, files: Files, version: str) -> str:
     """The source file of a law in a language."""
     templates = _templates()
     names, table = names_of_numbers(law.numbers), law.slopes

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.dynamics.atlas.atlas_result import Atlas
-from stickslip.show.figures.maps import TYPE_COLOURS, name_region, outlined, scaled
+from stickslip.show.figures.maps import TYPE_COLOURS, name_region, outlined, scaled_axis
 from stickslip.show.figures.spacing import cells, logarithmic, places
 from stickslip.show.figures.special_kinds import marker_of, name_of
 from stickslip.show.figures.style import COLOURS, INK, UNSETTLED, UNSETTLED_MARK, axes, drawing, legend_above
@@ -65,7 +65,7 @@ def atlas(atlas: Atlas, ax: Ax = None, points: bool = True) -> Any:
     """
     if not isinstance(atlas, Atlas):
         raise InputError("plot", [f"{atlas!r}; allowed is an Atlas; type for example ss.atlas(ss.presets.piezo_rig, over=...)"])
-    across, up = (scaled(atlas.map, name) for name in atlas.parameters)
+    across, up = (scaled_axis(atlas.map, name) for name in atlas.parameters)
     ax = axes(ax, 3.1)
     fills = _fills(atlas)
     names = [*fills, _MISSING]

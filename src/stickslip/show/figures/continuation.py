@@ -15,7 +15,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import strobe_states
 from stickslip.models.machine_adapter import machine_of
 from stickslip.models.switching_flow import is_flow
 from stickslip.show.figures.special_kinds import marker_of, name_once
-from stickslip.show.figures.style import COLOURS, INK, axes, dot_size, drawing, labelled, legend_above, named, scaled
+from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, dot_size, drawing, labelled, legend_above, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -93,7 +93,7 @@ def continuation(
     if special:
         _marks(ax, branches, observable, right, up)
     ax.set_xlabel(labelled(across, side))
-    ax.set_ylabel(named((_OF_CYCLES if cycles else OBSERVABLES).get(observable, attributes.get("long_name", observable)), unit, mark))
+    ax.set_ylabel(axis_label((_OF_CYCLES if cycles else OBSERVABLES).get(observable, attributes.get("long_name", observable)), unit, mark))
     handles, texts = ax.get_legend_handles_labels()
     order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
     legend_above(

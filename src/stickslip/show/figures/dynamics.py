@@ -20,11 +20,11 @@ from stickslip.show.figures.style import (
     UNSETTLED,
     UNSETTLED_MARK,
     axes,
+    axis_label,
     dot_size,
     drawing,
     labelled,
     legend_above,
-    named,
     scaled,
 )
 
@@ -84,8 +84,8 @@ def bifurcation(diagram: Grid, observable: str | None = None, ax: Ax = None) -> 
     if unsettled:
         ax.plot([], [], UNSETTLED_MARK, color=UNSETTLED, markersize=4, label=f"not settled, {100 * unsettled:.2g} %")
     logarithmic(ax, "x", np.sort(across.values) * right)
-    ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
-    ax.set_ylabel(named(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
+    ax.set_xlabel(axis_label(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
+    ax.set_ylabel(axis_label(OBSERVABLES.get(observable, y.attrs.get("long_name", observable)), unit, mark))
     legend_above(ax, ncols=2, handletextpad=0.2)
     return ax
 
@@ -282,6 +282,6 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
         ax.set_yscale("log")
         ax.set_ylim(floor, None)
     ax.set_xlabel("frequency / frequency of the drive")
-    ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
+    ax.set_ylabel(axis_label(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
     legend_above(ax, ncols=2)
     return ax

@@ -11,7 +11,7 @@ from stickslip.basics.errors import InputError
 from stickslip.dynamics.attractors.bifurcation_diagrams import state_attrs
 from stickslip.dynamics.attractors.edge_states import EdgeState
 from stickslip.models.switching_flow import is_flow
-from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, named, scaled
+from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, drawing, legend_above, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,7 @@ def edge_state(edge: Any, ax: Ax = None) -> Any:
     ax = axes(ax, height=2.6)
     drawn(ax, edge, places, [factor for factor, _ in sizes])
     for label, i, (_, mark) in zip((ax.set_xlabel, ax.set_ylabel)[-len(places) :], places, sizes, strict=True):
-        label(named(attributes[i]["long_name"], attributes[i]["units"], mark))
+        label(axis_label(attributes[i]["long_name"], attributes[i]["units"], mark))
     legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 

@@ -11,7 +11,7 @@ from stickslip.basics.arguments import Ax, Grid
 from stickslip.basics.contracts import ArrayLike
 from stickslip.basics.errors import InputError
 from stickslip.basics.fields import masked_in
-from stickslip.show.figures.maps import DARK, TYPE_COLOURS, plain_label, scaled
+from stickslip.show.figures.maps import DARK, TYPE_COLOURS, plain_label, scaled_axis
 from stickslip.show.figures.spacing import logarithmic
 from stickslip.show.figures.style import COLOURS, DASHES, INK, axes, drawing, prefix
 from stickslip.studies.result_columns import is_of_cases
@@ -51,7 +51,7 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
     part = _chosen(grid, along, at)
     rest = [str(d) for d in part["mean_velocity"].dims if d not in (along, "way")]
     values = _values(part, rest, lines)
-    axis = scaled(part, along)
+    axis = scaled_axis(part, along)
     curves = [part.sel({rest[0]: v}, method="nearest") if rest else part for v in values]
     unitless = part["mean_velocity"].attrs.get("units") == "1"
     factor, unit = (1.0, "") if unitless else prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))

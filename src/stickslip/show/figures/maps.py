@@ -67,7 +67,7 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     'amplitude of the inner mass $A$ (µm)'
     """
     first, second = plane_of(grid, x, y)
-    across, up = scaled(grid, first), scaled(grid, second)
+    across, up = scaled_axis(grid, first), scaled_axis(grid, second)
     types = np.asarray(column_of("plot", grid, "motion_type").transpose(second, first).values)
     present = [name for name in TYPE_COLOURS if (types == name).any()]
     codes = np.zeros(types.shape, int)
@@ -124,7 +124,7 @@ def velocity_map(
     'amplitude of the inner mass $A$ (µm)'
     """
     first, second = plane_of(grid, x, y)
-    across, up = scaled(grid, first), scaled(grid, second)
+    across, up = scaled_axis(grid, first), scaled_axis(grid, second)
     column = _numbers(grid, quantity)
     V = np.asarray(column.transpose(second, first).values, float)
     unitless = column.attrs.get("units") == "1" or {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
@@ -168,7 +168,7 @@ class _Axis(NamedTuple):
     label: str
 
 
-def scaled(grid: xr.Dataset, name: str) -> _Axis:
+def scaled_axis(grid: xr.Dataset, name: str) -> _Axis:
     """An axis of a dataset, scaled for drawing."""
     values, unit = np.asarray(grid[name].values, float), grid[name].attrs.get("units", "1")
     factor, letter = prefix(values) if unit in _PREFIXED else (1.0, "")

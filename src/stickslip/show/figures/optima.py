@@ -15,7 +15,7 @@ from stickslip.inverse.optimisation.optimum import Optimum
 from stickslip.inverse.optimisation.peaks import LIMITS
 from stickslip.models.drives.within import drives_within
 from stickslip.models.naming import axis_of
-from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, drawing, legend_above, named, prefix, scaled
+from stickslip.show.figures.style import COLOURS, DASHES, INK, SHADE, axes, axis_label, drawing, legend_above, prefix, scaled
 
 _MOST = 7  # largest number of lines: those with the largest effect
 _STAR: Any = {"marker": "*", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.7, "clip_on": False}
@@ -95,7 +95,7 @@ def _cuts(optimum: Any, ax: Any) -> Any:
     ax.set_xlim(x[0], x[-1])
     ax.set_xlabel(across)
     of = optimum.of.replace("_", " ")
-    ax.set_ylabel(named(of if optimum.robust is None else f"{of}\nover the sample", pretty_unit(unit), letter))
+    ax.set_ylabel(axis_label(of if optimum.robust is None else f"{of}\nover the sample", pretty_unit(unit), letter))
     if ax.get_legend_handles_labels()[1]:
         legend_above(ax, ncols=1)
     return ax
@@ -105,7 +105,7 @@ def _across(optimum: Any, name: str) -> tuple[float, str]:
     """Scale factor and axis label for one number."""
     label, unit = axis_of(name, optimum.model) or (name, "1")
     factor, letter = scaled(optimum.cuts[name][1], unit)
-    return factor, named(label, pretty_unit(unit), letter)
+    return factor, axis_label(label, pretty_unit(unit), letter)
 
 
 def _text(optimum: Any, name: str) -> str:
@@ -152,7 +152,7 @@ def _drives(optimum: Any, drives: list[Any], ax: Any) -> Any:
         ax.set_ylim(-reach, reach)
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.set_xlim(0.0, 1.0)
-    ax.set(xlabel="fraction of the drive period", ylabel=named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
+    ax.set(xlabel="fraction of the drive period", ylabel=axis_label(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
     legend_above(ax, ncols=3 if len(curves) == 1 else 2, columnspacing=1.0)
     return ax
 
@@ -195,5 +195,5 @@ def front(grid: Grid, ax: Ax = None) -> Any:
     units = [pretty_unit(grid[name].attrs.get("units", "1")) for name in names]
     ax = axes(ax, 2.2)
     ax.plot(right * grid[names[0]].values, up * grid[names[1]].values, ".-", color=COLOURS[0], markersize=5, clip_on=False)
-    ax.set(xlabel=named(labels[0], units[0], side), ylabel=named(labels[1], units[1], mark))
+    ax.set(xlabel=axis_label(labels[0], units[0], side), ylabel=axis_label(labels[1], units[1], mark))
     return ax

@@ -18,7 +18,7 @@ from stickslip.models.machine_adapter import machine_of
 from stickslip.models.mechanics import normal_load
 from stickslip.models.state_layout import of_one_contact
 from stickslip.models.switching_flow import is_flow
-from stickslip.results.datasets import names_of
+from stickslip.results.datasets import names_of_parts
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
 from stickslip.show.figures.flow_runs import flow_phase
@@ -50,7 +50,7 @@ def only_run(run: Trajectory) -> Any:
 
 def _parts(run: Trajectory, dim: str) -> list[str]:
     """Names of the bodies or contacts of a machine with several; empty for a robot or a bench."""
-    return [] if machine_of(run.model).is_single else names_of(run.parted)[dim]
+    return [] if machine_of(run.model).is_single else names_of_parts(run.parted)[dim]
 
 
 def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int, Any]]:
@@ -65,7 +65,7 @@ def _by_part(runs: list[Any], names: list[str], dim: str) -> list[tuple[str, int
 
 def _sampled(runs: list[Any], names: list[str], spans: list[tuple[float, float]], column: str, dim: str) -> list[tuple[str, int, Any, Any]]:
     """Curves as (name, number of the run, t, values)."""
-    columns = [sampled(run, *span, column) for run, span in zip(runs, spans, strict=True)]
+    columns = [samples_over(run, *span, column) for run, span in zip(runs, spans, strict=True)]
     return [(name, i, columns[i][0], columns[i][1][own]) for name, i, own in _by_part(runs, names, dim)]
 
 
@@ -100,7 +100,7 @@ def _span(start: float, end: float, asked: str) -> tuple[float, float]:
     return start, end
 
 
-def sampled(run: Trajectory, start: float, end: float, column: str) -> tuple[Any, Any]:
+def samples_over(run: Trajectory, start: float, end: float, column: str) -> tuple[Any, Any]:
     """A column over a span, with a pair of points at each event, so that corners and jumps are sharp."""
     driven = run.model.period is not None
     events = np.array([e.t for e in run.events if start < e.t < end])
@@ -110,7 +110,7 @@ def sampled(run: Trajectory, start: float, end: float, column: str) -> tuple[Any
     return t, run.at(np.clip(t, start, end))[column]
 
 
-def rests(run: Trajectory, start: float, end: float) -> list[tuple[float, float]]:
+def sticking_intervals(run: Trajectory, start: float, end: float) -> list[tuple[float, float]]:
     """Intervals in which the only contact sticks: exact for a set-valued law, by the rule of `motion` for one with inner states."""
     (stretches,) = contact_modes(run, start, end).values()
     always = all(sign == 0 for _, _, sign in stretches)
@@ -192,7 +192,7 @@ def velocity(
     time, seconds = prefix(*(b - a for a, b in spans))
     factor, unit = prefix(*(v for *_, v in curves))
     ax = axes(ax)
-    rested = [] if _parts(runs[0], "body") else rests(runs[0], *spans[0])
+    rested = [] if _parts(runs[0], "body") else sticking_intervals(runs[0], *spans[0])
     shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     for i, (name, number, t, v) in enumerate(curves):
@@ -293,9 +293,9 @@ def _orbit(run: Trajectory, span: tuple[float, float], own: Any) -> tuple[Any, A
     """Displacement without drift and velocity over a span, and both at the strobe times (empty without a drive)."""
     start, end = span
     if run.model.period is None:
-        t, v = sampled(run, start, end, "v")
+        t, v = samples_over(run, start, end, "v")
         none = np.empty(0)
-        return sampled(run, start, end, "x")[1][own] - machine_of(run.model).far_end_velocity * t, v[own], none, none
+        return samples_over(run, start, end, "x")[1][own] - machine_of(run.model).far_end_velocity * t, v[own], none, none
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
@@ -341,11 +341,11 @@ def forces(run: Trajectory, periods: float | None = None, ax: Ax = None, duratio
     shown = {"friction force $R$": "friction_force"}
     if machine_of(run.model).drive is not None:
         shown = {"drive force $-m\\ddot\\xi$": "drive_force", **shown}
-    curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
+    curves = {name: samples_over(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(f for _, f in curves.values()))
     ax = axes(ax)
-    shaded = _shade(ax, rests(run, start, end), start, time)
+    shaded = _shade(ax, sticking_intervals(run, start, end), start, time)
     t, _ = next(iter(curves.values()))
     dashed: dict[str, Any] = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
     for i, limit in enumerate(limits(run, t)):

@@ -135,7 +135,7 @@ def prefix(*arrays: Any) -> tuple[float, str]:
     return (1000.0**-power if power else 1.0), "fpnµm kMGT"[power + 5].strip()
 
 
-def named(text: str, unit: str, factor_prefix: str = "") -> str:
+def axis_label(text: str, unit: str, factor_prefix: str = "") -> str:
     """An axis label with its symbol and unit, if it has one."""
     text = symbols(text)
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
@@ -148,7 +148,7 @@ def scaled(values: ArrayLike, unit: str) -> tuple[float, str]:
 
 def labelled(column: Any, factor_prefix: str = "") -> str:
     """An axis label from the name and the unit of a dataset column."""
-    return named(column.attrs["long_name"], column.attrs["units"], factor_prefix)
+    return axis_label(column.attrs["long_name"], column.attrs["units"], factor_prefix)
 
 
 def side_of(column: Any) -> tuple[float, str]:

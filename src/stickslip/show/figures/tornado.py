@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.arguments import Ax
 from stickslip.basics.errors import InputError
 from stickslip.inverse.optimisation.propagation import Propagated
-from stickslip.show.figures.style import COLOURS, INK, axes, drawing, legend_above, name_rows, named, scaled
+from stickslip.show.figures.style import COLOURS, INK, axes, axis_label, drawing, legend_above, name_rows, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,7 +56,7 @@ def tornado(propagated: Propagated, ax: Ax = None) -> Any:
     ax.axvspan(*(factor * end for end in band), color=INK, alpha=0.1, linewidth=0, label="90 % of the sample", zorder=0)
     ax.axvline(factor * propagated.nominal, color=INK, linewidth=0.7, zorder=3)
     name_rows(ax, order)
-    ax.set_xlabel(named(propagated.of.replace("_", " "), propagated.unit, letter))
+    ax.set_xlabel(axis_label(propagated.of.replace("_", " "), propagated.unit, letter))
     _indices(ax, propagated, order)
     handles, labels = ax.get_legend_handles_labels()  # the band comes last: it belongs to all numbers
     order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("90"))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.show.paper.cases import EXPERIMENTS, PrintedExperiment
-from stickslip.show.paper.one_amplitude import AmplitudeSearch, candidates
+from stickslip.show.paper.one_amplitude import AmplitudeSearch, amplitude_search
 from stickslip.show.paper.readings import READINGS, STATED, Reading
 from stickslip.show.paper.solved_runs import Tell, batch
 
@@ -111,7 +111,7 @@ def infer(fast: bool, tell: Tell) -> Amplitudes:
         fits.append(ReadingFit(reading, tuple(_bracket(e, reading, 5e-7 if reading == STATED else step) for e in EXPERIMENTS)))
     tell("inferring amplitudes of section 4", len(READINGS), len(READINGS))
     order = sorted(fits, key=lambda f: -(f.velocities + f.types))
-    return Amplitudes(tuple(order), candidates(fast, tell))
+    return Amplitudes(tuple(order), amplitude_search(fast, tell))
 
 
 def _bracket(e: PrintedExperiment, reading: Reading, step: float) -> AmplitudeBracket:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.show.paper.borders import FOUR, exact_types, in_words, stretches
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
 from stickslip.show.paper.claims_page import ClaimData, PaperClaim, judged, together
-from stickslip.show.paper.followed_motions import followed
+from stickslip.show.paper.followed_motions import stable_range
 from stickslip.show.paper.one_amplitude import WANTED
 from stickslip.show.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.show.paper.solved_runs import scaled_velocity
@@ -62,7 +62,7 @@ def _borders(reading: Reading) -> str:
 def always_periodic(study: ClaimData) -> PaperClaim:
     """Always periodic along the amplitude."""
     low, high = CASES[0].amplitude, 8e-4
-    branch = followed("amplitude", high, low, high, step=0.1, rtol=1e-6)
+    branch = stable_range("amplitude", high, low, high, step=0.1, rtol=1e-6)
     end = branch.low
     numbers = {"low": end.value, "high": high, "ends": end.kind, "largest_multiplier": branch.multiplier, "orbits": branch.orbits}
     return judged("always_periodic", end.kind == "range", numbers, end=end)

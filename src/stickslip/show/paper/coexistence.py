@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.show.paper.borders import kinds
 from stickslip.show.paper.cases import CASES, OMEGA, rig
-from stickslip.show.paper.followed_motions import Followed, followed
+from stickslip.show.paper.followed_motions import Followed, stable_range
 from stickslip.show.paper.solved_runs import batch
 
 __all__ = ["STARTS", "Coexistence", "Range", "coexistence"]
@@ -132,5 +132,5 @@ def _range(f0: float, A: Any, start: float, beyond: float) -> Range:
     how: dict[str, Any] = {"step": 0.05, "points": 30, "rtol": 1e-7, "f0": f0}
     robot = rig(CASES[-1], amplitude=low, f0=f0)
     run = solve(robot, periods=100, start={"v": start * robot.free_velocity})
-    slide = followed("amplitude", low, low - beyond, low, guess=run, **how)
-    return Range(f0, slide, followed("amplitude", high, high, high + beyond, **how), (low, high))
+    slide = stable_range("amplitude", low, low - beyond, low, guess=run, **how)
+    return Range(f0, slide, stable_range("amplitude", high, high, high + beyond, **how), (low, high))

@@ -15,7 +15,7 @@ from stickslip.show.figures.style import SHADE, WIDTH, publication
 from stickslip.show.paper.sentences import filled, texts
 from stickslip.show.reports.drawn import svg
 
-__all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "curve", "render", "shade_rest"]
+__all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "render", "sampled_motion", "shade_rest"]
 
 Panel = Callable[[Any], None]
 
@@ -86,7 +86,7 @@ def render(
         return Picture(key=key, files=files, panels=alone, alts=alternatives, **filled(words, values))
 
 
-def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
+def sampled_motion(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
     """The motion over the last drive periods of a run, sampled evenly and at each event; `phase` counts drive periods."""
     start, end = (float(run.strobe_times[i]) for i in (-1 - periods, -1))
     events = [e.t for e in run.events if start < e.t < end]

@@ -12,7 +12,7 @@ from stickslip.show.figures.style import INK, SHADE, legend_above
 from stickslip.show.paper.amplitudes import ROUNDING
 from stickslip.show.paper.borders import FOUR
 from stickslip.show.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, Case, PrintedExperiment
-from stickslip.show.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
+from stickslip.show.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, render, sampled_motion, shade_rest
 from stickslip.show.paper.section5_motions import FigureMotion
 from stickslip.show.paper.solved_runs import Runs, Tell
 from stickslip.show.paper.table import TableRow
@@ -53,7 +53,7 @@ def _four_types(runs: Runs, table: tuple[TableRow, ...], folder: Path) -> Pictur
 
 
 def _exact_panel(run: Any, row: TableRow, ax: Any) -> None:
-    motion_curve = curve(run, PERIODS)
+    motion_curve = sampled_motion(run, PERIODS)
     shade_rest(ax, motion_curve["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(motion_curve["phase"], 1e3 * motion_curve["v"], color=COULOMB["color"], linewidth=1.2)
@@ -73,7 +73,7 @@ def _experiment(runs: Runs, row: TableRow, folder: Path) -> Picture:
 
 
 def _velocities(runs: Runs, e: PrintedExperiment, ax: Any) -> None:
-    exact, bristles = curve(runs.coulomb[e.name], PERIODS), curve(runs.lugre[e.name], PERIODS)
+    exact, bristles = sampled_motion(runs.coulomb[e.name], PERIODS), sampled_motion(runs.lugre[e.name], PERIODS)
     shade_rest(ax, exact["rest"])
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(bristles["phase"], 1e3 * bristles["v"], **LUGRE, label="LuGre", zorder=3)
@@ -137,7 +137,7 @@ def _case(runs: Runs, case: Case, judged: FigureMotion, folder: Path) -> Picture
     run, twin = runs.figures[case.figure], motion(runs.twins[case.figure]).type
     label = motion(run)
     periods = 4 if (label.period or 1) > 1 else PERIODS
-    motion_curve = curve(run, periods)
+    motion_curve = sampled_motion(run, periods)
     presliding, scale = _presliding(run), _scale(run)[1]
     return render(
         folder,

@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.show.paper.words import digits_within
 
-__all__ = ["End", "Followed", "followed"]
+__all__ = ["End", "Followed", "stable_range"]
 
 #: Tolerances of the continuation, and of the refined border.
 RTOL, TIGHT = 1e-8, 1e-10
@@ -79,7 +79,7 @@ class Followed:
     orbits: int
 
 
-def followed(
+def stable_range(
     parameter: str, start: float, low: float, high: float, period: int = 1, guess: Any = None, step: float = 0.2, points: int = 100,
     rtol: float = RTOL, **fixed: Any,
 ) -> Followed:  # fmt: skip

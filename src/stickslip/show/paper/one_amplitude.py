@@ -10,11 +10,11 @@ import numpy as np
 
 from stickslip.show.paper.borders import FOUR, exact_types
 from stickslip.show.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.show.paper.followed_motions import Followed, followed
+from stickslip.show.paper.followed_motions import Followed, stable_range
 from stickslip.show.paper.readings import PRINTED_READING, STATED, Reading
 from stickslip.show.paper.solved_runs import Tell
 
-__all__ = ["KINETIC", "STATEMENTS", "WANTED", "AmplitudeSearch", "ReadingSearch", "candidates"]
+__all__ = ["KINETIC", "STATEMENTS", "WANTED", "AmplitudeSearch", "ReadingSearch", "amplitude_search"]
 
 #: Motion types expected at the five frequencies of Figures 17 to 21, in order of the frequency: the paper prints none of them.
 WANTED = ("rest", "II", "I", "III", "IV")
@@ -126,10 +126,10 @@ class AmplitudeSearch:
         return next(s for s in self.searches if s.reading == PRINTED_READING)
 
 
-def candidates(fast: bool, tell: Tell) -> AmplitudeSearch:
+def amplitude_search(fast: bool, tell: Tell) -> AmplitudeSearch:
     """Search the amplitude under both readings of break-away."""
     tell("searching one amplitude for section 5", 0, 3)
-    two = followed("amplitude", AMPLITUDE_5, 5e-4, 9e-4, period=2, mu0=0.04)
+    two = stable_range("amplitude", AMPLITUDE_5, 5e-4, 9e-4, period=2, mu0=0.04)
     A = (1e-5 if fast else 2e-6) * np.arange(round(RANGE[0] / (1e-5 if fast else 2e-6)), round(RANGE[1] / (1e-5 if fast else 2e-6)) + 1)
     searches = []
     for i, reading in enumerate((STATED, PRINTED_READING)):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.variables import unit_of
 from stickslip.models.machine_adapter import machine_of
-from stickslip.show.figures.runs import limits, rests, sampled, span
+from stickslip.show.figures.runs import limits, samples_over, span, sticking_intervals
 from stickslip.show.reports.charts import chart, curve
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def _shown(run: Trajectory, periods: float) -> tuple[float, float]:
 def _columns(run: Trajectory, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
     """Times from the start of the span, columns, intervals of sticking, and the label of the time axis."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
-    columns = [sampled(run.parted, start, end, name) for name in names]
-    rested = rests(run, start, end) if machine_of(run.model).is_single else []
+    columns = [samples_over(run.parted, start, end, name) for name in names]
+    rested = sticking_intervals(run, start, end) if machine_of(run.model).is_single else []
     shade = [(factor * (a - start), factor * (b - start)) for a, b in rested]
     return factor * (columns[0][0] - start), [y for _, y in columns], shade, ("time t", unit)

@@ -79,11 +79,11 @@ def _drawer(draw: Any, grid: xr.Dataset, **more: Any) -> Any:
 
 def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
     """Mean velocities along one axis, a line for each part."""
-    from stickslip.show.figures.maps import scaled
+    from stickslip.show.figures.maps import scaled_axis
     from stickslip.show.figures.style import DASHES
     from stickslip.show.reports.study_charts import speeds
 
-    across, (factor, unit) = scaled(named[0][1], axis), speeds(named[0][1])
+    across, (factor, unit) = scaled_axis(named[0][1], axis), speeds(named[0][1])
     for i, (name, part) in enumerate(named):
         ax.plot(across.values, factor * part["mean_velocity"].values, linestyle=DASHES[i % 7], label=name)
     ax.set(xlabel=across.label, ylabel=f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
@@ -92,11 +92,11 @@ def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
 
 def _curve(grid: xr.Dataset, ax: Any) -> None:
     """Mean velocity along one axis, a point for each case."""
-    from stickslip.show.figures.maps import TYPE_COLOURS, scaled
+    from stickslip.show.figures.maps import TYPE_COLOURS, scaled_axis
     from stickslip.show.reports.study_charts import speeds, types_of
 
     (axis,) = _numeric(grid)
-    across = scaled(grid, axis)
+    across = scaled_axis(grid, axis)
     factor, unit = speeds(grid)
     x, v, kinds = across.values, factor * grid["mean_velocity"].values, types_of(grid)
     ax.plot(x, v, color="#333333", linewidth=0.7, zorder=1)

@@ -36,7 +36,7 @@ def begun(e: Equations, t: float, y: ArrayLike, memory: tuple[tuple[int, ...], .
     mode = conditioned(e, t, y, turned_aloft(e, t, y, ContactModes(tuple(sides), memory, aloft=aloft), [i for i in aloft if sides[i] == 0]))
     sides = [*mode.sides]
     moving = mode.moved({i: 1 for i, side in enumerate(sides) if side == 0 and e.dynamic[i]} | _stops(e, t, y))
-    y, mode = chosen(e, t, y, moving)
+    y, mode = after_event(e, t, y, moving)
     rates = {}
     for i, side in enumerate(sides):
         if side == 0 and e.dynamic[i]:
@@ -95,7 +95,7 @@ class _Problem:
         return np.array([values[i] for i in self.rows])
 
 
-def chosen(
+def after_event(
     e: Equations, t: float, y: ArrayLike, mode: ContactModes, touched: Sequence[int] = (), forced: dict[int, int] | None = None
 ) -> tuple[Any, ContactModes]:
     """State and mode after an event.

@@ -185,7 +185,7 @@ def _common(block: _Block) -> tuple[list[float], list[int]]:
     group = [i for i, side in enumerate(sides) if side == 0]
     if group:
         total = _needed(block, level, sign, sizes, sides)
-        for i, share in zip(group, shared(total, *_turned(block, sign, sizes, group)), strict=True):
+        for i, share in zip(group, shared_forces(total, *_turned(block, sign, sizes, group)), strict=True):
             R[i] = float(sign[i] * share / sizes[i])
     return R, list(sides)
 
@@ -248,12 +248,12 @@ def _is_consistent_median(block: _Block, level: Any, sign: Any, sizes: Any, side
     return all(side * int(sign[i]) * (level[i] - x) >= -noise for i, side in enumerate(sides) if i not in block.forced)
 
 
-def shared(total: float, low: Limits, high: Limits) -> list[float]:
+def shared_forces(total: float, low: Limits, high: Limits) -> list[float]:
     """A sum of forces shared in proportion to the limits: a convention, for only the sum decides the motion.
 
     Examples
     --------
-    >>> shared(3.0, [-1.0, -1.0], [2.0, 4.0]), shared(-7.0, [-math.inf, -1.0], [0.0, 1.0])
+    >>> shared_forces(3.0, [-1.0, -1.0], [2.0, 4.0]), shared_forces(-7.0, [-math.inf, -1.0], [0.0, 1.0])
     ([1.0, 2.0], [-6.0, -1.0])
     """
     bounds = high if total >= 0 else low
@@ -264,7 +264,7 @@ def shared(total: float, low: Limits, high: Limits) -> list[float]:
     count = sum(not math.isfinite(bound) for bound in bounds)
     within = [bound if math.isfinite(bound) else 0.0 for bound in bounds]
     if abs(total) <= abs(finite):
-        return shared(total, [min(v, 0.0) for v in within], [max(v, 0.0) for v in within])
+        return shared_forces(total, [min(v, 0.0) for v in within], [max(v, 0.0) for v in within])
     return [bound if math.isfinite(bound) else (total - finite) / count for bound in bounds]
 
 
@@ -292,14 +292,14 @@ def _forces(block: _Block, sides: Sequence[int]) -> Any:
     if resting:
         beta = block.beta - block.G @ R
         noise = block.noise(R)[resting]
-        held = hold(block.G[np.ix_(resting, resting)], beta[resting], block.lo[resting], block.hi[resting], noise)
+        held = holding_forces(block.G[np.ix_(resting, resting)], beta[resting], block.lo[resting], block.hi[resting], noise)
         if held is None:
             return None
         R[resting] = held
     return R
 
 
-def hold(G: Array, beta: Array, lo: Sequence[float], hi: Sequence[float], noise: Any) -> Any:
+def holding_forces(G: Array, beta: Array, lo: Sequence[float], hi: Sequence[float], noise: Any) -> Any:
     """Forces within their limits that hold all contacts of a set; None where there are none."""
     if np.linalg.cond(G) < 1 / _SAME:
         R = np.linalg.solve(G, beta)

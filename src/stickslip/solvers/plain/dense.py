@@ -41,7 +41,7 @@ def part_of(e: Equations, dense: Any, degree: int, start: float, end: float, bef
     return DensePart(start, float(before[0]), coefficients, mode.sides[: e.k], tuple(m for own in mode.memory for m in own))
 
 
-def joined(parts: list[DensePart], end: float, equations: Equations) -> PolynomialPieces:
+def joined_output(parts: list[DensePart], end: float, equations: Equations) -> PolynomialPieces:
     """All parts as one dense output."""
     width = max(part.coefficients.shape[1] for part in parts)
     times = np.append([part.t for part in parts], max(parts[-1].t, end))

@@ -14,7 +14,7 @@ from stickslip.solvers.plain.plain_equations import SHORT, ContactModes, Equatio
 _MOST = 100  # hits, one handing on the next, at one instant
 
 
-def touching(e: Equations, t: float, y: ArrayLike, fired: list[int]) -> list[int]:
+def touching_stops(e: Equations, t: float, y: ArrayLike, fired: list[int]) -> list[int]:
     """Rows of all stops that touch."""
     q, _ = e.state(y)
     small = e.noise_of_gaps(q)
@@ -54,7 +54,7 @@ def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: flo
     return sum(np.array(e.weights[i]) * force for i, force in zip(rows, impulses.R, strict=True))
 
 
-def closing(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> dict[int, float]:
+def closing_stops(e: Equations, t: float, y: ArrayLike, mode: ContactModes, rows: list[int]) -> dict[int, float]:
     """Stops whose rebounds have become a geometric series that ends at once, or too low to be told from rounding, and when it does [s]."""
     rates = e.slips(t, e.state(y)[1])
     accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])

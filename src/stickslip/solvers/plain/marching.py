@@ -17,14 +17,14 @@ from stickslip.basics.status import Status
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import PolynomialPieces
 from stickslip.solvers.plain import hits
-from stickslip.solvers.plain.choosing import begun, chosen, conditioned
-from stickslip.solvers.plain.dense import DensePart, joined
+from stickslip.solvers.plain.choosing import after_event, begun, conditioned
+from stickslip.solvers.plain.dense import DensePart, joined_output
 from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
-from stickslip.solvers.stopped import STIFF, location, remedy, sentence
+from stickslip.solvers.stopped import STIFF, location, remedy, stopping_message
 
 _EVENTS = 2_000  # events in one period, and as many more for each contact and stop, that are taken for chatter
 _MANY, _AT_ONCE = 200, 1e-9  # so many events within this part of a period are taken for it too
@@ -183,11 +183,11 @@ class Run:
         where = location(e.mechanics, self.t, e.state(self.y)[1], sides)
         state = ", ".join(f"{value:.9g}" for value in self.y.tolist())
         slow = status == Status.BUDGET and self.todo.method == "dop853"
-        return sentence(status, where, state, STIFF if slow else remedy(status, self.todo.rtol, False))
+        return stopping_message(status, where, state, STIFF if slow else remedy(status, self.todo.rtol, False))
 
     def pieces(self) -> PolynomialPieces:
         """The dense output up to now."""
-        return joined(self.parts, self.t, self.equations)
+        return joined_output(self.parts, self.t, self.equations)
 
     def _move(self, end: float) -> None:
         e = self.equations
@@ -261,7 +261,7 @@ class Run:
         return broken
 
     def _choose(self, touched: list[int], forced: dict[int, int] | None = None) -> None:
-        self.y, self.mode = chosen(self.equations, self.t, self.y, self.mode, touched, forced)
+        self.y, self.mode = after_event(self.equations, self.t, self.y, self.mode, touched, forced)
 
     def _switch(self, i: int, k: int) -> None:
         """One switch of a law's memory."""
@@ -293,7 +293,7 @@ class Run:
     def _bounce(self, fired: list[int], touched: list[int] | None = None) -> None:
         """Hits: velocities jump, contacts whose slips do are free, and a stop that is pressed and hardly rebounds is closed."""
         e, before = self.equations, self._slips()
-        rows = hits.touching(e, self.t, self.y, fired) if e.stops else []
+        rows = hits.touching_stops(e, self.t, self.y, fired) if e.stops else []
         self.y, met = hits.rebound(e, self.t, self.y, rows)
         if not met and not fired:
             return
@@ -312,7 +312,7 @@ class Run:
         self._close(rows)
 
     def _close(self, rows: list[int]) -> None:
-        closed = hits.closing(self.equations, self.t, self.y, self.mode, rows)
+        closed = hits.closing_stops(self.equations, self.t, self.y, self.mode, rows)
         if closed:
             self.hits += [Hit(when, self.equations.stops[i - self.equations.k].name, 0.0) for i, when in closed.items()]
             self._choose(list(closed))

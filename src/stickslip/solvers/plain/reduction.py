@@ -26,7 +26,7 @@ def reduced(todo: Request, model: Model, pieces: PolynomialPieces, case: int) ->
     period, limit = outcome_of(model, strobe, todo.method, todo.rtol)
     settle = todo.periods - period if todo.auto and period else todo.settle
     results = strobes.over_window(strobe[:, 0], settle, period, limit)
-    t = strobes.looks(pieces.t[-1], period or 1, T)
+    t = strobes.strobe_samples(pieces.t[-1], period or 1, T)
     index = run._index(t)
     x, v, z = run._states_at(t, index)
     mode, memory = run._modes[index].astype(int), tuple(pieces.memory[index].T)

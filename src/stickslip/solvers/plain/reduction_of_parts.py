@@ -33,7 +33,7 @@ def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
 def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
     """Results of the parts over the last drive periods."""
     end, T = float(run.pieces.t[-1]), float(todo.span[0] if run.model.period is None else run.model.period)
-    t, span = strobes.looks(end, periods, T), periods * T
+    t, span = strobes.strobe_samples(end, periods, T), periods * T
     at, machine = run.at(t), machine_of(run.model)
     v, slip, step = at["v"], at["slip"], span / len(t)
     segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]

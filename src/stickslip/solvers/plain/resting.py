@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from stickslip.solvers.plain.deciding import is_common, most_slack, shared
+from stickslip.solvers.plain.deciding import is_common, most_slack, shared_forces
 
 _SINGULAR = 1e12
 
@@ -60,7 +60,7 @@ class _Common(RestingGroup):
     sign: list[float]
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
-        return [s * share for s, share in zip(self.sign, shared(self.mass * beta[0], *self._turned(limits())), strict=True)]
+        return [s * share for s, share in zip(self.sign, shared_forces(self.mass * beta[0], *self._turned(limits())), strict=True)]
 
     def project(self, w: Sequence[float]) -> Sequence[float]:
         return [self.mass * w[0], *(0.0 for _ in w[1:])]

@@ -82,7 +82,7 @@ def followed_curve(
     return FollowedCurve(roots, special, f"it was followed for {most} points")
 
 
-def settled(problem: CurveProblem, root: Root) -> tuple[Array, Array]:
+def two_parameters_of(problem: CurveProblem, root: Root) -> tuple[Array, Array]:
     """The two parameters of a point of a curve, and by how much they may be wrong; continued from beside it if it is known so."""
     if problem.farther is None:
         return problem.values(root.at), problem.accuracy(root)

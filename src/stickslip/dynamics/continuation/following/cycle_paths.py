@@ -109,7 +109,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
         return None
-    critical, spread = zero(kept), abs(kept[-1][0] - kept[0][0])
+    critical, spread = inverse_parabola_zero(kept), abs(kept[-1][0] - kept[0][0])
     looked = (border_of_rest(path, last, critical, wider * spread) for wider in _WIDER)
     return next((border for border in looked if border), (critical, spread))
 
@@ -132,12 +132,12 @@ def birth(path: CyclePath, points: list[Point], beyond: Point) -> tuple[float, f
     kept = [(p.value, path.swing(p.orbit) ** 2) for p in points[-3:]]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1]:
         return last.value, abs(beyond.value - last.value) + _BIRTH * path.span
-    critical = zero(kept)
+    critical = inverse_parabola_zero(kept)
     for near in (_BIRTH, _BIRTH / 4):
         squares = [_shrunk(path, last, critical, share) for share in near * path.span * np.array([0.5, 1.0, 2.0, 4.0])]
         if None in squares:
             break
-        critical, other = zero(squares[:3]), zero(squares[1:])  # type: ignore[arg-type]
+        critical, other = inverse_parabola_zero(squares[:3]), inverse_parabola_zero(squares[1:])  # type: ignore[arg-type]
         kept = [(other, 0.0)]
     unsure = abs(kept[0][0] - critical)
     return float(critical), float(unsure + 8 * np.spacing(abs(critical)))
@@ -153,7 +153,7 @@ def _shrunk(path: CyclePath, last: Point, critical: float, away: float) -> tuple
     return (value, size**2) if size > 0.0 else None
 
 
-def zero(kept: list[tuple[float, float]]) -> float:
+def inverse_parabola_zero(kept: list[tuple[float, float]]) -> float:
     """Where a quantity vanishes whose inverse function is a parabola through three points."""
     (a, p), (b, q), (c, r) = kept
     return a * q * r / ((p - q) * (p - r)) + b * p * r / ((q - p) * (q - r)) + c * p * q / ((r - p) * (r - q))

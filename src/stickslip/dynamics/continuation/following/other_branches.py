@@ -11,9 +11,9 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError, SolveError
 from stickslip.dynamics.continuation.following.path_kinds import path_of
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
-from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, followed
+from stickslip.dynamics.continuation.following.traced_branch import BranchTrace, trace_branch
 from stickslip.dynamics.continuation.special_points.accuracy import Special
-from stickslip.dynamics.continuation.special_points.branch_points import crossing, sides
+from stickslip.dynamics.continuation.special_points.branch_points import branch_point_near, motions_beside
 
 if TYPE_CHECKING:
     from stickslip.dynamics.continuation.branches import Branch
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 
-def chosen(branch: Branch, given: Special | None, kind: str, method: str) -> Special:
+def special_point_of(branch: Branch, given: Special | None, kind: str, method: str) -> Special:
     """The special point of a branch that was asked for, or its first of the kind."""
     special = given or next((s for s in branch.special if s.kind == kind), None)
     if special is None or special.kind != kind:
@@ -49,7 +49,7 @@ def doubled(branch: Branch, flip: Special, low: float, high: float, step: float,
     for distance in (_ASIDE, _ASIDE / 4, _ASIDE / 16, _ASIDE / 64):
         root = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
         if root.good and np.linalg.norm(root.at - origin) < 4 * distance:
-            return followed(path, path.point(root, direction), low, high, min(step, distance), points, branch.events)
+            return trace_branch(path, path.point(root, direction), low, high, min(step, distance), points, branch.events)
     raise SolveError(
         f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.rounded}: {root.why}"
     )
@@ -60,8 +60,8 @@ def across(branch: Branch, special: Special, low: float, high: float, step: floa
     orbit = special.orbit
     path = path_of(branch.family, orbit, special.value, max(high - low, 1e-300))
     origin = path.scaled(orbit, special.value)
-    here = crossing(path, origin, _along(path, branch, origin), path.remembered(orbit))
-    starts = sides(path, here, here.other) if here else ()
+    here = branch_point_near(path, origin, _along(path, branch, origin), path.remembered(orbit))
+    starts = motions_beside(path, here, here.other) if here else ()
     if here is None or not starts:
         raise SolveError(f"no motion of the other branch was found beside the branch point at {branch.parameter} = {special.rounded}")
     followed_sides = [_side(path, first, low, high, step, points, branch.events) for first in reversed(starts)]
@@ -78,7 +78,7 @@ def _side(path: Path, first: Point, low: float, high: float, step: float, points
     """One side of a branch; nothing where it leaves the range at once."""
     if not low <= first.value <= high:
         return BranchTrace([], [], "it leaves the range at once")
-    return followed(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points, events)
+    return trace_branch(path, first, low, high, min(step, float(np.linalg.norm(first.u))), points, events)
 
 
 def _along(path: Path, branch: Branch, u: Array) -> Array:

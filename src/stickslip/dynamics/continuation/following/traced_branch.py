@@ -33,7 +33,7 @@ class BranchTrace(NamedTuple):
     ended: str
 
 
-def followed(
+def trace_branch(
     path: Path,
     first: Point,
     low: float,

@@ -43,7 +43,7 @@ class Crossing:
     accuracy: float
 
 
-def crossing(path: Path, guess: Array, along: Array, memory: Array) -> Crossing | None:
+def branch_point_near(path: Path, guess: Array, along: Array, memory: Array) -> Crossing | None:
     """The branch point near a guess on a branch of a known direction; None where no two branches cross.
 
     Parameters
@@ -90,9 +90,9 @@ def crossing(path: Path, guess: Array, along: Array, memory: Array) -> Crossing 
 
 
 def crossing_between(path: Path, a: Point, b: Point) -> Crossing | None:
-    """The branch point between two points of a branch where the sign of `crossing` changes."""
+    """The branch point between two points of a branch where the sign of `branch_point_near` changes."""
     along = b.u - a.u
-    met = crossing(path, a.u + a.crossing / (a.crossing - b.crossing) * along, along, path.remembered(a.orbit))
+    met = branch_point_near(path, a.u + a.crossing / (a.crossing - b.crossing) * along, along, path.remembered(a.orbit))
     return met if met and 0.0 <= (met.point.u - a.u) @ a.tangent <= along @ a.tangent else None
 
 
@@ -113,7 +113,7 @@ def _accuracy(path: Path, root: Root, moved: Array) -> float:
     return float(path.span * step[-2] + 2 * np.spacing(abs(path.value(root.at[:-1]))))
 
 
-def sides(path: Path, here: Crossing, direction: Array) -> tuple[Point, ...]:
+def motions_beside(path: Path, here: Crossing, direction: Array) -> tuple[Point, ...]:
     """Motions of one of the branches, one on each side of a crossing; none if they are not found."""
     for distance in _ASIDE:
         roots = [path.corrected(here.point.u + way * distance * direction, direction, here.memory) for way in _WAYS]
@@ -125,8 +125,8 @@ def sides(path: Path, here: Crossing, direction: Array) -> tuple[Point, ...]:
 def broken_symmetry(path: Path, here: Crossing) -> str:
     """The symmetry that breaks at a crossing, in words: motions on the two sides of one branch are images of one another."""
     for direction in (here.other, here.point.tangent):
-        adjacent = sides(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
-        shift = image(path, adjacent[0], adjacent[1], here.point) if adjacent else None
+        adjacent = motions_beside(path, here, direction) if abs(direction[-1]) < _UPRIGHT else ()
+        shift = symmetry_shift(path, adjacent[0], adjacent[1], here.point) if adjacent else None
         if shift is not None:
             later = f", {shift} later" if shift else ""
             return (
@@ -136,7 +136,7 @@ def broken_symmetry(path: Path, here: Crossing) -> str:
     return ""
 
 
-def image(path: Path, a: Point, b: Point, between: Point) -> str | None:
+def symmetry_shift(path: Path, a: Point, b: Point, between: Point) -> str | None:
     """After which time one motion is the image of another, as the one between them is of itself: "", "half a period", or None.
 
     The other is looked for at the same parameter: a symmetry moves states along curved lines, and not the plane in which it was found.

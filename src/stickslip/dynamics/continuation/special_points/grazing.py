@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.dynamics.continuation.following.cycle_paths import zero
+from stickslip.dynamics.continuation.following.cycle_paths import inverse_parabola_zero
 from stickslip.dynamics.continuation.following.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points.near_grazings import touches
 from stickslip.models.machine_adapter import machine_of
@@ -62,7 +62,7 @@ def grazing_near(path: Path, point: Point, value: float, ahead: float, unsure: f
     known = [(value_near, least.get(name, np.nan)) for value_near, least in zip(values_near, read, strict=True)]
     if not np.isfinite(known).all() or any(a[1] >= b[1] for a, b in pairwise(known)):
         return None
-    grazing, other = zero(known[:3]), zero(known[1:])
+    grazing, other = inverse_parabola_zero(known[:3]), inverse_parabola_zero(known[1:])
     if abs(grazing - value) > near:
         return None
     return name, float(grazing), float(abs(grazing - other) + 10 * path.span * point.blur + 8 * np.spacing(abs(grazing)))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
 from stickslip.show.cli import show
-from stickslip.show.cli.arguments import several, subject
+from stickslip.show.cli.arguments import axes_among, subject
 from stickslip.show.cli.commands.resume import remembered
 from stickslip.show.cli.commands.sweep import out_file
 from stickslip.show.cli.declaring import FIGURES, ROBOT, argument, command
@@ -57,7 +57,7 @@ def act(asked: Namespace) -> Outcome:
     if asked.resume and (file is not None or not asked.out):
         raise InputError("--resume", ["this is for a folder; type for example --out atlas"])
     study = subject(asked.robot, asked.settings, many=True, solver=("settle", "limit", "rtol", "workers"), strict=False)
-    many, fixed = several(asked.command, study.arguments, 2, "amplitude=3e-4..9e-4:24 mu0=0.1..0.3:16")
+    many, fixed = axes_among(asked.command, study.arguments, 2, "amplitude=3e-4..9e-4:24 mu0=0.1..0.3:16")
     over = {name: sorted(study.arguments[name]) for name in many}
     job = {"over": over, **fixed, **study.options, "starts": asked.starts, "branches": asked.branches, "refine": asked.refine}
 
@@ -94,10 +94,10 @@ def _text(study: Any, result: Any) -> str:
     lines = [
         f"{study.name}: {p} {result.plane.shape[0]} values, {q} {result.plane.shape[1]} values, {result.plane.count} starts at each point"
     ]
-    lines.append(show.table(["region", "share"], [[label, f"{100 * share:.1f} %"] for label, share in result.regions.items()]))
+    lines.append(show.aligned_table(["region", "share"], [[label, f"{100 * share:.1f} %"] for label, share in result.regions.items()]))
     rows = result.rows()
     if rows:
-        lines.append(show.table(["special point", p, q, "accuracy", "what changes"], [list(row) for row in rows[:_ROWS]]))
+        lines.append(show.aligned_table(["special point", p, q, "accuracy", "what changes"], [list(row) for row in rows[:_ROWS]]))
     lines += [f"… {len(rows) - _ROWS} more; --report FILE or --json gives all"] if len(rows) > _ROWS else []
     lines += [f"border: {b.kind}, {b.change}, {show.counted(len(b.values), 'point')}" for b in result.borders]
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

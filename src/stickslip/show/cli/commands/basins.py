@@ -103,7 +103,7 @@ def _lives(name: str, parameter: str, lives: Any) -> str:
     head = ["attractor", f"{parameter}{'' if unit == '1' else f' [{unit}]'}", "motion", "mean velocity [m/s]", "share"]
     undone = int((lives.unsolved < 0).sum())
     lines = [f"{name}: {parameter} {lives.sizes[parameter]} values, {show.counted(lives.attrs['starts'], 'start')} at each"]
-    return "\n".join([*lines, show.table(head, rows), *_left(lives), *([f"{undone} values not computed"] if undone else [])])
+    return "\n".join([*lines, show.aligned_table(head, rows), *_left(lives), *([f"{undone} values not computed"] if undone else [])])
 
 
 def _left(lives: Any) -> list[str]:
@@ -137,5 +137,5 @@ def _summary(study: Any, result: Any) -> str:
         for k, a in enumerate(result.attractors)
     ]
     rows += [["none", word, "", f"{share:.4f}", f"{low:.4f} to {high:.4f}"] for word, (share, (low, high)) in result.others.items()]
-    lines = [study.title(), show.table(head, rows), show.counted(int(result.map.attractor.size), "start")]
+    lines = [study.title(), show.aligned_table(head, rows), show.counted(int(result.map.attractor.size), "start")]
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

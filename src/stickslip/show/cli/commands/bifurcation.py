@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from stickslip.show.cli.arguments import Subject, several, subject
+from stickslip.show.cli.arguments import Subject, axes_among, subject
 from stickslip.show.cli.declaring import FIGURES, ROBOT, TABLES, argument, command
 from stickslip.show.cli.outputs import Outcome
 
@@ -35,7 +35,7 @@ def act(asked: Namespace) -> Outcome:
     """Do the command."""
     known = ("settle", "limit", "rtol", "workers", "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
-    (parameter,), fixed = several(asked.command, study.arguments, 1, "mu0=0.034..0.05:200")
+    (parameter,), fixed = axes_among(asked.command, study.arguments, 1, "mu0=0.034..0.05:200")
     values = study.arguments[parameter]
 
     from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation

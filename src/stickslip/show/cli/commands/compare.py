@@ -52,7 +52,7 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.inverse.identification import compare
 
     with recorded.in_words_of_the_shell():
-        rec = recorded.opened(asked.record, asked)
+        rec = recorded.opened_record(asked.record, asked)
         comparison = compare(rec, study.robot(), laws=_laws(asked.laws, study), settle=recorded.settle(asked))
     if asked.report is not None:
         comparison.report(asked.report)
@@ -66,7 +66,7 @@ def act(asked: Namespace) -> Outcome:
         "notes": list(comparison.notes),
     }
     written = [f"written to {path}" for path in (asked.report, asked.figure) if path is not None]
-    return Outcome(record, "\n".join([study.title(), recorded.typed(str(comparison)), *written]))
+    return Outcome(record, "\n".join([study.title(), recorded.in_command_words(str(comparison)), *written]))
 
 
 def _check_robot(name: str) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError, did_you_mean
 from stickslip.show.cli.arguments import parser
-from stickslip.show.cli.declaring import argument, command, summary
+from stickslip.show.cli.declaring import argument, command, summary_line
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -88,7 +88,9 @@ def script(shell: str) -> str:
 
     words, form = vocabulary(), (Path(__file__).parents[1] / "templates" / f"completion.{shell}").read_text(encoding="utf-8")
     if shell == "fish":
-        commands = "\n".join(f"complete -c stickslip -n __fish_use_subcommand -a {name} -d {_quoted(summary(name))}" for name in COMMANDS)
+        commands = "\n".join(
+            f"complete -c stickslip -n __fish_use_subcommand -a {name} -d {_quoted(summary_line(name))}" for name in COMMANDS
+        )
         return form.format(commands=commands, cases="\n".join(_fish(name, known) for name, known in words.items()))
     line = {"bash": '        {0}) words="{1}" ;;', "zsh": "            {0}) names=({1}) ;;"}[shell]
     cases = "\n".join(line.format(name, " ".join(known)) for name, known in words.items())

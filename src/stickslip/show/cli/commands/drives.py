@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
-from stickslip.show.cli.lists import listed
+from stickslip.show.cli.lists import listing
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -28,4 +28,4 @@ twophase: Relative velocity +u_1 for L/u_1, then -u_2 for L/u_2; it begins with 
 )
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
-    return listed(asked)
+    return listing(asked)

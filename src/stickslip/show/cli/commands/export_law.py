@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.errors import InputError
-from stickslip.show.cli.arguments import ends
+from stickslip.show.cli.arguments import range_ends
 from stickslip.show.cli.commands.bench import asked_laws
 from stickslip.show.cli.declaring import CODE, argument, command
 from stickslip.show.cli.outputs import Outcome
@@ -68,6 +68,6 @@ def act(asked: Namespace) -> Outcome:
 def _range(text: str | None) -> Any:
     """Two numbers of ``A..B``; other text is returned unchanged, and `export_law` reports the error."""
     try:
-        return text and ends(text)
+        return text and range_ends(text)
     except ValueError:
         return text

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.basics.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.basics.progress import ProgressLine
 from stickslip.show.cli import recorded
-from stickslip.show.cli.arguments import ends, settings
+from stickslip.show.cli.arguments import range_ends, settings
 from stickslip.show.cli.declaring import CODE, RECORDS, argument, command
 from stickslip.show.cli.outputs import Outcome
 
@@ -99,7 +99,7 @@ def act(asked: Namespace) -> Outcome:
     from stickslip.inverse.identification import identify
 
     with recorded.in_words_of_the_shell():
-        records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+        records = [recorded.opened_record(path, asked) for path in job["records"]] or job["means"]
         fit = identify(records, make, free=job["free"], progress=ProgressLine("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
@@ -112,7 +112,7 @@ def _text(fit: Any, intervals: dict[str, Any], asked: Namespace) -> str:
     """The report, with the requested intervals."""
     from stickslip.inverse.identification.fit_text import NOT_DETERMINED
 
-    lines, how = [recorded.typed(fit.report())], " (profile)" if asked.profile else ""
+    lines, how = [recorded.in_command_words(fit.report())], " (profile)" if asked.profile else ""
     if asked.profile or asked.level != 0.95:
         for name, (low, high) in intervals.items():
             ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g}{how}"
@@ -168,7 +168,7 @@ def _typed(asked: Namespace) -> dict[str, Any]:
         name, _, bounds = word.partition("=")
         text, _, log = bounds.partition(":")
         try:
-            free[name] = (*ends(text), "log") if log == "log" else ends(text)
+            free[name] = (*range_ends(text), "log") if log == "log" else range_ends(text)
         except ValueError:
             problems.add(f"--free {word!r} is not NAME=A..B; type for example --free mu0=0.05..0.5")
     sensor = _sensor(asked.sensor, problems)

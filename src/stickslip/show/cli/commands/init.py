@@ -12,7 +12,7 @@ from stickslip.basics.whole_files import unwritable, write_whole
 from stickslip.models.naming import axis_of, example_for
 from stickslip.show.cli.arguments import names_of, subject
 from stickslip.show.cli.declaring import argument, command
-from stickslip.show.cli.docstrings import about, meanings
+from stickslip.show.cli.docstrings import first_line, meanings
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.study_files import study_named
 
@@ -114,7 +114,7 @@ def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed:
     from stickslip.models.tables import kinds_of
     from stickslip.models.tracks import Incline, Level
 
-    described, lines, inner = meanings(type(record)), [_remarked(f"[[{where}]]" if listed else f"[{where}]", about(type(record)))], []
+    described, lines, inner = meanings(type(record)), [_remarked(f"[[{where}]]" if listed else f"[{where}]", first_line(type(record)))], []
     kinds = kinds or {}
     names = {cls: name for name, cls in kinds.items()}
     if type(record) in names and len(kinds) > 1:

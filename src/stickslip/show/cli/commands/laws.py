@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
-from stickslip.show.cli.lists import listed
+from stickslip.show.cli.lists import listing
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -27,4 +27,4 @@ coulomb: Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
 )
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
-    return listed(asked)
+    return listing(asked)

@@ -159,5 +159,5 @@ def _fastest(facts: dict[str, Any]) -> list[str]:
         f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}" for k, v in facts["fastest"].items() if k != "mean_velocity"
     )
     unit, edges = facts["units"].removeprefix("1"), " and ".join(facts["at_the_edge_of"])
-    line = f"fastest: {show.quantity(facts['fastest']['mean_velocity'], unit, 6)} at {point}"
+    line = f"fastest: {show.quantity_text(facts['fastest']['mean_velocity'], unit, 6)} at {point}"
     return [line, f"that is on the edge of {edges}: a wider range may have a faster one"] if edges else [line]

@@ -11,7 +11,7 @@ from stickslip.show.cli.arguments import subject
 from stickslip.show.cli.declaring import ROBOT, argument, command
 from stickslip.show.cli.outputs import Outcome
 from stickslip.show.cli.recorded import in_words_of_the_shell
-from stickslip.show.cli.searches import asked_for, table_of
+from stickslip.show.cli.searches import asked_for, search_table
 from stickslip.show.cli.study_files import study_named
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def _write(files: list[Path | None], best: Any, record: dict[str, Any], study: A
     if out is not None:
         import tomli_w
 
-        write_whole(out, f"{best.model.to_toml()}\n{tomli_w.dumps({'optimise': table_of(best)})}", unwritable("optimise"))
+        write_whole(out, f"{best.model.to_toml()}\n{tomli_w.dumps({'optimise': search_table(best)})}", unwritable("optimise"))
     if search is not None:
         import json
 
@@ -126,7 +126,7 @@ def _record(title: str, again: str, best: Any) -> dict[str, Any]:
 
     slopes = best.sensitivities
     return {
-        "robot": title, "command": again, "optimise": table_of(best), "best": best.values, "given": best.given,
+        "robot": title, "command": again, "optimise": search_table(best), "best": best.values, "given": best.given,
         "parameters": {name: float(number) for name, number in leaves(best.model)},
         "of_limit": best.of_limit, "limit": best.limit, "active": best.active, "robust": best.robust, "continued": best.continued,
         "sensitivities": dict(slopes), "notes": [*best.notes, *slopes.notes], "tried": best.tried,
@@ -154,13 +154,13 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
     )
     rows = [
         *(
-            (name, f"{show.quantity(best_values[key], unit)}  (was {show.quantity(given.get(key, float('nan')), unit)})")
+            (name, f"{show.quantity_text(best_values[key], unit)}  (was {show.quantity_text(given.get(key, float('nan')), unit)})")
             for name, key, unit in quantities
         ),
         *((name, f"{number:.9g} {unit_in(name, best.model)}".rstrip()) for name, number in best.varied.items()),
         ("limits reached", ", ".join(best.active) or "none"),
         ("small friction", best.limit if best.of_limit is None else f"{100 * best.of_limit:.4g} % of the limit ({best.limit})"),
-        *([] if best.robust is None else [("over the sample", show.quantity(best.robust, unit_of_result(best.of, best.model)))]),
+        *([] if best.robust is None else [("over the sample", show.quantity_text(best.robust, unit_of_result(best.of, best.model)))]),
         *(("note", note) for note in record["notes"]),
         ("candidates", str(best.tried)),
         *(("written", path) for path in written),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stickslip.show.cli.declaring import argument, command
-from stickslip.show.cli.lists import listed
+from stickslip.show.cli.lists import listing
 from stickslip.show.cli.outputs import Outcome
 
 if TYPE_CHECKING:
@@ -25,4 +25,4 @@ coulomb_robot: The dimensionless Coulomb robot: w' = sinτ - r with r = alpha_pl
 )
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
-    return listed(asked)
+    return listing(asked)

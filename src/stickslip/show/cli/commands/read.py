@@ -55,13 +55,13 @@ motion type: I (pattern +0-0; slower than 0.00745 m/s counts as rest, shorter th
 def act(asked: Namespace) -> Outcome:
     """Do the command."""
     with recorded.in_words_of_the_shell():
-        rec = recorded.opened(asked.file, asked)
+        rec = recorded.opened_record(asked.file, asked)
     measures = _measured(rec, recorded.settle(asked))
     if asked.figure is not None:
         measures["figure"] = _draw(rec, asked.figure)
     lines = [
-        recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""),
-        *(f"{name}: {recorded.typed(text)}" for name, text in measures.items()),
+        recorded.in_command_words(str(rec.summary)).replace(_FREQUENCY, ""),
+        *(f"{name}: {recorded.in_command_words(text)}" for name, text in measures.items()),
     ]
     return Outcome(_record(rec, measures), "\n".join(lines))
 
@@ -75,7 +75,7 @@ def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
         rec, _, said = settled(rec, settle)
         if said:
             measures["start"] = said.replace("compared with steady motion;", "measured;")
-        measures["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
+        measures["mean velocity"] = show.quantity_text(rec.mean_velocity(), "m/s")
         measures["motion type"] = rec.motion().verdict
     except InputError:
         pass

@@ -113,7 +113,7 @@ def remembered(asked: Namespace, file: Path | None) -> Iterator[None]:
 
 def _write(path: Path, command: str, words: list[str]) -> None:
     """Store the command line, without the options that belong to one run; an existing file is kept."""
-    from stickslip.studies.folder import put
+    from stickslip.studies.folder import put_file
 
     if path.exists():
         return
@@ -125,4 +125,4 @@ def _write(path: Path, command: str, words: list[str]) -> None:
             continue
         kept.append(word)
     text = json.dumps({"command": command, "words": kept, "folder": os.getcwd()}, indent=1, ensure_ascii=False)
-    put(path, f"{text}\n".encode(), new=True)
+    put_file(path, f"{text}\n".encode(), new=True)

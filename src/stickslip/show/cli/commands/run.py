@@ -114,7 +114,7 @@ def _text(record: dict[str, Any]) -> str:
     percent = ", ".join(f"{name} {100 * m[f'{name}_fraction']:.1f} %" for name in ("forward", "backward", "stick"))
     twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
     per_second, second, joule = ("", "", "") if record["dimensionless"] else ("m/s", " s", " J")
-    low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
+    low, high, mean = (show.quantity_text(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})") if record["has_drive"] else ("motion", f"pattern {m['pattern']}"),
@@ -122,14 +122,14 @@ def _text(record: dict[str, Any]) -> str:
             "repeats after",
             "not found" if m["period"] is None else f"{show.counted(m['period'], 'drive period')} of {record['period_time']:.6g}{second}",
         ),
-        ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
+        ("margin", f"{show.quantity_text(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
         ("velocity", f"{low} to {high}"),
         ("energy per period", _works(work, joule)),
         ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {show.counted(record['periods'], 'period')} ({record['settle']} to settle)"),
     ]
-    return show.of_run(record, rows, _method(record))
+    return show.run_text(record, rows, _method(record))
 
 
 def _method(record: dict[str, Any]) -> str:

@@ -181,7 +181,7 @@ def _text(grid: Any, study: Any, written: str | None) -> str:
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
     head = [{"motion_type": "type", "period": "period [drive periods]"}.get(name) or headed(grid, name) for name in names]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
-    lines = [show.table(head, rows)]
+    lines = [show.aligned_table(head, rows)]
     if cases > _SHOWN:
         lines.append(f"… {cases - _SHOWN} more rows; --out FILE or --json gives all")
     lines.append(f"{study.name}: {show.counted(cases, 'case')}: {_ends(grid)}" + (f"; written to {written}" if written else ""))
@@ -231,5 +231,5 @@ def _cell(name: str, value: Any) -> str:
     if name == "period":
         return str(int(value)) if value > 0 else "none"
     if hasattr(value, "dtype") and value.dtype.kind == "f":
-        return show.quantity(float(value), digits=3 if name == "margin" else 7)
+        return show.quantity_text(float(value), digits=3 if name == "margin" else 7)
     return str(value)
