@@ -194,6 +194,22 @@ def test_everything_public_has_a_docstring():
     assert len(defined) > 1000 and not missing
 
 
+def parameters_of(function, of_class):
+    a = function.args
+    named = [*a.posonlyargs, *a.args, *a.kwonlyargs]
+    return named[1:] if of_class and named and named[0].arg in ("self", "cls") else named
+
+
+def test_most_public_parameters_say_what_they_are():
+    """At most 15 % of the named ones are `Any`, which says nothing to a reader."""
+    trees = [ast.parse(p.read_text(encoding="utf-8")) for p in SOURCES]
+    classes = {id(m) for t in trees for n in ast.walk(t) if isinstance(n, ast.ClassDef) for m in n.body}
+    functions = [n for t in trees for n in public_definitions(t) if isinstance(n, ast.FunctionDef)]
+    annotations = [ast.unparse(x.annotation) for f in functions for x in parameters_of(f, id(f) in classes)]
+    share = annotations.count("Any") / len(annotations)
+    assert len(annotations) > 1000 and share <= 0.15, f"{share:.1%} of the public parameters are Any; give the new ones a type"
+
+
 def public_names():
     import stickslip as ss
 

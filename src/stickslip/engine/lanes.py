@@ -351,6 +351,62 @@ def _of_lanes(k: Kernel, at_work: int, parts: int, signals: int, places: int) ->
     }
 
 
+def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> tuple[Any, dict[str, Any]]:
+    """What the lanes hold, and the arrays that a kernel shares with its driver by name (`driver.SHARED`), before the first case."""
+    import numpy as np
+
+    cases, n, bodies = len(params), k.states, len(k.bodies)
+    signals = 1 + max(k.signals.values(), default=-1)
+    parts, places = (k.contacts, 1 + len(k.owners)) if signals else (1, 1)
+    pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
+    at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
+    begin, count = np.zeros((cases, 1 + n + k.modes)), np.zeros((cases, 5 + parts), dtype=np.int64)
+    begin[:, : start.shape[1]] = start
+    count[:, 0] = Status.NOT_COMPUTED
+    shared = {
+        "JOB": np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64),
+        "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
+        "PARAM": np.ascontiguousarray(params, dtype=float),
+        "START": begin,
+        "OUT": np.full((cases, 9 + n + k.modes + places - 1), np.nan),
+        "COUNT": count,
+        "NOTED": np.full((cases if signals else 0, signals + bodies, 3), np.nan),
+        "SEGT": np.zeros((cases, parts * columns.SEGS)),
+        "SEGC": np.zeros((cases, parts * columns.SEGS), dtype=np.int8),
+        "PIECES": np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8)),
+        **_of_lanes(k, at_work, parts, signals, places),
+    }
+    if pooled:
+        shared |= {"STORE": np.empty((at_work, k.fields)), "POOL": np.zeros((5, before), dtype=np.int64)}
+    return _aligned(before + (k.fields + 2 * bodies) * k.lanes), shared
+
+
+def _taken(shared: dict[str, Any]) -> Any:
+    """The dense output that a slice has written, whose room is free again."""
+    written = shared["PIECES"][: shared["JOB"][columns.WRITTEN]].copy()
+    shared["JOB"][columns.WRITTEN] = 0
+    return written
+
+
+def _results(k: Kernel, shared: dict[str, Any], written: list[Any] | None) -> Results:
+    """The results in what a kernel has written."""
+    import numpy as np
+
+    out, count, noted, last = shared["OUT"], shared["COUNT"], shared["NOTED"], 6 + k.states + k.modes
+    early = (count[:, 0] > Status.REPEATS) & (count[:, 0] != Status.NOT_COMPUTED)
+    limit, ended = (np.where(early, np.nan, out[:, last]), np.where(early, out[:, last], np.nan)) if early.any() else (out[:, last], None)
+    several = None
+    if k.signals:
+        wide_max, wide_min = noted[:, 1 + max(k.signals.values()) :, 1:].transpose(2, 0, 1)
+        several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: noted[:, i] for name, i in k.signals.items()})
+    return Results(
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + k.states], out[:, 4],
+        count[:, 0], count[:, 1], count[:, 2], count[:, 5:], shared["SEGT"], shared["SEGC"], count[:, 3], count[:, 4],
+        out[:, 6 + k.states : last], limit, out[:, last + 1], out[:, last + 2], ended,
+        several, None if written is None else written[0] if len(written) == 1 else np.concatenate(written),
+    )  # fmt: skip
+
+
 def run(
     k: Kernel,
     params: Any,
@@ -369,46 +425,15 @@ def run(
     A start is a row of x, the states, and the memories of the law; a row without memories begins with zeros.
     Results do not depend on how cases are spread over lanes, slices, calls and threads.
     """
-    import numpy as np
-
-    cases, n = params.shape[0], k.states
-    given, start = start, np.zeros((cases, 1 + n + k.modes))
-    start[:, : given.shape[1]] = given
-    bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
-    parts = k.contacts if signals else 1
-    places = 1 + (len(k.owners) if signals else 0)
-    pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
-    at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
-    S = _aligned(before + (k.fields + 2 * bodies) * k.lanes)
-    todo = np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64)
-    out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
-    count[:, 0] = Status.NOT_COMPUTED
-    noted = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
-    seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
-    pieces, kept = np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8)), []
-    shared = {
-        "JOB": todo,
-        "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
-        "PARAM": np.ascontiguousarray(params, dtype=float),
-        "START": start,
-        "OUT": out,
-        "COUNT": count,
-        "NOTED": noted,
-        "SEGT": seg_time,
-        "SEGC": seg_code,
-        "PIECES": pieces,
-        **_of_lanes(k, at_work, parts, signals, places),
-    }
-    if pooled:
-        shared |= {"STORE": np.empty((at_work, k.fields)), "POOL": np.zeros((5, before), dtype=np.int64)}
-    at = driver.where_they_are(shared)
-    advance = driver.load("advance_pooled" if pooled else "advance")
+    S, shared = _arrays(k, params, start, job, keep_pieces)
+    advance = driver.load("advance_pooled" if "POOL" in shared else "advance")
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     if not partial:
         look()
+    written, todo = [], shared["JOB"]
+    at = driver.where_they_are(shared)
     while advance(S, slice_calls, at.ctypes.data, k.table):
-        kept.append(pieces[: todo[columns.WRITTEN]].copy())
-        todo[columns.WRITTEN] = 0
+        written.append(_taken(shared))
         if progress is not None:
             progress(int(shared["N"][0, columns.DONE] if keep_pieces else todo[columns.NEXT]))
         if is_stopped():
@@ -417,16 +442,6 @@ def run(
             break
     else:
         if progress is not None:
-            progress(job.periods if keep_pieces else cases)
-    kept.append(pieces[: todo[columns.WRITTEN]].copy())
-    last = 6 + n + k.modes
-    wide_max, wide_min = noted[:, signals:, 1:].transpose(2, 0, 1)
-    early = (count[:, 0] > Status.REPEATS) & (count[:, 0] != Status.NOT_COMPUTED)
-    limit, ended = (np.where(early, np.nan, out[:, last]), np.where(early, out[:, last], np.nan)) if early.any() else (out[:, last], None)
-    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: noted[:, i] for name, i in k.signals.items()}) if signals else None
-    return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
-        seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last],
-        limit, out[:, last + 1], out[:, last + 2], ended,
-        several, None if not keep_pieces else kept[0] if len(kept) == 1 else np.concatenate(kept),
-    )  # fmt: skip
+            progress(job.periods if keep_pieces else len(params))
+    written.append(_taken(shared))
+    return _results(k, shared, written if keep_pieces else None)
