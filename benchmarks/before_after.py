@@ -2,12 +2,15 @@
 
     python benchmarks/before_after.py 2282772 HEAD [--runs 10] [--only import]
 
-Each measurement is a process of its own, A B A B ..., and prints the seconds of its work, without import and compilation unless these
-are what is measured. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second largest.
+Each measurement is a process of its own on one pinned core, A B A B ..., and prints the CPU seconds of its work, without import and
+compilation unless these are what is measured. A row is the median of the ratios pair by pair, new over old, with the second smallest and
+the second largest; and the ratio of the least of each, on which other work on the machine has the smallest part.
 Needs git and the packages that both versions import.
 """
 
 from __future__ import annotations
+
+import pin  # noqa: F401  # isort: skip  # one core, for these processes too
 
 import argparse
 import os
@@ -46,6 +49,16 @@ def batch(law: str, periods: int, rtol: float = 1e-4) -> str:
     )
 
 
+def briefly(model: str, more: str = "") -> str:
+    """Two periods of one model again and again: what a call of `solve` costs apart from its steps."""
+    return timed(LAWS + f"model = {model}\n", f"for _ in range(100): ss.solve(model, {more or 'periods=2'})", 10)
+
+
+def machines(preset: str) -> str:
+    """A batch of a machine of the presets."""
+    return timed(f"model = ss.presets.{preset}\n", 'ss.solve(model, periods=20, keep="summary")')
+
+
 def compiled(law: str) -> str:
     """The kernels of one law, in an empty cache folder."""
     asked = f'robot = rig(tilt_deg=0.0, amplitude=A).replace(friction={law})\nss.solve(robot, periods=1, keep="summary")\n'
@@ -57,18 +70,37 @@ def clocked(work: str) -> str:
     return f"import time\nbegin = time.process_time()\n{work}\nprint(time.process_time() - begin)"
 
 
+ELASTO_PLASTIC = "ss.ElastoPlastic(**same, **bristle, z_ba=0.7 * friction.mu_plus * 0.7 / friction.sigma0)"
+GMS = "ss.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attraction=100.0, sigma2=friction.sigma2)"
+FLOW = """ss.SwitchingFlow(
+    {0: lambda t, y: (y[1], -9.81)}, {0: (ss.Switch(lambda t, y: y[0], 0, lambda t, y: (0.0, -0.8 * y[1])),)}, states=("height", "v")
+)"""
 BRANCH = 'ss.continuation(rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")'
 WORK = {
     "LuGre, 512 robots": batch("friction", 60),
     "LuGre, 512 robots, 1e-7": batch("friction", 30, 1e-7),
-    "elasto-plastic, 512 robots": batch("ss.ElastoPlastic(**same, **bristle, z_ba=0.7 * friction.mu_plus * 0.7 / friction.sigma0)", 40),
-    "GMS, 512 robots": batch("ss.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attraction=100.0, sigma2=friction.sigma2)", 30),
+    "elasto-plastic, 512 robots": batch(ELASTO_PLASTIC, 40),
+    "GMS, 512 robots": batch(GMS, 30),
     "Coulomb, 512 robots, closed arcs": batch("ss.Coulomb(**same)", 1000),
     "Stribeck, 512 robots, Taylor arcs": batch("ss.Stribeck(**same, v_s=friction.v_s)", 30),
     "one LuGre run": timed("robot = rig(tilt_deg=1.7, amplitude=6e-4)\n", "for _ in range(20): ss.solve(robot, periods=60).v"),
     "one Coulomb run": timed(
         'robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")\n', "for _ in range(20): ss.solve(robot, periods=60).v"
     ),
+    "solve, Coulomb": briefly('rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")'),
+    "solve, LuGre": briefly("rig(tilt_deg=1.7, amplitude=6e-4)"),
+    "solve, LuGre, summary": briefly("rig(tilt_deg=1.7, amplitude=6e-4)", 'periods=2, keep="summary"'),
+    "solve, Stribeck": briefly("rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=ss.Stribeck(**same, v_s=friction.v_s))"),
+    "solve, a new robot each time": timed(
+        "robot = rig(tilt_deg=1.7, amplitude=6e-4)\n",
+        "for k in range(100): ss.solve(robot.replace(inner_mass=robot.inner_mass * (1 + 1e-6 * k)), periods=2)",
+        10,
+    ),
+    "solve, two modules": briefly("ss.presets.two_modules(amplitude=6e-4)"),
+    "solve, a belt": briefly("ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))", "duration=2.0"),
+    "solve, a flow": briefly(FLOW, 'duration=2.0, start={"height": 1.0}'),
+    "two modules, 512 cases": machines("two_modules(amplitude=np.linspace(5e-4, 7e-4, 512))"),
+    "conveyors, 512 cases": machines("conveyor(throw_index=np.linspace(2.4, 2.6, 512))"),
     "one run on a belt": timed(
         "belt = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))\n",
         "for _ in range(10): ss.solve(belt, duration=100.0).v",
@@ -80,13 +112,18 @@ WORK = {
     "basins": timed(
         "", "ss.basins(rig(tilt_deg=1.7, amplitude=8e-4, mu0=0.05), v=np.linspace(-0.1, 0.1, 24), z=np.linspace(-1e-6, 1e-6, 2))", 1
     ),
+    "compile, Coulomb": compiled("ss.Coulomb(**same)"),
     "compile, LuGre": compiled("friction"),
     "compile, Stribeck": compiled("ss.Stribeck(**same, v_s=friction.v_s)"),
+    "compile, elasto-plastic": compiled(ELASTO_PLASTIC),
+    "compile, GMS": compiled(GMS),
+    "compile, Dahl": compiled("ss.Dahl(friction.mu_plus, friction.mu_minus, friction.sigma0)"),
     "import": clocked("import stickslip"),
     "import and solve's module": clocked("import stickslip as ss; ss.solve; ss.Robot"),
     "stickslip --help": clocked(
-        "import contextlib, io\nfrom stickslip.show.cli import main\n"
-        'with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):\n    main(["--help"])'
+        'import contextlib, io, runpy, sys\nsys.argv[1:] = ["--help"]\n'
+        "with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):\n"
+        '    runpy.run_module("stickslip", run_name="__main__")'
     ),
 }
 
@@ -125,7 +162,8 @@ def report(name: str, pairs: list[tuple[float, ...]]) -> None:
     ratios = sorted(new / old for old, new in pairs)
     low, high = ratios[min(1, len(ratios) - 1)], ratios[max(len(ratios) - 2, 0)]
     old, new = (statistics.median(side) for side in zip(*pairs, strict=True))
-    print(f"{name:36} {statistics.median(ratios):6.3f}  ({low:.3f} to {high:.3f})   {old:.4f} s -> {new:.4f} s", flush=True)
+    least = min(new for _, new in pairs) / min(old for old, _ in pairs)
+    print(f"{name:36} {statistics.median(ratios):6.3f}  ({low:.3f} to {high:.3f})  {least:6.3f}   {old:.4f} s -> {new:.4f} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -93,5 +93,37 @@ def test_answers_about_records_that_may_change_are_not_kept():
 
 def test_answers_are_given_up_with_their_record():
     kept = OfFrozen(dataclasses.asdict)
-    kept(ss.Coulomb(0.15, 0.21))
-    assert not kept._known
+    law = ss.Coulomb(0.15, 0.21)
+    assert kept(law) is kept(law)
+    assert len(kept) == 1
+    del law
+    assert len(kept) == 0
+
+
+@dataclass(frozen=True, slots=True)
+class Sled:
+    """A machine to which no weak reference can be made."""
+
+    mass: float
+    friction: object
+    period = None
+    time_scale = velocity_scale = 1.0
+
+    @property
+    def total_mass(self):
+        return self.mass
+
+    @property
+    def load(self):
+        return 9.81 * self.mass
+
+    def contact_velocity(self, v):
+        return v
+
+    def acceleration(self, t, x, v, R):
+        return 1.0 - R / self.mass
+
+
+def test_a_machine_with_slots_is_solved():
+    run = ss.solve(Sled(2.0, ss.Coulomb(0.05, 0.05)), duration=2.0)
+    assert run.v[-1] == pytest.approx((1.0 - 0.05 * 9.81) * 2.0, rel=1e-12)

@@ -112,10 +112,14 @@ def numbers_by_name(model: Model, cases: slice = slice(None)) -> dict[str, Any]:
     ([0.0005, 0.0006], 0.00948)
     """
     values = dict(leaves(model))
-    labels = labels_together(values, type(model).__name__)
+    return of_cases(values, labels_together(values, type(model).__name__), cases)
+
+
+def of_cases(numbers: dict[str, Any], labels: Labels, cases: slice = slice(None)) -> dict[str, Any]:
+    """The same of numbers as they stand in a model, with the labels of the batch that they form."""
     if not labels.shape:
-        return values
-    return {name: _on_batch(value, labels).flat[cases] if is_array(value) else value for name, value in values.items()}
+        return numbers
+    return {name: _on_batch(value, labels).flat[cases] if is_array(value) else value for name, value in numbers.items()}
 
 
 def some_of(model: Model, at: Any) -> Any:

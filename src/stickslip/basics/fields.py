@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip.basics.contracts import Array
@@ -32,6 +32,18 @@ LARGEST = 1e150
 def is_array(value: Any) -> bool:
     """Whether a number is an array of numbers."""
     return getattr(value, "ndim", 0) > 0
+
+
+def are_single(values: Collection[Any]) -> bool:
+    """Whether no number is an array of numbers, so that they are those of one case.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> are_single([1.0, 2]), are_single([1.0, np.array([2.0, 3.0])])
+    (True, False)
+    """
+    return {*map(type, values)} <= {float} or not any(map(is_array, values))  # the usual case, without further checks
 
 
 def number(value: Any, unit: str | None = None) -> Any:
@@ -483,9 +495,24 @@ def is_record(value: Any) -> bool:
 def is_frozen(record: Any) -> bool:
     """Whether a record and all its parts are immutable; numbers under names of their own are in a mapping, which is mutable."""
     cls: Any = type(record)
-    values = [getattr(record, name) for name, _ in _plan(cls)]
-    parts = [part for value in values for part in (value if _are_records(value) else (value,)) if is_record(part)]
-    return cls.__dataclass_params__.frozen and all(holds != "named" for _, holds in _plan(cls)) and all(map(is_frozen, parts))
+    if not _is_frozen_class(cls):
+        return False
+    for name, _ in _plan(cls):
+        value = getattr(record, name)
+        if type(value) is float:  # the usual case, without further checks
+            continue
+        if is_record(value):
+            if not is_frozen(value):
+                return False
+        elif _are_records(value) and not all(map(is_frozen, value)):
+            return False
+    return True
+
+
+@functools.lru_cache(maxsize=256)
+def _is_frozen_class(cls: Any) -> bool:
+    """Whether the fields of a class's records stay as they are, and none of them is a mapping."""
+    return cls.__dataclass_params__.frozen and all(holds != "named" for _, holds in _plan(cls))
 
 
 def _are_records(value: Any) -> bool:
@@ -493,28 +520,37 @@ def _are_records(value: Any) -> bool:
     return isinstance(value, tuple) and bool(value) and all(map(is_record, value))
 
 
-def leaves(record: Any, prefix: str = "", kinds: bool = False) -> list[tuple[str, Any]]:
+def leaves(record: Any, prefix: str = "", kinds: bool = False, number_as: Callable[[str, Any], Any] | None = None) -> list[tuple[str, Any]]:
     """Every number of a record and of its parts, as (dotted name, value); with `kinds` also the fields that are not numbers.
 
-    A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind.
+    A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind. With
+    `number_as` each number is what this function makes of its name and its value.
     """
     numbers: list[tuple[str, Any]] = [(prefix + "__class__", type(record))] if kinds else []
     for name, full, holds in _named_plan(type(record), prefix):  # type: ignore[arg-type]
         value = getattr(record, name)
         if type(value) is float and holds == "number":  # the usual case, without further checks
-            numbers.append((full, value))
+            numbers.append((full, value if number_as is None else number_as(full, value)))
         elif is_record(value):
-            numbers += leaves(value, f"{full}.", kinds)
+            numbers += leaves(value, f"{full}.", kinds, number_as)
         elif _are_records(value):
             for i, part in enumerate(value):
-                numbers += leaves(part, f"{full}.{i}.", kinds)
-        elif holds == "numbers" and isinstance(value, tuple):
-            numbers += [(f"{full}.{i}", v) for i, v in enumerate(value)]
-        elif holds == "named":
-            numbers += [(prefix + own, v) for own, v in value.items()]
-        elif (holds != "kind" and value is not None) or kinds:
+                numbers += leaves(part, f"{full}.{i}.", kinds, number_as)
+        elif holds != "kind" and value is not None:
+            own = _several(full, prefix, holds, value)
+            numbers += own if number_as is None else [(each, number_as(each, v)) for each, v in own]
+        elif kinds:
             numbers.append((full, value))
     return numbers
+
+
+def _several(full: str, prefix: str, holds: str, value: Any) -> list[tuple[str, Any]]:
+    """The numbers of a field by name: one, a tuple of them, or a mapping of those with names of their own."""
+    if holds == "named":
+        return [(prefix + own, v) for own, v in value.items()]
+    if holds == "numbers" and isinstance(value, tuple):
+        return [(f"{full}.{i}", v) for i, v in enumerate(value)]
+    return [(full, value)]
 
 
 def _holds_symbols(record: Any) -> bool:

@@ -9,8 +9,8 @@
 - Methods: closed arcs (`closed_arc_conditions`), Taylor series (`rows`, `slaved`, `slaving`, `unforeseen`), Rosenbrock steps
   (`tableaux`), fixed steps.
 - A kernel's file has what depends on the law; `driver` and `kernels/` are the same for all laws and call the law's functions at
-  their addresses. `functions` writes the driver as one piece of LLVM, `emit` a step's lines, both with `expressions`, and the table
-  `SHARED` of `driver` is the layout of their arrays.
+  their addresses. `functions` writes the driver as one piece of LLVM, `emit` a step's lines, both with `expressions`, and
+  `shared_arrays` has the layout of their arrays.
 - `traced_law`, `law_steps`, `portable`: a law alone, over a prescribed motion, or as lines of C or MATLAB; `latex`: equations
   as derived.
 """

@@ -12,6 +12,7 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.kernel_text import FUNCTIONS, LOOKS, header, kernel_text, written
+from stickslip.engine.shared_arrays import SHARED
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
@@ -25,30 +26,6 @@ _APART = {
     ),
     "changes": (("rates_now", "settle_changes", "note_late", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
 }
-#: Arrays that Python and the functions of the driver share, and their types: their addresses and shapes stand in this order in the numbers
-#: at W (`where_they_are`).
-SHARED = {
-    "JOB": "i1",  # see kernels/columns.py
-    "LIMITS": "f1",
-    "N": "i2",  # of each lane: whole numbers
-    "K": "f2",  # numbers
-    "RING": "f3",  # the last strobe points
-    "XS": "f3",  # where everything is at the first of the window, and at the start of the last motion period
-    "HELD": "f2",  # what its step holds
-    "FOUND": "f3",  # what is found of signals
-    "ROOM": "f2",  # where a step is looked at
-    "PARAM": "f2",  # of each case: its numbers
-    "START": "f2",
-    "OUT": "f2",  # its results
-    "COUNT": "i2",
-    "NOTED": "f3",
-    "SEGT": "f2",
-    "SEGC": "b2",
-    "PIECES": "f2",  # of a single case its dense output
-    "STORE": "f2",  # of a pool: what its lanes hold from step to step
-    "POOL": "i2",
-}
-_NO_LENGTHS = (0, 0, 0)
 _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
@@ -83,18 +60,6 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists:
     first = len(head) + len(_LISTS) + len(scale_at)
     begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
     return np.array([*head, *begins, *scale_at, *(number for numbers in lists for number in numbers)], dtype=np.int64)
-
-
-def where_they_are(arrays: dict[str, Any]) -> Any:
-    """The address and the shape of each shared array, four numbers for each; one that is not given has no elements."""
-    import numpy as np
-
-    numbers: list[int] = []
-    for name in SHARED:
-        array = arrays.get(name)
-        shape = () if array is None else array.shape
-        numbers += (0 if array is None else array.__array_interface__["data"][0], *shape, *_NO_LENGTHS[len(shape) :])
-    return np.array(numbers, dtype=np.int64)
 
 
 def gauss(count: int) -> tuple[list[float], list[float]]:

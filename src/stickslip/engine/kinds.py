@@ -19,7 +19,7 @@ from stickslip.basics.errors import InputError
 from stickslip.basics.fields import leaves
 from stickslip.basics.references import References
 from stickslip.engine.remembered import OfFrozen
-from stickslip.engine.symbolic import numbers_of
+from stickslip.engine.symbolic import is_written_out
 from stickslip.models.declaration import answers, answers_of, calls, instants, same_answers
 from stickslip.models.machine_adapter import forget_mechanics, fresh_mechanics
 
@@ -94,8 +94,7 @@ _editions = Editions()
 
 
 def _parts_of(model: Model) -> tuple[Any, ...]:
-    numbers = set(numbers_of(model))
-    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
+    return tuple(leaves(model, kinds=True, number_as=lambda name, value: value if is_written_out(name, value) else _NUMBER))
 
 
 _known_parts: OfFrozen[tuple[Any, ...]] = OfFrozen(_parts_of)

@@ -26,6 +26,7 @@ from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, s
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.roundings import sizes_text
+from stickslip.engine.shared_arrays import Shared, address_of
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
@@ -41,6 +42,7 @@ ROOM = 11
 LANES, WIDTH = 16, 8
 #: Cases at work at a time where steps are of two sorts: more of them wait for lanes, so that these do not.
 PLACES = 64
+_REPEATS, _NOT_COMPUTED = int(Status.REPEATS), int(Status.NOT_COMPUTED)  # as numbers, which arrays take faster
 #: Numbers of the layout that a law's own functions read.
 _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
 
@@ -334,67 +336,67 @@ def bytes_of_piece(k: Kernel) -> int:
     return 8 * (4 + k.contacts + k.modes + k.states * (k.degree + 1))
 
 
-def _of_lanes(k: Kernel, at_work: int, parts: int, signals: int, places: int) -> dict[str, Any]:
-    """The arrays with a row for each case at work, and the one in which they look at a step (`driver.SHARED`)."""
-    import numpy as np
-
-    numbers, n = np.zeros((at_work, columns.SEGMENTS + parts), dtype=np.int64), k.states
-    numbers[:, columns.CASE] = -1
+def _shapes(k: Kernel, cases: int, at_work: int, parts: int, signals: int, places: int) -> dict[str, tuple[int, ...]]:
+    """The shapes of the arrays of a table of cases, of those that are at work, and of the room in which they look at a step."""
+    n = k.states
     return {
-        "N": numbers,
-        "K": np.zeros((at_work, columns.BEFORE + 1)),
-        "RING": np.zeros((at_work, KEPT, 1 + n + k.modes + columns.BESIDE)),
-        "XS": np.zeros((at_work, LONGEST + 1, places)),
-        "HELD": np.zeros((at_work, k.held)),
-        "FOUND": np.zeros((at_work, signals + len(k.bodies), 3)),
-        "ROOM": np.zeros((ROOM + n, max(n, parts + signals, 8))),
+        "JOB": (columns.WHOLE + 1,),
+        "LIMITS": (columns.BUDGET_OF_STEPS + 1,),
+        "PARAM": (cases, len(k.names)),
+        "START": (cases, 1 + n + k.modes),
+        "OUT": (cases, 9 + n + k.modes + places - 1),
+        "COUNT": (cases, 5 + parts),
+        "NOTED": (cases if signals else 0, signals + len(k.bodies), 3),
+        "SEGT": (cases, parts * columns.SEGS),
+        "SEGC": (cases, parts * columns.SEGS),
+        "N": (at_work, columns.SEGMENTS + parts),
+        "K": (at_work, columns.BEFORE + 1),
+        "RING": (at_work, KEPT, 1 + n + k.modes + columns.BESIDE),
+        "XS": (at_work, LONGEST + 1, places),
+        "HELD": (at_work, k.held),
+        "FOUND": (at_work, signals + len(k.bodies), 3),
+        "ROOM": (ROOM + n, max(n, parts + signals, 8)),
     }
 
 
-def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> tuple[Any, dict[str, Any]]:
-    """What the lanes hold, and the arrays that a kernel shares with its driver by name (`driver.SHARED`), before the first case."""
+def _arrays(k: Kernel, params: Any, start: Any, job: Job, keep_pieces: bool) -> tuple[Any, Shared]:
+    """What the lanes hold, and the arrays that a kernel shares with its driver, before the first case."""
     import numpy as np
 
-    cases, n, bodies = len(params), k.states, len(k.bodies)
-    signals = 1 + max(k.signals.values(), default=-1)
+    cases, signals = len(params), 1 + max(k.signals.values(), default=-1)
     parts, places = (k.contacts, 1 + len(k.owners)) if signals else (1, 1)
     pooled = k.table[driver.column("F_SOON")] >= 0 and cases > k.lanes
     at_work, before = (min(PLACES, cases), 8 * (max(PLACES, k.fields) // 8 + 1)) if pooled else (k.lanes, 0)
-    begin, count = np.zeros((cases, 1 + n + k.modes)), np.zeros((cases, 5 + parts), dtype=np.int64)
-    begin[:, : start.shape[1]] = start
-    count[:, 0] = Status.NOT_COMPUTED
-    shared = {
-        "JOB": np.array([0, cases, 0, job.periods, job.settle, int(job.auto), int(keep_pieces or job.whole)], dtype=np.int64),
-        "LIMITS": np.array([job.rtol, job.slip_ratio, job.budget]),
-        "PARAM": np.ascontiguousarray(params, dtype=float),
-        "START": begin,
-        "OUT": np.full((cases, 9 + n + k.modes + places - 1), np.nan),
-        "COUNT": count,
-        "NOTED": np.full((cases if signals else 0, signals + bodies, 3), np.nan),
-        "SEGT": np.zeros((cases, parts * columns.SEGS)),
-        "SEGC": np.zeros((cases, parts * columns.SEGS), dtype=np.int8),
-        "PIECES": np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8)),
-        **_of_lanes(k, at_work, parts, signals, places),
-    }
-    if pooled:
-        shared |= {"STORE": np.empty((at_work, k.fields)), "POOL": np.zeros((5, before), dtype=np.int64)}
-    return _aligned(before + (k.fields + 2 * bodies) * k.lanes), shared
+    pool = {"STORE": (at_work, k.fields), "POOL": (5, before)} if pooled else {}
+    shared = Shared(_shapes(k, cases, at_work, parts, signals, places) | pool)
+    shared["JOB"][:] = (0, cases, 0, job.periods, job.settle, job.auto, keep_pieces or job.whole)
+    shared["LIMITS"][:] = (job.rtol, job.slip_ratio, job.budget)
+    shared["PARAM"][:] = params
+    shared["START"][:, : start.shape[1]] = start
+    shared["N"][:, columns.CASE] = -1
+    shared["COUNT"][:, 0] = _NOT_COMPUTED
+    shared["OUT"].fill(np.nan)
+    shared["NOTED"].fill(np.nan)
+    shared["PIECES"] = np.empty((8192 if keep_pieces else 0, bytes_of_piece(k) // 8))
+    return _aligned(before + (k.fields + 2 * len(k.bodies)) * k.lanes), shared
 
 
-def _taken(shared: dict[str, Any]) -> Any:
+def _taken(shared: Shared) -> Any:
     """The dense output that a slice has written, whose room is free again."""
     written = shared["PIECES"][: shared["JOB"][columns.WRITTEN]].copy()
     shared["JOB"][columns.WRITTEN] = 0
     return written
 
 
-def _results(k: Kernel, shared: dict[str, Any], written: list[Any] | None) -> Results:
+def _results(k: Kernel, shared: Shared, written: list[Any] | None) -> Results:
     """The results in what a kernel has written."""
     import numpy as np
 
     out, count, noted, last = shared["OUT"], shared["COUNT"], shared["NOTED"], 6 + k.states + k.modes
-    early = (count[:, 0] > Status.REPEATS) & (count[:, 0] != Status.NOT_COMPUTED)
-    limit, ended = (np.where(early, np.nan, out[:, last]), np.where(early, out[:, last], np.nan)) if early.any() else (out[:, last], None)
+    limit, ended = out[:, last], None
+    if count[:, 0].max(initial=0) > _REPEATS:
+        early = (count[:, 0] > _REPEATS) & (count[:, 0] != _NOT_COMPUTED)
+        limit, ended = (np.where(early, np.nan, limit), np.where(early, limit, np.nan)) if early.any() else (limit, None)
     several = None
     if k.signals:
         wide_max, wide_min = noted[:, 1 + max(k.signals.values()) :, 1:].transpose(2, 0, 1)
@@ -431,8 +433,8 @@ def run(
     if not partial:
         look()
     written, todo = [], shared["JOB"]
-    at = driver.where_they_are(shared)
-    while advance(S, slice_calls, at.ctypes.data, k.table):
+    at = address_of(shared.at)
+    while advance(S, slice_calls, at, k.table):
         written.append(_taken(shared))
         if progress is not None:
             progress(int(shared["N"][0, columns.DONE] if keep_pieces else todo[columns.NEXT]))

@@ -64,15 +64,34 @@ class OfFrozen(Generic[T]):
 
     def __init__(self, find: Callable[[Any], T]):
         self._find = find
-        self._known: dict[int, tuple[weakref.ref[Any], T]] = {}
+
+    def __len__(self) -> int:
+        """How many are kept."""
+        return sum(self in answers for _, answers in list(_of_records.values()))
 
     def __call__(self, record: Any) -> T:
         """The answer for a record."""
-        known, key = self._known, id(record)
-        kept = known.get(key)
-        if kept is not None and kept[0]() is record:
-            return kept[1]
-        answer = self._find(record)
-        if is_frozen(record):
-            known[key] = weakref.ref(record, lambda _: known.pop(key, None)), answer
-        return answer
+        kept = _of_records.get(id(record))
+        answers = kept[1] if kept is not None and kept[0]() is record else _place_of(record)
+        if answers is None:
+            return self._find(record)
+        if self not in answers:
+            answers[self] = self._find(record)
+        return answers[self]
+
+
+#: The frozen records about which something is known, by id, each with all answers about it.
+_of_records: dict[int, tuple[weakref.ref[Any], dict[Any, Any]]] = {}
+
+
+def _place_of(record: Any) -> dict[Any, Any] | None:
+    """A place for answers about a frozen record, which goes with it; None for a record that may change, or has ``__slots__``."""
+    if not is_frozen(record):
+        return None
+    key, answers = id(record), dict[Any, Any]()
+    try:
+        alive = weakref.ref(record, lambda _: _of_records.pop(key, None))
+    except TypeError:  # it has __slots__
+        return None
+    _of_records[key] = alive, answers
+    return answers

@@ -18,11 +18,12 @@ def numbers_of(model: Model) -> tuple[str, ...]:
 
     An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
     """
-    return tuple(name for name, value in leaves(model) if not (name.rpartition(".")[2] == "exponent" and _written_out(value)))
+    return tuple(name for name, value in leaves(model) if not is_written_out(name, value))
 
 
-def _written_out(exponent: Any) -> bool:
-    return isinstance(exponent, float) and exponent in (1.0, 2.0)
+def is_written_out(name: str, value: Any) -> bool:
+    """Whether a number is an exponent that is 1 or 2 for all cases."""
+    return name.endswith("exponent") and name.rpartition(".")[2] == "exponent" and isinstance(value, float) and value in (1.0, 2.0)
 
 
 AS_IT_IS = object()  # stops are closed as their modes say

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import Any, Literal, overload
 
 from stickslip.basics.arguments import Model, explains_arguments
-from stickslip.basics.interruption import accept_part, interruptible, taking_some_cases
+from stickslip.basics.interruption import accept_part, interruptible, is_asked_to_end, taking_some_cases
 from stickslip.models.switching_flow import is_flow
 from stickslip.results.summary import Summary
 from stickslip.results.trajectory import Trajectory
@@ -125,6 +125,6 @@ def solve(
             model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
         )
         result = method_for(todo.method, todo.model, bool(todo.observe)).run(todo)
-        if todo.partial and result.interrupted:
+        if todo.partial and is_asked_to_end() and result.interrupted:
             accept_part()
         return result

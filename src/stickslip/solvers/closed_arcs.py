@@ -6,14 +6,17 @@ motion is v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwar
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.basics.batch import numbers_by_name
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.fields import is_array
+from stickslip.basics.fields import are_single, is_array
+from stickslip.basics.frozen_arrays import seal
 from stickslip.engine.closed_arc_conditions import ArcNumbers, closed_of
 from stickslip.engine.kinds import known_kind
 from stickslip.engine.remembered import Remembered
@@ -52,12 +55,29 @@ class Arcs:
     along: Array
 
 
-_kept: Remembered[ArcNumbers] = Remembered(most=64)
+class _Rows:
+    """The equations' numbers of all cases of a model, and what follows from them."""
+
+    def __init__(self, numbers: ArcNumbers, count: int):
+        self._numbers, self._count = numbers, count
+
+    @cached_property
+    def arcs(self) -> Arcs:
+        """Each number as a column."""
+        return Arcs(**seal({name: value + np.zeros(self._count) for name, value in self._numbers.numbers.items()}))
+
+    @cached_property
+    def flaw(self) -> str | None:
+        """The condition that they violate; None if there is none."""
+        return _unfit(self._numbers)
+
+
+_kept: Remembered[_Rows] = Remembered(most=64)
 _places: Remembered[bool] = Remembered()
 
 
-def dimensionless_arcs(model: Model) -> Arcs:
-    """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
+def dimensionless_arcs(model: Model, numbers: dict[str, Any] | None = None) -> Arcs:
+    """The arcs' numbers of every case of a model that `handles` accepts, from its own equations; its `numbers_by_name` may be given.
 
     Examples
     --------
@@ -66,19 +86,18 @@ def dimensionless_arcs(model: Model) -> Arcs:
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.477433
     """
-    numbers = numbers_by_name(model)
-    count = next((len(value) for value in numbers.values() if is_array(value)), 1)
-    return Arcs(**{name: value + np.zeros(count) for name, value in _rows(model, numbers).numbers.items()})
+    return _rows(model, numbers_by_name(model) if numbers is None else numbers).arcs
 
 
-def _rows(model: Model, numbers: dict[str, Any]) -> ArcNumbers:
+def _rows(model: Model, numbers: dict[str, Any]) -> _Rows:
     """The equations' numbers: columns where the model's are arrays, single floats elsewhere; those of a single case are kept a while."""
 
-    def evaluated() -> ArcNumbers:
-        return closed_of(model).rows_with(numbers)
+    def evaluated() -> _Rows:
+        count = next((len(value) for value in numbers.values() if is_array(value)), 1)
+        return _Rows(closed_of(model).rows_with(numbers), count)
 
-    one = not any(map(is_array, numbers.values()))
-    return _kept((known_kind(model), np.array([*numbers.values()], float).tobytes()), evaluated) if one else evaluated()
+    one = are_single(numbers.values())
+    return _kept((known_kind(model), array("d", numbers.values()).tobytes()), evaluated) if one else evaluated()
 
 
 def handles(model: Model) -> str | None:
@@ -108,21 +127,20 @@ def handles(model: Model) -> str | None:
         rows = _rows(model, numbers_by_name(model))
     except Exception as error:  # equations that the engine cannot trace, which it says itself where it must
         return f"the equations of {kind} cannot be looked through: {error}"
-    return _unfit(rows, law, kind)
+    return None if rows.flaw is None else rows.flaw.format(kind=kind, law=law)
 
 
-def _unfit(rows: ArcNumbers, law: str, kind: str) -> str | None:
-    """The condition that the equations of some rows violate; None if there is none."""
+def _unfit(rows: ArcNumbers) -> str | None:
+    """The condition that the equations of some rows violate, for `str.format` with a kind and a law; None if there is none."""
     if rows.broken:
-        return (
-            f"the acceleration of {kind} under {law} depends on {', '.join(rows.broken)}; exact arcs are closed formulas for {_FORM} only"
-        )
+        why = ", ".join(rows.broken)
+        return "the acceleration of {kind} under {law} depends on " + f"{why}; exact arcs are closed formulas for {_FORM} only"
     ahead, back, up, down, along = (rows.numbers[name] for name in ("resist_plus", "resist_minus", "hold_plus", "hold_minus", "along"))
     bound = _ROUNDING * np.maximum(np.max(abs(ahead + along)), np.max(abs(back - along)))
     if np.any(ahead + back < 0):
-        return f"the sliding friction of {law} feeds the motion; exact arcs need sliding(+v) >= sliding(-v)"
+        return "the sliding friction of {law} feeds the motion; exact arcs need sliding(+v) >= sliding(-v)"
     if np.any(up < ahead - bound) or np.any(down < back - bound):
-        return f"{law} breaks away below its sliding friction; exact arcs need breakaway() at or beyond sliding()"
+        return "{law} breaks away below its sliding friction; exact arcs need breakaway() at or beyond sliding()"
     return None
 
 

@@ -79,7 +79,7 @@ def orbit_rows(
 
 def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
-    arcs = dimensionless_arcs(todo.model)
+    arcs = dimensionless_arcs(todo.model, todo.numbers_of())
     rows, driven = exact.dimensionless_rows(arcs, np.zeros(todo.cases))
     easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
     rows[~easy] = exact.AT_REST
@@ -98,7 +98,10 @@ def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
 def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
     """The same period after period from the start that was asked for; beside the summary the ways [m] and v_end [m/s]."""
     raw = exact.raw_batch(todo)
-    return exact.summary_of(todo, raw), {**ways_from(raw, dimensionless_arcs(todo.model), todo.workers), "v_end": raw["v_end"]}
+    return exact.summary_of(todo, raw), {
+        **ways_from(raw, dimensionless_arcs(todo.model, todo.numbers_of()), todo.workers),
+        "v_end": raw["v_end"],
+    }
 
 
 def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.basics.batch import cases_of, numbers_by_name
 from stickslip.basics.contracts import Array, Model
-from stickslip.basics.fields import is_array, replace_leaf
+from stickslip.basics.fields import are_single, replace_leaf
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
 from stickslip.models.machine_adapter import MachineAdapter, machine_of
@@ -35,6 +35,8 @@ class CaseTable:
         Numbers of the kernel that are none of the model.
     machine : MachineAdapter, optional
         The model's adapter, where it is at hand.
+    own : dict, optional
+        The model's numbers in these cases (`numbers_by_name`), where they are at hand.
     """
 
     def __init__(
@@ -47,9 +49,11 @@ class CaseTable:
         which: slice = slice(None),
         more: dict[str, Array] | None = None,
         machine: MachineAdapter | None = None,
+        own: dict[str, Any] | None = None,
     ):
-        cases, own, machine = len(start), numbers_by_name(model, which), machine or machine_of(model)
-        flat = machine_of(replace_leaf(model, own)) if any(map(is_array, own.values())) else machine
+        cases, machine = len(start), machine or machine_of(model)
+        own = numbers_by_name(model, which) if own is None else own
+        flat = machine if are_single(own.values()) else machine_of(replace_leaf(model, own))
         self.model, self.which = model, which
         self.span = np.broadcast_to(span, (cases,))
         known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.basics.batch import Labels, labels_together, spread_over_cases
+from stickslip.basics.batch import Labels, labels_together, of_cases, spread_over_cases
 from stickslip.basics.contracts import Model
 from stickslip.basics.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.basics.fields import leaves, number
@@ -62,6 +62,10 @@ class Request:
     def cases(self) -> int:
         """Number of cases."""
         return self.labels.cases
+
+    def numbers_of(self, cases: slice = slice(None)) -> dict[str, Any]:
+        """The model's numbers in some cases, as `stickslip.basics.batch.numbers_by_name` gives them."""
+        return of_cases(self.numbers, self.labels, cases)
 
     @cached_property
     def machine(self) -> MachineAdapter:

@@ -45,7 +45,7 @@ AT_REST = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
     if todo.keep == "trajectory":
-        arcs, counts = solve_one(todo.model, todo.periods, _start_of(todo), todo.progress, todo.partial)
+        arcs, counts = solve_one(todo.model, todo.periods, _start_of(todo), todo.progress, todo.partial, todo.numbers_of())
         whole = arcs.t[-1] == todo.periods * float(todo.span[0])
         return trajectory(todo, "exact", arcs, counts, Status.FINISHED if whole else Status.NOT_COMPUTED)
     return summary_of(todo, raw_batch(todo))
@@ -57,7 +57,7 @@ def _start_of(todo: Request) -> dict[str, Any]:
 
 def raw_batch(todo: Request) -> dict[str, Array]:
     """The raw results of `solve_batch` as asked, times in seconds."""
-    arcs, settle = dimensionless_arcs(todo.model), "auto" if todo.auto else todo.settle
+    arcs, settle = dimensionless_arcs(todo.model, todo.numbers_of()), "auto" if todo.auto else todo.settle
     raw = solve_batch(todo.model, todo.periods, settle, _start_of(todo), todo.workers, todo.progress, arcs)
     raw["seg_time"] = raw["seg_time"] * arcs.period[:, None]
     return raw
@@ -190,7 +190,7 @@ def solve_batch(
     [0.002032039, 0.004308808]
     """
     arcs = dimensionless_arcs(model) if arcs is None else arcs
-    x0, v0 = _start(model, start)
+    x0, v0 = _start(labels_of(model).shape, start)
     rows, driven = dimensionless_rows(arcs, v0)
     good = np.isfinite(rows).all(axis=1)
     rows[~(good & driven)] = AT_REST
@@ -205,16 +205,16 @@ def solve_batch(
     return raw
 
 
-def _start(model: Model, start: dict[str, Any] | None) -> tuple[Array, Array]:
+def _start(shape: tuple[int, ...], start: dict[str, Any] | None) -> tuple[Array, Array]:
     """x and v at t = 0 of every case."""
-    shape = labels_of(model).shape
     x, v = (np.broadcast_to(np.asarray((start or {}).get(name, 0.0), float), shape).ravel() + 0.0 for name in "xv")
     return x, v
 
 
 def solve_one(
-    model: Model, periods: int, start: dict[str, Any] | None = None, progress: Progress | None = None, partial: bool = False
-) -> tuple[HarmonicArcs, dict[str, int]]:
+    model: Model, periods: int, start: dict[str, Any] | None = None, progress: Progress | None = None, partial: bool = False,
+    known: dict[str, Any] | None = None,
+) -> tuple[HarmonicArcs, dict[str, int]]:  # fmt: skip
     """Run one case and keep every arc.
 
     Parameters
@@ -229,6 +229,8 @@ def solve_one(
         Called with (periods done, periods).
     partial : bool
         Whether an interruption ends it with the periods that are done.
+    known : dict, optional
+        The model's numbers by name, where they are at hand.
 
     Returns
     -------
@@ -244,8 +246,8 @@ def solve_one(
     >>> arcs.mode[:, 0].tolist(), counts
     ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
     """
-    numbers = dimensionless_arcs(model)
-    (x0,), (v0,) = _start(model, start)
+    numbers = dimensionless_arcs(model, known)
+    (x0,), (v0,) = _start((), start)
     rows, driven = dimensionless_rows(numbers, np.array([v0]))
     if not np.isfinite(rows).all():
         raise SolveError(

@@ -44,7 +44,7 @@ def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Traject
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, _job(todo, rtol)))
     job = _job(todo, rtol, KEPT // lanes.bytes_of_piece(kernel))
-    table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine)
+    table = CaseTable(todo.model, kernel, todo.start, todo.span, machine=todo.machine, own=todo.numbers_of())
     results = lanes.run(
         kernel, table.rows, table.start, job, lambda done: todo.progress(done, todo.periods), keep_pieces=True, partial=todo.partial
     )
@@ -132,7 +132,8 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
             todo.progress(sum(begun), todo.cases)
 
         cases = slice(first, last)
-        table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine)
+        own = todo.numbers_of(cases)
+        table = CaseTable(todo.model, kernel, todo.start[cases], todo.span[cases], which=cases, machine=todo.machine, own=own)
         results = lanes.run(kernel, table.rows, table.start, job, progress=tell, partial=todo.partial)
         return _raw(todo, results, kernel, table)
 
