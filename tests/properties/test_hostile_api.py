@@ -238,6 +238,7 @@ def examples():
     body = {"mass": 1.0, "stiffness": 100.0, "friction": ss.Coulomb(0.1, 0.2), "load": 1.0, "damping": 0.1}
     found |= {name: (kind, {**body, "speed": 0.1}) for name, kind in (("PulledMass", ss.PulledMass), ("BlockOnBelt", ss.BlockOnBelt))}
     found["ForcedOscillator"] = ss.ForcedOscillator, {**body, "force": 1.0, "omega": 8.0, "bias": 0.0}
+    found["ForceRig"] = ss.ForceRig, {"friction": ss.Coulomb(0.1, 0.2), "backlash": 1e-4}
     for kinds in (LAWS, DRIVES):
         for name, kind in kinds.items():
             one = kind.example() if hasattr(kind, "example") else None

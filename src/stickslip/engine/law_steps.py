@@ -60,20 +60,21 @@ class LawSteps:
         label = law.law.name
         sizes = {"STATES": len(law.z), "MODES": len(law.mode), "SWITCHES": len(law.switches)}
         text = "\n".join([*(f"{name} = {size}" for name, size in sizes.items()), *_functions(law), kernel_text("stepping_laws")])
-        kind = "void(f2, f1, f1, f2, f1, f2, f2, f2)"
+        kind = "void(f2, f1, f1, f2, f1, f2, f2, f2, f2)"
         source = header(f"{label}, steps over a motion") + written({"follow": kind}, text)
         self._follow = cache.load(source, f"law_{plain_name(label)}", f"{label} (over a prescribed motion)").follow
 
-    def __call__(self, law: LawAdapter, steps: Any, v: Any, at: Any, load: Any, applied: Any, z: Any) -> Any:
+    def __call__(self, law: LawAdapter, steps: Any, v: Any, at: Any, load: Any, applied: Any, z: Any, mode: Any = None) -> Any:
         """Friction forces after steps of given lengths [s] and mean velocities [m/s], at velocities `at`: array (steps, cases) [N].
 
         Loads and forces applied are arrays (steps, cases), or with one column for all. The inner states z, array (states, cases), are
-        brought to the end.
+        brought to the end; the memories begin as `mode` has them, array (modes, cases), or at zero.
         """
         known, cases = dict(leaves(law.law)), z.shape[1]
         rows = np.array([np.broadcast_to(known[name], cases) for name in self.names], float).reshape(len(self.names), cases)
         out = np.empty((len(v), cases))
-        given = [np.require(each, float, "CW") for each in (rows.T, v, at, load, steps, applied)]
+        mode = np.zeros((law.modes, cases)) if mode is None else mode
+        given = [np.require(each, float, "CW") for each in (rows.T, v, at, load, steps, applied, mode)]
         self._follow(*given, z, out)
         return out
 

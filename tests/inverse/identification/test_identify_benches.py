@@ -129,13 +129,13 @@ def test_a_log_without_torque_is_refused_with_what_to_type():
 
 
 def loop(outliers=0.0, seed=0, samples=600, load=10.0, offset=0.0):
-    """A force loop of known friction, some samples of which are far off; the position is that of the mean velocity before each sample."""
+    """A force loop of known friction, some samples of which are far off."""
     rng, t = np.random.default_rng(seed), np.linspace(0, 3, samples)
     v = 2e-3 * np.cos(2 * np.pi * t + 0.1)
     F = np.where(v > 0, 0.3, -0.35) * load + 200 * v + offset + rng.normal(0, 0.05, samples)
     bad = rng.random(samples) < outliers
     F[bad] += rng.normal(2, 3, bad.sum())
-    x = np.concatenate([[0.0], np.cumsum(v[1:] * np.diff(t))])
+    x = 2e-3 / (2 * np.pi) * np.sin(2 * np.pi * t + 0.1)
     return ss.Record.of(t, {"x [m]": x, "F [N]": F}, roles={"F": "force"}), bad
 
 

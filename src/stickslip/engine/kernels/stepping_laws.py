@@ -114,8 +114,8 @@ def lowest(values):
     return least
 
 
-@njit(void(f2, f1, f1, f2, f1, f2, f2, f2))
-def follow(rows, v, at, loads, steps, applied, z, out):
+@njit(void(f2, f1, f1, f2, f1, f2, f2, f2, f2))
+def follow(rows, v, at, loads, steps, applied, begun, z, out):
     """Each case alone: a step of each inner state at constant velocity; then the force.
 
     A law's memory switches within a step where a guard falls to zero, and at rest where the velocity comes to zero or passes it.
@@ -126,7 +126,8 @@ def follow(rows, v, at, loads, steps, applied, z, out):
     last, force = np.zeros(max(SWITCHES, 1)), np.zeros(1)
     for case in range(len(rows)):
         row, side = rows[case], 0.0
-        fill(mode, 0.0)
+        for i in range(MODES):
+            mode[i] = begun[i, case]
         fill(last, 1.0)
         for i in range(STATES):
             own[i] = z[i, case]

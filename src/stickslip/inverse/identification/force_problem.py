@@ -70,9 +70,9 @@ class DrivenProblem(OverParameters):
 
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
-        if self.thin <= 1 or self.values is not None:
+        if self.values is not None:
             return self
-        return dataclasses.replace(self, targets=tuple(m.every(self.thin) for m in self.targets), thin=1)
+        return dataclasses.replace(self, targets=tuple(m.rough(self.thin) for m in self.targets), thin=1)
 
     def ends(self, places: Array, readings: Sequence[Mapping[str, Any]]) -> tuple[Any, Any]:
         """The least and the greatest force that the contact may bear, for many places (cases, parameters) and readings of the sensors.

@@ -37,6 +37,7 @@ from stickslip.inverse.identification.steady_curves import moves_alike_anywhere
 from stickslip.inverse.identification.steady_problem import SteadyProblem
 from stickslip.inverse.identification.targets import target
 from stickslip.inverse.identification.weighting import loss_of, outlier_notes, robust_scale, weighted
+from stickslip.models.force_rig import ForceRig
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 from stickslip.models.machine_adapter import is_machine, machine_of
 from stickslip.records import Record
@@ -231,7 +232,7 @@ def _check_forces(records: list[Any]) -> None:
 
 def _refuse_chance(model: Any, machine: bool) -> None:
     """`InputError` for a law of chance: its forces are others with another seed, so residuals say nothing of its numbers."""
-    laws = machine_of(model).laws if machine else [adapted(model)]
+    laws = machine_of(model).laws if machine else [_contact(model)]
     random = next((law.name for law in laws if law.random), None)
     if random is not None:
         why = "its bonds form again at random places, so that a record cannot be compared with one run of it"
@@ -269,10 +270,17 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
 def _driven(
     records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any], any_start: bool
 ) -> DrivenProblem:
-    motions = tuple(
-        dataclasses.replace(motion_of(rec, load, f"record {i}", any_start), given_sigma=noise is not None) for i, rec in enumerate(records)
-    )
-    return _over_motions(of, motions, noise, [adapted(law) for law in first])
+    motions = []
+    for i, (rec, law) in enumerate(zip(records, first, strict=True)):
+        plays = isinstance(law, ForceRig)  # nobody knows where in its play it stands
+        made = dataclasses.replace(motion_of(rec, load, f"record {i}", any_start or plays, not plays), given_sigma=noise is not None)
+        motions.append(made.through_play() if plays else made)
+    return _over_motions(of, tuple(motions), noise, [_contact(law) for law in first])
+
+
+def _contact(model: Any) -> LawAdapter:
+    """The law of a contact whose motion is that of a record, or of an actuator before a play."""
+    return model.law if isinstance(model, ForceRig) else adapted(model)
 
 
 def _moved(records: list[Any], of: Parameters, noise: float | None, first: list[Any]) -> DrivenProblem:
@@ -285,7 +293,8 @@ def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None,
     spread = float(np.std(np.concatenate([m.y for m in targets])))
     thin = max(sum(m.count for m in targets) // _SAMPLES, 1)
     holds = any(not law.dynamic or law.needs_applied for law in laws)
-    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds, remembers=any(law.dynamic for law in laws))
+    remembers = any(law.dynamic for law in laws) or any(t.in_play for t in targets)
+    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds, remembers=remembers)
 
 
 def _notes(records: list[Any], problem: Any) -> list[str]:

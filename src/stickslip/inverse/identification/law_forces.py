@@ -9,6 +9,8 @@ import numpy as np
 
 from stickslip.basics.contracts import Array, ArrayLike, Law, Numeric
 from stickslip.engine.law_steps import law_steps
+from stickslip.inverse.identification.play import force_through_play
+from stickslip.models.force_rig import ForceRig
 from stickslip.models.friction.law_adapter import LawAdapter, adapted
 
 if TYPE_CHECKING:
@@ -44,12 +46,33 @@ def driven_force(law: Law, motion: Motion, cases: int = 1, reading: dict[str, An
     them; a law's discrete memory switches within a step, where a guard falls to zero. A law that holds a body (a set-valued one at rest,
     Karnopp's in its band) gives there `applied`, within its break-away, or whatever was measured where that is None. `reading` may have
     a preload, and a start: from -1, as after a slow slide backwards, by 0, unbent, to 1, as after one forwards.
+
+    Of a `ForceRig` it is the force at the actuator; where that is open, as where a flank is reached, that on the side of `applied`. A start
+    from -1/2 to 1/2 is then the place in the play, and beyond them the contact is bent on a flank.
     """
-    known, reading = adapted(law), reading or {}
+    reading = reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
     measured = (motion.force if applied is None else np.full(len(motion.t), applied))[:, None]
+    if isinstance(law, ForceRig):
+        return _rig_force(law, motion, load, measured, cases, reading, float(np.sign(applied or 0.0)))
+    known = adapted(law)
     at = motion.at if known.dynamic else np.where(motion.still, 0.0, motion.at)
     return law_force(known, Stepped(motion.t, motion.v, at), load, measured, cases, reading.get("start"))
+
+
+def _rig_force(rig: ForceRig, motion: Motion, load: Any, measured: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+    """Force at the actuator of a rig."""
+    start = np.broadcast_to(np.asarray(reading.get("start", 0.0), float), (cases,))
+    place = np.clip(2 * start, -1.0, 1.0)
+    if not rig.law.dynamic:
+        steps, at = np.diff(motion.t, prepend=motion.t[0]), np.where(motion.still, 0.0, motion.at)
+        samples = float("delay" in reading)
+        return force_through_play(rig.law, steps, motion.v, at, load, rig.backlash, place, side, cases, motion.blur, samples, motion.smear)
+    stepped, bent = Stepped(motion.t, motion.v, motion.at), np.sign(start) * np.maximum(abs(start) - 0.5, 0.0)
+    inner = _begun(rig.law, stepped, load[0], cases, bent)
+    z = np.concatenate([inner, (0.5 * rig.backlash * place)[None, :]])
+    flank = np.concatenate([np.sign(bent)[None, :], np.zeros((rig.law.modes, cases))])
+    return _followed(rig.behind_play, stepped, load, measured, z, begun=flank)[0]
 
 
 def law_force(known: LawAdapter, motion: Stepped, load: Any, measured: Any, cases: int, start: Any = None) -> Any:
@@ -76,20 +99,26 @@ def _slid(known: LawAdapter, motion: Stepped, load: Array, z: Array, side: float
     return _followed(known, Stepped(np.cumsum(durations), v, v), load + np.zeros((len(v), 1)), np.zeros((len(v), 1)), z, durations)[1]
 
 
-def _followed(known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any, steps: Any = None) -> tuple[Any, Any]:
-    """Forces, array (samples, cases), and the inner states after the last: compiled, or in plain Python of a law that asks for it."""
+def _followed(
+    known: LawAdapter, motion: Stepped, load: Any, measured: Any, z: Any, steps: Any = None, begun: Any = None
+) -> tuple[Any, Any]:
+    """Forces, array (samples, cases), and the inner states after the last: compiled, or in plain Python of a law that asks for it.
+
+    Memories begin as `begun` has them, array (modes, cases), or at zero.
+    """
     steps = np.diff(motion.t, prepend=motion.t[0]) if steps is None else steps
+    begun = np.zeros((known.modes, z.shape[1])) if begun is None else begun
     compiled = law_steps(known)
     if compiled is None:
-        return _step_by_step(known, motion, load, measured, z, steps)
+        return _step_by_step(known, motion, load, measured, z, steps, begun)
     end = z.copy()
-    return compiled(known, steps, motion.v, motion.at, load, measured, end), end
+    return compiled(known, steps, motion.v, motion.at, load, measured, end, begun), end
 
 
-def _step_by_step(known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any) -> tuple[Any, Any]:
+def _step_by_step(known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any, begun: Array) -> tuple[Any, Any]:
     cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
-    mode = tuple(np.zeros(cases) for _ in range(known.modes))
+    mode = tuple(np.array(each) for each in begun)
     nudge = _nudges(known, load.mean(axis=0), cases)
     side, last = 0.0, None
     one = load.shape[1] == 1

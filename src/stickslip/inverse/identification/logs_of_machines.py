@@ -130,6 +130,10 @@ class Bench(Compared):
         names = ("at", "acceleration", "y", "weight", "still")
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
 
+    def rough(self, step: int) -> Bench:
+        """The same for a search: thinned out."""
+        return self.every(step) if step > 1 else self
+
     def given(self, model: Model, cases: int, reading: dict[str, Any], side: float) -> Any:
         """The input required for this motion, at rest its least (side -1) or greatest (1) possible value: array (m, cases)."""
         bare, per = _input(model)
@@ -231,7 +235,8 @@ def _check_machine(model: Model, label: str) -> None:
     raise InputError(
         "identify",
         [f"{label}: an applied force is fitted for one body with one contact; the machine has {parts}; "
-         'remove what makes it several (gear_stiffness, backlash), or fit its steady motion with using="velocity"'],
+         'remove what makes it several (gear_stiffness, backlash), fit its steady motion with using="velocity", '
+         "or, if it moves slowly, its law behind the play: ss.ForceRig(friction=..., backlash=...)"],
     )  # fmt: skip
 
 

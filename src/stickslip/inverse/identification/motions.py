@@ -29,6 +29,9 @@ _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
 _REST = 4.0  # standard errors of the velocity within which its sign is open
+_LOOKED = 6  # repetitions that tell the noise of a position
+_BLURRED = 3.0  # standard errors of the position within which a flank of a play is reached
+_SMEARED = 0.03  # of the range of a motion, over which a play closes in a search
 _REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 
 
@@ -67,15 +70,18 @@ class Motion(Compared):
     weights: Any = 1.0  # of all samples
     given_sigma: bool = False  # whether the user gave the noise
     any_start: bool = False  # whether inner states may be bent in any way at the first sample
-    at: Any = None  # velocity at each sample, where that is known better than by the mean over the interval before
+    at: Any = None  # velocity at each sample, where that is known better than by the means over the intervals on either side
     still: Any = False  # where the noise of the motion leaves its direction open
     measured: Smooth | None = None  # the motion behind noisy sensors
     load_noise: float = 0.0
+    in_play: bool = False  # whether the contact is moved through a play
+    blur: float = 0.0  # how far positions may be off where a flank of it is reached
+    smear: float = 0.0  # way over which it closes, in a search
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "weights", np.broadcast_to(self.weights, np.shape(self.t)))
         object.__setattr__(self, "still", np.broadcast_to(self.still, np.shape(self.t)))
-        object.__setattr__(self, "at", _begun(self.v) if self.at is None else self.at)
+        object.__setattr__(self, "at", _between(self.t, self.v) if self.at is None else self.at)
 
     @property
     def has_noise(self) -> bool:
@@ -184,15 +190,31 @@ class Motion(Compared):
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
         kept = {name: getattr(self, name)[last] for name in ("load", "force", "weights", "still")}
-        kept["at"] = _begun(v) if self.measured is None else self.at[last]
+        kept["at"] = None if self.measured is None else self.at[last]
         return dataclasses.replace(self, t=t, v=v, before=before, **kept)
 
+    def rough(self, step: int) -> Motion:
+        """The same for a search: thinned out, and with a slope where a play closes."""
+        thinned = self.every(step) if step > 1 else self
+        if not self.in_play:
+            return thinned
+        x = np.cumsum(thinned.v * np.diff(thinned.t, prepend=thinned.t[0]))
+        return dataclasses.replace(thinned, smear=_SMEARED * float(np.ptp(x)))
 
-def motion_of(rec: Record, load: float | None, label: str, any_start: bool = False) -> Motion:
+    def through_play(self) -> Motion:
+        """The same of an actuator that moves the contact through a play."""
+        blur = 0.0
+        if self.measured is not None:
+            own, again = self.measured.at(self.t), (self.measured.again(k).at(self.t) for k in range(_LOOKED))
+            blur = _BLURRED * float(np.sqrt(np.mean([np.mean((x - own) ** 2) for x in again])))
+        return dataclasses.replace(self, in_play=True, blur=blur)
+
+
+def motion_of(rec: Record, load: float | None, label: str, any_start: bool = False, leads: bool = True) -> Motion:
     """The motion of a record with a position (or velocity) and a force.
 
-    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins
-    unbent, or with `any_start` in a state that is fitted.
+    If it is periodic from its first sample on and `leads`, its first period leads in, so that the law is in its cycle; otherwise the law
+    begins unbent, or with `any_start` in a state that is fitted.
     """
     rec, notes = _fewer(rec)
     thinned = bool(notes)
@@ -224,7 +246,7 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
     F = -F if flipped else F
-    lead = _first_period(rec, t, x, F)
+    lead = _first_period(rec, t, x, F) if leads else 0
     if lead:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
@@ -244,9 +266,15 @@ def motion_of(rec: Record, load: float | None, label: str, any_start: bool = Fal
     return dataclasses.replace(made, **driven, still=still, measured=smooth)
 
 
-def _begun(v: Any) -> Any:
-    """Velocities at the samples from those of the intervals before them; at the first one that of the interval after it."""
-    return np.concatenate([v[1:2], v[1:]]) if len(v) > 1 else v
+def _between(t: Any, v: Any) -> Any:
+    """Velocities at the samples from the means over the intervals on either side, of which the shorter one counts more."""
+    steps = np.diff(t)
+    if len(steps) < 2:
+        return np.concatenate([v[1:2], v[1:]]) if len(v) > 1 else v
+    before, after = steps[:-1], steps[1:]
+    whole = before + after
+    inner = (v[1:-1] * after + v[2:] * before) / np.where(whole > 0, whole, 1.0)
+    return np.concatenate([v[1:2], inner, v[-1:]])
 
 
 def _driven(smooth: Smooth, t: Any, before: int) -> dict[str, Any]:

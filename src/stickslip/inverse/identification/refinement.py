@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.inverse.identification.covariance import information_of, neighbours, noise_sizes, with_noise_of
+from stickslip.inverse.identification.covariance import information_of, neighbours, noise_scale, noise_sizes, with_noise_of
 from stickslip.inverse.identification.fit_text import listed
 from stickslip.inverse.identification.least_squares import Sensed
 from stickslip.inverse.identification.search import Found, polished
@@ -15,7 +15,7 @@ from stickslip.inverse.identification.weighting import robust_weights
 
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
-_NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
+_NOTHING = 0.1  # of the square of one residual that is noise: by as much the sum of squares may rise where a number is undetermined
 _ROUNDS = 4  # times that the noise is found anew
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 
@@ -54,10 +54,10 @@ def canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
     One that the fit needs, within the bounds of the others, stays as it is.
     """
     held, needed = spared, set[str]()
-    fitted = _holding(problem, best, held)
+    fitted, little = _holding(problem, best, held), _NOTHING * noise_scale(problem, best) ** 2
     while names := [n for n in _lost(problem, held, fitted) if n not in held and n not in needed]:
         more = _holding(problem, best, [*held, names[0]])
-        if more.cost > fitted.cost * (1 + _NOTHING):
+        if more.cost > fitted.cost + little:
             needed.add(names[0])
         else:
             held, fitted = [*held, names[0]], more

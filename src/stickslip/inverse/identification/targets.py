@@ -42,6 +42,7 @@ class Compared:
     remark: str | None = None
     unit: str = ""
     within: float = 0.0
+    in_play: bool = False
     clipped: Any = 0  # which values sit on the upper end (1), or the lower one (-1), of the range of their sensor
 
     @property
