@@ -16,6 +16,7 @@ from stickslip.basics.frozen_arrays import sealed
 from stickslip.basics.information import Information
 from stickslip.basics.notebook_display import Drawn
 from stickslip.inverse.identification.covariance import correlated
+from stickslip.inverse.identification.drive_harmonics import DriveNumber, harmonics_of, rippled
 from stickslip.inverse.identification.fit_text import NOT_DETERMINED
 from stickslip.inverse.identification.parameters import Parameters, parameters
 from stickslip.inverse.identification.sensor_readings import known_rows, of_records
@@ -142,6 +143,7 @@ def design(
     rivals: list[Any] | None = None,
     using: str = "velocity",
     sensor: dict[str, Any] | None = None,
+    harmonics: Any = None,
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
@@ -166,6 +168,8 @@ def design(
     using : {"velocity", "position"}
     sensor : dict, optional
         Sensor effects, as for `identify`, which will be fitted too; ``{}`` is an ideal sensor.
+    harmonics : float or dict, optional
+        How well the harmonics of the drive will be known, as for `identify`: each experiment has its own; 0 is an exact drive.
     rtol : float
         Relative tolerance of the solver.
     **arguments
@@ -186,10 +190,12 @@ def design(
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
     units = units_of_settings(make, free, settings)
-    slopes, curves, apart, targets, dropped = {}, {}, {}, {}, []
+    slopes: dict[int, Slopes] = {}
+    curves, apart, targets, dropped = {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
-            curves[i], slopes[i], period = curve_and_slopes(of, free, i, using, samples, rtol)
+            ripple = harmonics_of(of.model(free, i), harmonics, samples, "design")
+            curves[i], slopes[i], period = curve_and_slopes(of, free, i, using, samples, rtol, ripple)
             targets[i] = record_of(curves[i], using, noise, period)
             if rivals:
                 apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
@@ -287,23 +293,48 @@ def units_of_settings(make: Model | Callable[..., Any], free: Iterable[str], set
     return {name: unit for name, unit in units.items() if unit}
 
 
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Derivatives of the values of one experiment.
+
+    Parameters
+    ----------
+    main : array (values, parameters)
+    own : array (values, numbers)
+        By what is fitted of this experiment alone: its phase, the offset of a position, the harmonics of its drive.
+    ripple : tuple of DriveNumber
+        The harmonics, which are the last of these.
+    """
+
+    main: Any
+    own: Any
+    ripple: tuple[DriveNumber, ...] = ()
+
+
 def _curve_of(model: Model, using: str, samples: int, rtol: float) -> Any:
     curve = steady_curve(model, None, rtol)
     phase = np.arange(samples) / samples * curve.period
     return curve.v(phase) if using == "velocity" else curve.x(phase)
 
 
-def curve_and_slopes(of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float) -> Any:
-    """The curve of an experiment, its derivatives by the parameters and by the phase (and, for a position, its offset), and its period."""
+def curve_and_slopes(
+    of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float, ripple: tuple[DriveNumber, ...] = ()
+) -> tuple[Any, Slopes, float]:
+    """The curve of an experiment, its derivatives by the parameters and by what is its own, and its period."""
     model = of.model(free, i)
     here = _curve_of(model, using, samples, rtol)
-    columns = []
-    for name, value in free.items():
-        h = _STEP * (abs(value) or 1.0)
-        sides = [_curve_of(of.model({**free, name: value + s * h}, i), using, samples, rtol) for s in (1, -1)]
-        columns.append((sides[0] - sides[1]) / (2 * h))
-    nuisances = [np.gradient(here) * samples] + ([np.ones(samples)] if using == "position" else [])
-    return here, (np.stack(columns, axis=1), np.stack(nuisances, axis=1)), float(model.drive.period)
+
+    def slope(moved: Callable[[float], Model], h: float) -> Any:
+        ahead, behind = (_curve_of(moved(side * h), using, samples, rtol) for side in (1, -1))
+        return (ahead - behind) / (2 * h)
+
+    columns = [
+        slope(lambda d, name=name, value=value: of.model({**free, name: value + d}, i), _STEP * (abs(value) or 1.0))  # type: ignore[misc]
+        for name, value in free.items()
+    ]
+    own = [np.gradient(here) * samples] + ([np.ones(samples)] if using == "position" else [])
+    own += [slope(lambda d, name=n.name: rippled(model, {name: d}), _STEP) for n in ripple]  # type: ignore[misc]
+    return here, Slopes(np.stack(columns, axis=1), np.stack(own, axis=1), ripple), float(model.drive.period)
 
 
 def record_of(here: Any, using: str, noise: float, period: float) -> Target:
@@ -341,22 +372,30 @@ def _expected(
 ) -> tuple[Experiment, float, Any]:
     """Expected errors of a joint fit to the chosen experiments, and the logarithm of the volume of the confidence region."""
     n = len(free)
-    rows = []
+    rows, known = [], [np.zeros((0, 0))]
     for k, i in enumerate(chosen):
-        main, own = slopes[i]
-        blocks = [main] + [own if j == k else np.zeros_like(slopes[c][1]) for j, c in enumerate(chosen)]
+        own = slopes[i].own
+        blocks = [slopes[i].main] + [own if j == k else np.zeros_like(slopes[c].own) for j, c in enumerate(chosen)]
         rows.append(np.concatenate(blocks, axis=1))
+        known.append(known_rows(slopes[i].ripple, own.shape[1]))
     whole = np.concatenate([np.concatenate(rows), sensors[0]], axis=1)
-    known = np.concatenate([np.zeros((len(sensors[1]), whole.shape[1] - sensors[0].shape[1])), sensors[1]], axis=1)
+    known = _side_by_side([np.zeros((0, n)), *known, sensors[1]])
     covariance = Information(whole / noise, prior=known).covariance()[:n, :n]
     size = np.array([abs(v) or 1.0 for v in free.values()])
     relative = covariance / np.outer(size, size)
     volume = float(np.linalg.slogdet(relative)[1]) if np.isfinite(relative).all() else float("inf")
     separation = float(np.sqrt(sum(apart[i] for i in chosen)) / noise) if apart else float("nan")
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(free)}
-    moved = np.sqrt(np.mean(np.concatenate([slopes[i][0] for i in chosen]) ** 2, axis=0)) * 0.1 * size / noise
+    moved = np.sqrt(np.mean(np.concatenate([slopes[i].main for i in chosen]) ** 2, axis=0)) * 0.1 * size / noise
     visible = {name: float(moved[k]) for k, name in enumerate(free)}
     return Experiment(tuple(settings[i] for i in chosen), errors, separation, visible), volume, covariance
+
+
+def _side_by_side(blocks: list[Any]) -> Any:
+    """A matrix with blocks along its diagonal, and zeros elsewhere."""
+    from scipy.linalg import block_diag
+
+    return block_diag(*blocks)
 
 
 def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: str) -> list[str]:

@@ -80,11 +80,28 @@ def with_harmonics(numbers: tuple[SensorNumber, ...], given: Any, targets: Any, 
             continue
         label = "" if len(groups) == 1 else f"[{records[0]}]"
         for order, sd in spread.items():
-            harmonics += [DriveNumber(f"{part}{order}{label}", records, 0.0, Distribution("normal", 0.0, sd)) for part in _PARTS]
+            harmonics += [_number(part, order, label, records, sd) for part in _PARTS]
     return (*numbers, *harmonics)
 
 
-def _spread(given: Any) -> dict[int, float]:
+def harmonics_of(model: Any, given: Any, count: int, what: str = "identify") -> tuple[DriveNumber, ...]:
+    """The numbers of the drive of one experiment by itself, of which `count` values are measured; empty where they bear none.
+
+    Parameters
+    ----------
+    given : None, number or dict
+        As for `with_harmonics`.
+    """
+    spread = _spread(given, what)
+    driven = count >= _ENOUGH and any(True for _ in drives_within(model))
+    return tuple(_number(part, order, "", (0,), sd) for order, sd in spread.items() for part in _PARTS) if driven else ()
+
+
+def _number(part: str, order: int, label: str, records: tuple[int, ...], sd: float) -> DriveNumber:
+    return DriveNumber(f"{part}{order}{label}", records, 0.0, Distribution("normal", 0.0, sd))
+
+
+def _spread(given: Any, what: str = "identify") -> dict[int, float]:
     """Standard deviations by order; `InputError` for what says none."""
     if given is None:
         return USUAL
@@ -93,9 +110,7 @@ def _spread(given: Any) -> dict[int, float]:
     wrong = [k for k in typed if not is_whole(k) or k not in ORDERS]
     if wrong or not all(is_number(sd) and 0 <= float(sd) <= 1 for sd in typed.values()):
         allowed = "a standard deviation from 0 (a pure sine) to 1 in parts of the amplitude, or a dict of them by order (2 to 9)"
-        raise InputError(
-            "identify", [f"harmonics = {given!r}; allowed is {allowed}; type for example harmonics=0.01 or harmonics={{2: 0.03}}"]
-        )
+        raise InputError(what, [f"harmonics = {given!r}; allowed is {allowed}; type for example harmonics=0.01 or harmonics={{2: 0.03}}"])
     return {int(k): float(sd) for k, sd in typed.items() if float(sd) > 0}
 
 

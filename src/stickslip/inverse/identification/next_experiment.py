@@ -22,6 +22,7 @@ from stickslip.inverse.identification.designing import (
     settings_of,
     units_of_settings,
 )
+from stickslip.inverse.identification.drive_harmonics import harmonics_of
 from stickslip.inverse.identification.fit_text import OVER_MOTION, listed, unit_of_values
 from stickslip.inverse.identification.force_problem import DrivenProblem
 from stickslip.inverse.identification.least_squares import Sensed
@@ -44,6 +45,8 @@ def next_experiment(
     fit: Fit, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
 ) -> Design:
     """The next experiment that, fitted together with the present records, best determines the parameters that these do not determine.
+
+    The harmonics of its drive are its own, known as well as those of the fit (its ``harmonics=``).
 
     Parameters
     ----------
@@ -183,13 +186,14 @@ def _values(fit: Fit) -> dict[str, float]:
 def _driven(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> Any:
     """Derivatives of a record of steady motion by the parameters, the phase, and the numbers of its sensor."""
     of, using, noise = _of(fit, chosen), how["using"], float(how["noise"])
-    curve, (main, nuisances), period = curve_and_slopes(of, _values(fit), 0, using, samples, fit.problem.model.rtol)
+    ripple = harmonics_of(of.model(_values(fit), 0), fit.problem.harmonics, samples, "next_experiment")
+    curve, by, period = curve_and_slopes(of, _values(fit), 0, using, samples, fit.problem.model.rtol, ripple)
     target = record_of(curve, using, noise, period)
     numbers, _ = _numbers(fit, how["sensor"], target)
     parts: list[Any] = [(target, target.y, {})]
     sensors = [of_records(number, parts)[:, None] for number in numbers]
-    slopes = np.concatenate([main * fit.slopes, nuisances, *sensors], axis=1) / noise
-    return np.concatenate([slopes, known_rows(numbers, slopes.shape[1])])
+    slopes = np.concatenate([by.main * fit.slopes, by.own, *sensors], axis=1) / noise
+    return np.concatenate([slopes, known_rows((*ripple, *numbers), slopes.shape[1])])
 
 
 def _moved(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> Any:
