@@ -107,7 +107,6 @@ def _followed(
     Memories begin as `begun` has them, array (modes, cases), or at zero.
     """
     steps = np.diff(motion.t, prepend=motion.t[0]) if steps is None else steps
-    begun = np.zeros((known.modes, z.shape[1])) if begun is None else begun
     compiled = law_steps(known)
     if compiled is None:
         return _step_by_step(known, motion, load, measured, z, steps, begun)
@@ -118,7 +117,7 @@ def _followed(
 def _step_by_step(known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any, begun: Array) -> tuple[Any, Any]:
     cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
-    mode = tuple(np.array(each) for each in begun)
+    mode = tuple(np.zeros(cases) for _ in range(known.modes)) if begun is None else tuple(np.array(each) for each in begun)
     nudge = _nudges(known, load.mean(axis=0), cases)
     side, last = 0.0, None
     one = load.shape[1] == 1
