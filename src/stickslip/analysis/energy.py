@@ -130,16 +130,17 @@ def energy(run: Trajectory) -> Energy:
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
-    half = 0.5 * np.diff(edges)
-    t = (edges[:-1] + half)[:, None] + half[:, None] * nodes
-    powers = _powers(run, t.ravel(), np.repeat(index, len(nodes)))
     count = len(borders) - 1
-
-    def integral(power: Array) -> Array:
-        return np.bincount(owner, (power.reshape(t.shape) @ weights) * half, count)
-
-    of_parts = _of_parts(run, powers, integral)
-    works = {n: integral(p) for n, p in powers.items() if p.ndim == 1} | {n: np.zeros(count) for n, p in powers.items() if p.ndim == 2}
+    parts = [
+        _integrals(run, edges[first : last + 1], index[first:last], owner[first:last], count, (nodes, weights))
+        for first, last in _stretches(len(index), len(nodes), len(run.pieces.layout.bodies))
+    ]
+    works, of_parts, gross, low, high = parts[0]
+    for more, of_more, others, lower, higher in parts[1:]:
+        works = {name: work + more[name] for name, work in works.items()}
+        of_parts = {name: {part: work + of_more[name][part] for part, work in each.items()} for name, each in of_parts.items()}
+        gross = [a + b for a, b in zip(gross, others, strict=True)]
+        low, high = np.minimum(low, lower), np.maximum(high, higher)
     for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
     if several:
@@ -154,13 +155,41 @@ def energy(run: Trajectory) -> Energy:
     changes = {"kinetic": np.diff(_kinetic(run, v))}
     if not several:
         changes["potential"] = np.diff(_potential(run, borders, x))
-    gross = [integral(abs(p)) for n, part in powers.items() if n != "actuator" for p in (part.T if part.ndim == 2 else part[None])]
-    gross += [abs(w) for n, w in {**works, **changes}.items() if n != "actuator"]
-    energies = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
-    residual = _residual(run, {**works, **changes}, gross, energies, owner)
+    gross = [*gross, *(abs(w) for n, w in {**works, **changes}.items() if n != "actuator")]
+    residual = _residual(run, {**works, **changes}, gross, low, high)
     balance: dict[str, Any] = {**works, **changes}
     by_part: dict[str, Any] = {f"{n}_of": work for n, work in of_parts.items()}
     return Energy(**balance, residual=residual, settle=min(int(run.settle), count), **by_part)
+
+
+#: Numbers of a column up to which it is computed as a whole; fewer of many bodies.
+_AT_ONCE, _OF_MANY, _MANY = 30_000_000, 4_000_000, 16
+
+
+def _stretches(pieces: int, nodes: int, bodies: int) -> list[tuple[int, int]]:
+    """First and last of the pieces whose columns are computed together, with so many nodes on each."""
+    size = max((_OF_MANY if bodies > _MANY else _AT_ONCE) // (nodes * bodies), 1)
+    return [(first, min(first + size, pieces)) for first in range(0, pieces, size)]
+
+
+def _integrals(run: Trajectory, edges: Array, index: Array, owner: Array, count: int, rule: tuple[Array, Array]) -> tuple[Any, ...]:
+    """Works of pieces by name, and by part; integrals of the sizes of all powers; least and largest kinetic energy: each for every row."""
+    nodes, weights = rule
+    half = 0.5 * np.diff(edges)
+    t = (edges[:-1] + half)[:, None] + half[:, None] * nodes
+    powers = _powers(run, t.ravel(), np.repeat(index, len(nodes)))
+
+    def integral(power: Array) -> Array:
+        return np.bincount(owner, (power.reshape(t.shape) @ weights) * half, count)
+
+    of_parts = _of_parts(run, powers, integral)
+    works = {n: integral(p) for n, p in powers.items() if p.ndim == 1} | {n: np.zeros(count) for n, p in powers.items() if p.ndim == 2}
+    gross = [integral(abs(p)) for n, part in powers.items() if n != "actuator" for p in (part.T if part.ndim == 2 else part[None])]
+    kinetic = _kinetic(run, run._states_at(t.ravel(), np.repeat(index, len(nodes)))[1]).reshape(t.shape)
+    low, high = np.full(count, np.inf), np.zeros(count)
+    np.minimum.at(low, owner, kinetic.min(axis=1))
+    np.maximum.at(high, owner, kinetic.max(axis=1))
+    return works, of_parts, gross, low, high
 
 
 def _of_parts(run: Trajectory, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
@@ -191,7 +220,7 @@ def _borders(run: Trajectory) -> tuple[Array, Array, Array]:
 
 def _cut(run: Trajectory, borders: Array) -> tuple[Array, Array, Array]:
     """The pieces cut at the borders: their ends, their numbers, and the row that each belongs to."""
-    edges = np.unique(np.concatenate([run.pieces.t, borders]))
+    edges = np.unique(np.concatenate([run.pieces.nodes, borders]))
     middle = 0.5 * (edges[1:] + edges[:-1])
     owner = np.searchsorted(borders, middle, side="right") - 1
     return edges, run._index(middle), np.minimum(owner, len(borders) - 2)
@@ -257,13 +286,10 @@ def _potential(run: Trajectory, t: Array, x: Array) -> Array:
     return (run.model.potential(t, x) if hasattr(run.model, "potential") else 0.0) + np.zeros_like(t)
 
 
-def _residual(run: Trajectory, works: dict[str, Array], gross: list[Array], kinetic: Array, owner: Array) -> Array:
-    """Relative error of the energy balance; `kinetic` is the kinetic energy at the nodes of each piece, `owner` the row of the piece."""
+def _residual(run: Trajectory, works: dict[str, Array], gross: list[Array], low: Array, high: Array) -> Array:
+    """Relative error of the energy balance; `low` and `high` are the extremes of the kinetic energy in each row."""
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
     count, settle = len(missing), min(int(run.settle), len(missing))
-    low, high = np.full(count, np.inf), np.zeros(count)
-    np.minimum.at(low, owner, kinetic.min(axis=1))
-    np.maximum.at(high, owner, kinetic.max(axis=1))
     exchanged = np.max([*gross, high - np.minimum(low, high)], axis=0)
     largest = exchanged.max(initial=0.0)
     scale = np.where(np.arange(count) < settle, largest, exchanged[settle:].max(initial=0.0))

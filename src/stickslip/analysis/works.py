@@ -32,15 +32,16 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     none = np.zeros_like(t)
     R, slip = column["friction_force"], column["slip"]
     stored, damped, applied = none, [], _applied(mechanics, t, x, v, held_by_controllers(mechanics, z))
-    net = applied - R @ np.array(mechanics.slips_of, float).reshape(-1, len(mechanics.bodies))
+    net = applied - R @ np.array(mechanics.slips_of, float).reshape(-1, len(mechanics.bodies)) if mechanics.prescribed else None
     for ends, link in mechanics.elastic:
         distance, rate = mechanics.distance(ends, x.T), mechanics.distance(ends, v.T)
         force, still = link.force(distance, rate), link.force(distance, 0.0 * rate)
         stored = stored + still * rate
         damped.append((force - still) * rate + none)
-        net = net - np.outer(force + none, [float(name == ends[0]) - float(name == ends[1]) for name in mechanics.bodies])
+        if net is not None:
+            net = net - np.outer(force + none, [float(name == ends[0]) - float(name == ends[1]) for name in mechanics.bodies])
     weight = sum(body.weight_at(t, x[:, i], v[:, i]) * v[:, i] for i, body in enumerate(mechanics.parts.values()))
-    prescribed = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.prescribed else none
+    prescribed = none if net is None else _of_distances(mechanics, t, column["acceleration"], net)
     drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + prescribed
     damping = np.array(damped).reshape(-1, len(t)).T
     return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}

@@ -73,9 +73,20 @@ def groups_of(directions: tuple[tuple[float, ...], ...], which: list[int]) -> li
     >>> groups_of(((1.0, 0.0, 0.0), (0.0, 1.0, -1.0), (0.0, 0.0, 1.0)), [0, 1, 2])
     [[0], [1, 2]]
     """
-    groups: list[list[int]] = []
+    moved = {i: [c for c, g in enumerate(directions[i]) if g] for i in which}
+    by_coordinate: dict[int, list[int]] = {}
+    for i, coordinates in moved.items():
+        for c in coordinates:
+            by_coordinate.setdefault(c, []).append(i)
+    groups, placed = [], set[int]()
     for i in which:
-        joined = [group for group in groups if any(a and b for k in group for a, b in zip(directions[i], directions[k], strict=True))]
-        groups = [group for group in groups if group not in joined]
-        groups.append(sorted([i, *(k for group in joined for k in group)]))
+        if i in placed:
+            continue
+        group = {i: None}  # grows while it is walked
+        for k in (waiting := [i]):
+            new = [n for c in moved[k] for n in by_coordinate[c] if n not in group]
+            group |= dict.fromkeys(new)
+            waiting += dict.fromkeys(new)
+        placed |= group.keys()
+        groups.append(sorted(group))
     return sorted(groups)

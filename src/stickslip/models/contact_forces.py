@@ -12,6 +12,7 @@ from stickslip.basics.contracts import Array, ArrayLike
 from stickslip.models.friction.law_adapter import TINY
 from stickslip.models.mechanics import Mechanics
 
+_MANY = 16  # contacts, beyond which those that do not act on one another are held one by one
 _CLOSED = 1e-10  # of the velocity scale: tolerance for the gap (times the period) and the gap's rate of a closed stop
 
 
@@ -112,6 +113,11 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
     """Set the forces of contacts at rest and of closed stops to those that keep slip velocities and gap rates constant."""
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
+    if contacts > _MANY and not mechanics.stops and (places := _places(mechanics.directions)) is not None:
+        free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)[:, places]
+        needed = (free + _columns(mechanics.offset_rates(t), t)) * np.array(mechanics.masses, float)[places]
+        R[resting] = needed[resting]
+        return
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
@@ -126,6 +132,15 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
             multipliers = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, bear)], bear)
             R[np.ix_(at, bear)] = multipliers[:, : len(bear)]
             pressed[np.ix_(at, held[held >= contacts] - contacts)] = multipliers[:, len(bear) :]
+
+
+def _places(directions: Any) -> list[int] | None:
+    """The coordinate of each contact, if each brakes one of its own against what is no coordinate; else None."""
+    places = [[c for c, g in enumerate(row) if g] for row in directions]
+    if any(len(place) != 1 for place in places) or any(row[place[0]] != 1.0 for row, place in zip(directions, places, strict=True)):
+        return None
+    own = [place[0] for place in places]
+    return own if len(set(own)) == len(own) else None
 
 
 def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:

@@ -58,6 +58,11 @@ class Mechanics(Protocol):
         return tuple(mass / total for mass in self.masses)
 
     @property
+    def separate(self) -> tuple[Any, ...] | None:
+        """For each body its contact with the ground and the law of that, where nothing else joins bodies but links; else None."""
+        return None
+
+    @property
     def start(self) -> tuple[Any, ...]:
         """Default initial coordinates of a run [m]."""
         return (0.0,) * len(self.masses)

@@ -56,6 +56,7 @@ class SeveralBodies(Mechanics):
     def __init__(self, model: Any):
         self.model, self.parts = model, dict(model.bodies())
         self.bodies, self.joints = tuple(self.parts), dict(model.contacts())
+        self.number = {name: i for i, name in enumerate(self.bodies)}
         self.contacts = tuple(self.joints)
         self.controllers = Controllers(model.controllers())
         links = {ends: several(link) for ends, link in model.links().items()}
@@ -98,7 +99,7 @@ class SeveralBodies(Mechanics):
         """1 at the coordinate of the contact's body, -1 at that of the body it rubs on."""
         return tuple(self.row(c.body, c.on if isinstance(c.on, str) else None) for c in self.joints.values())
 
-    @property
+    @cached_property
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
         """1 at the contact's body, -1 at the body it rubs on."""
         others = {contact: c.on if isinstance(c.on, str) else None for contact, c in self.joints.items()}  # a speed may be a symbol
@@ -109,10 +110,16 @@ class SeveralBodies(Mechanics):
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
         """Coefficients of the coordinates in the distance of two bodies, or of one from the ground."""
         coefficients = [0.0] * len(self.groups)
-        coefficients[self.coordinate[first]] += 1.0
-        if second is not None:
-            coefficients[self.coordinate[second]] -= 1.0
+        for c, g in self._entries(first, second):
+            coefficients[c] = g
         return tuple(coefficients)
+
+    def _entries(self, first: str, second: str | None) -> list[tuple[int, float]]:
+        """The coefficients that are not zero, each with the number of its coordinate, in the order of the coordinates."""
+        one, other = self.coordinate[first], None if second is None else self.coordinate[second]
+        if other is None:
+            return [(one, 1.0)]
+        return [] if one == other else sorted([(one, 1.0), (other, -1.0)])
 
     @cached_property
     def start(self) -> tuple[Any, ...]:
@@ -196,18 +203,18 @@ class SeveralBodies(Mechanics):
         for name, force in (*self.model.forces(t, dict(x), dict(v)).items(), *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
         for ends, link in self.elastic:
-            tension = link.force(self.distance(ends, tuple(x.values())), self.distance(ends, tuple(v.values())))
-            for c, g in enumerate(self.row(*ends)):
+            tension = link.force(_distance(ends, x), _distance(ends, v))
+            for c, g in self._entries(*ends):
                 total[c] = signed_less(total[c], g, tension)
-        for g_row, force in zip(self.directions, R, strict=True):
-            for c, g in enumerate(g_row):
+        for contact, force in zip(self.joints.values(), R, strict=True):
+            for c, g in self._entries(contact.body, contact.on if isinstance(contact.on, str) else None):
                 total[c] = signed_less(total[c], g, force)
         return tuple(force / mass for force, mass in zip(total, self.masses, strict=True))
 
     def distance(self, ends: tuple[str, str | None], values: Numbers) -> Any:
         """Difference of what two bodies have; with the ground, what the first has."""
-        first = values[self.bodies.index(ends[0])]
-        return first if ends[1] is None else first - values[self.bodies.index(ends[1])]
+        first = values[self.number[ends[0]]]
+        return first if ends[1] is None else first - values[self.number[ends[1]]]
 
     def loads(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Normal force on each contact [N]."""
@@ -220,6 +227,16 @@ class SeveralBodies(Mechanics):
         """The contribution of prescribed distances, belts and motions to the slip [m/s]."""
         velocities = dict(zip(self.bodies, self._arms("velocity", t), strict=True))
         return tuple(_offset(velocities, c) - _velocity(c.on, t) for c in self.joints.values())
+
+    def slips(self, t: Numeric, u: Numbers) -> tuple[Any, ...]:
+        """Slip velocity of each contact [m/s]."""
+        slips = []
+        for contact, offset in zip(self.joints.values(), self.offsets(t), strict=True):
+            total: Any = 0.0
+            for c, g in self._entries(contact.body, contact.on if isinstance(contact.on, str) else None):
+                total = signed_less(total, -g, u[c])
+            slips.append(total + offset)
+        return tuple(slips)
 
     def positions(self, t: Numeric, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""
@@ -258,6 +275,25 @@ class SeveralBodies(Mechanics):
         """Rates of the contacts' offsets [m/s^2]."""
         accelerations = dict(zip(self.bodies, self._arms("acceleration", t), strict=True))
         return tuple(_offset(accelerations, c) - _acceleration(c.on, t) for c in self.joints.values())
+
+    @cached_property
+    def separate(self) -> tuple[Any, ...] | None:
+        """Its contacts with the ground, by body, if each body has one at most and forces are those of links and of bodies alone.
+
+        A tuple with the contact and its law for each body, or None where there is none; None for machines with anything else: stops,
+        controllers, prescribed distances, jumps, breaks, forces of their own, contacts between bodies or with what has a motion.
+        """
+        x, v = self._named(0.0, self.start, (0.0,) * len(self.groups))
+        others = self.named_stops or self.controllers.names or self.prescribed or self.breaks or self.jumps
+        if others or dict(self.model.forces(0.0, dict(x), dict(v))):
+            return None
+        of: dict[str, Any] = {}
+        for contact, law in zip(self.joints.values(), self.laws, strict=True):
+            moved = isinstance(contact.on, str) or callable(getattr(contact.on, "velocity", None))
+            if contact.body in of or moved or callable(contact.load):
+                return None
+            of[contact.body] = contact, law
+        return tuple(of.get(name) for name in self.bodies)
 
     def _arms(self, what: str, t: Numeric) -> tuple[Any, ...]:
         """The contribution of prescribed distances to each body's position, velocity or acceleration, beyond its coordinate's."""
@@ -300,6 +336,11 @@ def _named(stops: list[Stopper]) -> list[tuple[str, Stopper]]:
     for k, (name, stop) in enumerate(zip(names, stops, strict=True)):
         stop.name = name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}"
     return [(stop.name, stop) for stop in stops]
+
+
+def _distance(ends: tuple[str, str | None], values: dict[str, Any]) -> Any:
+    """Difference of what two bodies have, by their names; with the ground, what the first has."""
+    return values[ends[0]] if ends[1] is None else values[ends[0]] - values[ends[1]]
 
 
 def _is_elastic(link: Any) -> bool:

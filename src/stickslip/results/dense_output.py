@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,33 +11,11 @@ from stickslip.basics.contracts import Array
 from stickslip.basics.errors import InputError
 from stickslip.basics.frozen_arrays import sealed
 from stickslip.models.state_layout import StateLayout
+from stickslip.results.local_pieces import LocalPieces
+from stickslip.results.pieces import DensePieces, count_until, flaws_of
 
 _ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
-
-
-class DensePieces:
-    """Base of the dense outputs. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
-
-    `mode` (pieces, contacts) is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
-    `memory` (pieces, memories) are the whole-number memories of the laws, `layout` describes the states. ``evaluate(t, index)`` gives
-    x (time, body), v (time, body) and z (time, contact, state), NaN where a law has fewer, at times that lie on the given pieces;
-    ``until(end)`` the same pieces up to a time. The fields are the arrays that are stored, and the layout, which is stored as text.
-    """
-
-    def arrays(self) -> dict[str, Any]:
-        """The arrays from which these pieces can be rebuilt, by name, and the layout as text; empty arrays are left out."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        arrays = {name: np.asarray(value) for name, value in values.items() if name != "layout"}
-        return {name: array for name, array in arrays.items() if array.size} | {"layout": values["layout"].to_text()}
-
-    @classmethod
-    def from_arrays(cls, arrays: dict[str, Any]) -> Any:
-        """The pieces that `arrays` came from."""
-        given = {f.name: arrays[f.name] for f in fields(cls) if f.name in arrays}  # type: ignore[arg-type]
-        if "layout" in given:
-            given["layout"] = StateLayout.from_text(given["layout"])
-        return cls(**{name: float(value) if isinstance(value, np.ndarray) and not value.ndim else value for name, value in given.items()})
 
 
 def _columns(array: Array) -> Array:
@@ -95,7 +72,7 @@ class PolynomialPieces(DensePieces):
         given["layout"] = self.layout or StateLayout.of_one(states - 1, given["memory"].shape[1])
         for name, value in given.items():
             object.__setattr__(self, name, value)
-        if flaws := _flaws(self.layout, states, self.x0.shape[1], self.memory.shape[1], self.mode.shape[1]):
+        if flaws := flaws_of(self.layout, states, self.x0.shape[1], self.memory.shape[1], self.mode.shape[1]):
             raise InputError("PolynomialPieces", flaws)
 
     @classmethod
@@ -143,16 +120,10 @@ class PolynomialPieces(DensePieces):
 
     def until(self, end: float) -> PolynomialPieces:
         """The same pieces up to a time, the last one cut there."""
-        n = _count_until(self.t, end)
+        n = count_until(self.t, end)
         c = self.coefficients[:n].copy()
         c[-1] *= ((end - self.t[n - 1]) / (self.t[n] - self.t[n - 1])) ** np.arange(c.shape[2])
         return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], coefficients=c, memory=self.memory[:n])
-
-
-@lru_cache
-def _flaws(layout: StateLayout, *counts: int) -> list[str]:
-    """Inconsistencies of the arrays; computed once for each kind of machine."""
-    return layout.flaws(*counts)
 
 
 def _position(body: Any, ways: list[Array], y: Array) -> Array:
@@ -166,11 +137,6 @@ def _position(body: Any, ways: list[Array], y: Array) -> Array:
 def _rows(rows: list[Array], count: int) -> Array:
     """Rows as the columns of one array; each column stays contiguous."""
     return np.array(rows).reshape(len(rows), count).T
-
-
-def _count_until(t: Array, end: float) -> int:
-    """Number of pieces that begin before a time, at least 1."""
-    return max(int(np.searchsorted(t[:-1], end, side="left")), 1)
 
 
 def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
@@ -236,7 +202,7 @@ class HarmonicArcs(DensePieces):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mode", _columns(self.mode))
-        flaws = _flaws(self.layout, 1, 1, 0, self.mode.shape[1])
+        flaws = flaws_of(self.layout, 1, 1, 0, self.mode.shape[1])
         if flaws or not self.layout.is_one:
             raise InputError("HarmonicArcs", flaws or [f"a layout of {self.layout.description}; allowed is one body on one contact"])
 
@@ -265,7 +231,7 @@ class HarmonicArcs(DensePieces):
 
     def until(self, end: float) -> HarmonicArcs:
         """The same arcs up to a time, the last one cut there."""
-        n = _count_until(self.t, end)
+        n = count_until(self.t, end)
         return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], v0=self.v0[:n])
 
     @property
@@ -291,7 +257,7 @@ def _halves(a: Array) -> tuple[Array, Array]:
     return high, a - high
 
 
-KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs}
+KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs, "local": LocalPieces}
 
 
 def kind_of_pieces(pieces: DensePieces) -> str:
@@ -300,5 +266,5 @@ def kind_of_pieces(pieces: DensePieces) -> str:
 
 
 def pieces_from_arrays(kind: str, arrays: dict[str, Array]) -> Any:
-    """Pieces of a kind from their arrays."""
+    """DensePieces of a kind from their arrays."""
     return KINDS[kind].from_arrays(arrays)

@@ -54,7 +54,7 @@ def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None
     aloft : array (pieces, contacts) of bool, optional
         Whether contacts fly; take-offs and landings come from `flights_of`, not from here.
     """
-    contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
+    contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode)
     aloft = np.zeros(mode.shape, bool) if aloft is None else aloft
     events = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses, aloft[:, i])]
     events.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +30,10 @@ def shared_at_rest(run: Trajectory) -> str:
     machine = machine_of(run.model)
     if machine.is_single or not len(run.parted.pieces.mode):
         return ""
-    rests = (run.parted.pieces.mode == 0) & np.array([not law.dynamic for law in machine.laws], bool)
+    exact = np.array([not law.dynamic for law in machine.laws], bool)
+    if _independent([row for row, rests in zip(machine.mechanics.directions, exact, strict=True) if rests]):
+        return ""
+    rests = (run.parted.pieces.mode == 0) & exact
     for pattern in np.unique(rests, axis=0):
         several = _undetermined(np.array(machine.mechanics.directions), np.flatnonzero(pattern))
         if several:
@@ -63,6 +67,12 @@ def _groups(model: Model) -> list[tuple[int, ...]]:
     resting = [i for i, law in enumerate(machine.laws) if not law.dynamic]
     groups = {tuple(k for k in resting if rows[k] == rows[i]) for i in resting}
     return sorted(group for group in groups if len(group) > 1)
+
+
+def _independent(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether each contact brakes a coordinate that no other one brakes, so that all their slips are independent."""
+    braked = Counter(c for row in rows for c, g in enumerate(row) if g)
+    return all(any(g and braked[c] == 1 for c, g in enumerate(row)) for row in rows)
 
 
 def _undetermined(rows: Any, held: Any) -> list[int]:

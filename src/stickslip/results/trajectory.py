@@ -285,16 +285,11 @@ class Trajectory(Drawn, RunFiles):
             after = np.minimum(np.searchsorted(events, grid), len(events) - 1)
             near = np.minimum(abs(grid - events[after]), abs(grid - events[np.maximum(after - 1, 0)]))
             grid = grid[near > 1e-12 * step * self.samples]
-        jumps = changes[self._jumps(changes)]
+        jumps = changes[self.pieces.jumps(changes, 1e-6 * machine_of(self.model).velocity_scale)] if len(changes) else changes
         t = np.concatenate([grid, nodes[jumps], events])
         index = np.concatenate([self._index(grid), jumps - 1, changes])
         order = np.lexsort((index, t))
         return t[order], index[order]
-
-    def _jumps(self, changes: Any) -> Any:
-        around = np.concatenate([changes - 1, changes])
-        before, after = np.split(self.pieces.evaluate(np.tile(self.pieces.t[changes], 2), around)[1], 2)
-        return np.any(abs(after - before) > 1e-6 * machine_of(self.model).velocity_scale, axis=1)
 
     def _index(self, t: ArrayLike) -> Any:
         """The piece on which a time lies (the later one at a node)."""

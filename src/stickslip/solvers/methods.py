@@ -93,6 +93,27 @@ class ClosedArcs:
 
 
 @dataclass(frozen=True)
+class LocalSteps:
+    """Rows of many bodies under set-valued laws: Taylor steps of what moves together, from event to event."""
+
+    title: str = "local Taylor steps"
+    names: tuple[str, ...] = ("auto", "exact")
+    observes: bool = False
+
+    def accepts(self, model: Model) -> str | None:
+        """By how many contacts there are, and what their forces are made of."""
+        from stickslip.solvers.local_steps import lacks
+
+        return lacks(model)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """From event to event."""
+        from stickslip.solvers import local_steps
+
+        return local_steps.run(todo)
+
+
+@dataclass(frozen=True)
 class TaylorSteps(Stepping):
     """Every other set-valued law, and machines of several bodies: polynomials of order 16, exact to rounding."""
 
@@ -202,6 +223,7 @@ _BLIND = "it evaluates no functions of the state: observe is for the compiled me
 #: In the order in which they are asked.
 ALL: tuple[Method, ...] = (
     ClosedArcs(),
+    LocalSteps(),
     *(_STEPPING := (TaylorSteps(), TaylorSeries(), Rosenbrock())),
     *(_ALONE := (RungeKutta(), IndependentJudge())),
 )
@@ -226,8 +248,8 @@ _refusals: Remembered[str | None] = Remembered()
 
 
 def _refusal(method: Method, model: Model) -> str | None:
-    """The answer of `accepts`; for compiled methods other than closed arcs it depends on the kind only, and is cached."""
-    if isinstance(method, (ClosedArcs, IndependentJudge)):
+    """The answer of `accepts`; for methods whose text depends on the kind it depends on the kind only, and is cached."""
+    if isinstance(method, (ClosedArcs, LocalSteps, IndependentJudge)):
         return method.accepts(model)
     from stickslip.engine.kinds import known_kind
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.basics.contracts import Model
 from stickslip.models.machine_adapter import machine_of
-from stickslip.results.dense_output import PolynomialPieces
+from stickslip.results.pieces import DensePieces
 from stickslip.results.steadiness import outcome_of
 from stickslip.results.trajectory import Trajectory
 from stickslip.solvers import strobes
@@ -16,7 +16,7 @@ from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
 
 
-def reduced(todo: Request, model: Model, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
+def reduced(todo: Request, model: Model, pieces: DensePieces, case: int) -> dict[str, Any]:
     """Raw results of one case."""
     T = float(todo.span[case])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)

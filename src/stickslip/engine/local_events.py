@@ -1,0 +1,184 @@
+"""A row of many bodies as arrays for its kernel, and what the kernel makes of them: pieces of each body, and events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.basics.contracts import Array
+from stickslip.basics.frozen_arrays import sealed
+from stickslip.engine import cache
+from stickslip.engine.force_tables import Force, Tables, traced
+from stickslip.engine.kernel_text import header, kernel_text, written
+from stickslip.engine.symbols import TraceError
+
+ORDER = 16
+#: Different texts of forces that a row may have: beyond, its parts are no tables.
+MOST_TEXTS = 24
+_ROOM, _EVENTS = 40_000, 20_000  # pieces and events that a call may write
+_STEPS = 2_000  # steps of a call: so often is the keyboard looked at
+(MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER) = range(10)
+(T0, XS, VS, MASS, BASE, LOW, HIGH) = range(7)
+_BODY, _WHOLE, _LINK, _COUNTS = 10, 15, 5, 8
+_KINDS = {
+    "begin": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1)",
+    "advance": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1)",
+}
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Bodies on contacts of their own, joined by links: arrays with an entry for each, and the texts of their forces.
+
+    Make one with `row_of`.
+    """
+
+    masses: Array
+    base: Array  # velocity of what each body rubs on; 0 where it has no contact
+    limits: Array  # (bodies, 2): friction forces at rest, backward and forward
+    laws: Array  # (bodies, 4): texts forwards and backwards, each with its row of numbers; -1 without a contact
+    applied: Array  # (bodies, 2)
+    ends: Array  # (links, 2): bodies; -1 is the ground
+    links: Array  # (links, 2)
+    numbers: Array
+    tables: tuple[Tables, Tables, Tables]  # texts of links, contacts and bodies
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether a force is not linear, so that the ends of steps are checked."""
+        return not all(force.is_linear for table in self.tables for force in table.forces)
+
+    @cached_property
+    def source(self) -> str:
+        """The text of its kernel, which does not depend on how many parts there are."""
+        text = "\n".join([f"ORDER = {ORDER}", kernel_text("local_events"), *(table.text(ORDER + 1) for table in self.tables)])
+        return header("a row of many bodies") + written(_KINDS, text)
+
+    @cached_property
+    def adjacency(self) -> tuple[Array, Array, Array]:
+        """The links of each body, one body after the other; where they begin, and how many there are."""
+        links = np.repeat(np.arange(len(self.ends)), 2)
+        bodies = self.ends.ravel()
+        order = np.argsort(bodies, kind="stable")
+        order = order[bodies[order] >= 0]
+        counts = np.bincount(bodies[order], minlength=len(self.masses))
+        return links[order].astype(np.int64), np.concatenate([[0], np.cumsum(counts)[:-1]]), counts
+
+
+def row_of(mechanics: Any) -> Row:
+    """The arrays of a machine whose `separate` is known; `TraceError` if a force has no text that others could share."""
+    contacts, bodies = mechanics.separate, list(mechanics.parts.values())
+    tables = Tables("link", ("d", "r")), Tables("contact", ("s",)), Tables("applied", ("t", "x", "v"))
+    numbers: list[float] = []
+    known: dict[tuple[Any, ...], tuple[int, int]] = {}
+    kept: list[Any] = []  # alive as long as their identities are keys
+
+    def placed(table: Tables, owner: Any, key: tuple[Any, ...], force: Callable[[], Force]) -> tuple[int, int]:
+        """Text and row of numbers of a force; parts that are one object share theirs."""
+        key = (table.name, id(owner), *key)
+        if key not in known:
+            made = force()
+            kept.append(owner)
+            known[key] = table.kind(made), len(numbers)
+            numbers.extend(made.numbers)
+            if sum(len(each.forces) for each in tables) > MOST_TEXTS:
+                raise TraceError("its parts have too many different forces")
+        return known[key]
+
+    loads = mechanics.loads(0.0, mechanics.start)
+    load_of = dict(zip((c.body for c in mechanics.joints.values()), loads, strict=True))
+    laws, limits, base = np.full((len(bodies), 4), -1), np.zeros((len(bodies), 2)), np.zeros(len(bodies))
+    applied = np.full((len(bodies), 2), -1)
+    for i, (name, body, contact) in enumerate(zip(mechanics.bodies, bodies, contacts, strict=True)):
+        if contact is not None:
+            part, law = contact
+            load = float(load_of[name])
+            sides = [
+                placed(
+                    tables[1],
+                    law.law,
+                    (load, side),
+                    lambda law=law, load=load, side=side: traced(("s",), lambda s: law.sliding(s, load), side),
+                )
+                for side in (1.0, -1.0)
+            ]
+            laws[i] = [*sides[0], *sides[1]]
+            limits[i] = [float(limit) for limit in law.breakaway(load)]
+            base[i] = 0.0 if part.on is None else float(part.on)
+        if callable(body.force) or body.force != 0.0:
+            applied[i] = placed(tables[2], body, (), lambda body=body: traced(("t", "x", "v"), body.applied))
+    index = {name: i for i, name in enumerate(mechanics.bodies)}
+    ends = np.array([[index[a], -1 if b is None else index[b]] for (a, b), _ in mechanics.elastic], np.int64).reshape(-1, 2)
+    links = [placed(tables[0], link, (), lambda link=link: traced(("d", "r"), link.force)) for _, link in mechanics.elastic]
+    return Row(
+        np.array([float(body.mass) for body in bodies]), base, limits, laws, applied, ends, np.array(links, np.int64).reshape(-1, 2),
+        np.array(numbers or [0.0]), tables,
+    )  # fmt: skip
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What became of a row."""
+
+    status: int  # 1: it came to its end; 0: it was stopped
+    t: float
+    first_modes: Array
+    pieces: list[Array]  # each (pieces, 2 + coefficients): body, beginning, coefficients of its position
+    events: Array  # (events, 3): time, body, new mode
+    steps: int
+    rejected: int
+
+
+def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on: Callable[[float], bool]) -> Outcome:
+    """Run a row from positions and velocities at t = 0 to an end.
+
+    Parameters
+    ----------
+    most : int
+        Pieces that may be kept; beyond, the status is 2.
+    go_on : callable
+        Called with the time now and then; False stops the run.
+    """
+    kernel = cache.load(row.source, "row", "a row of many bodies")
+    bodies, links = len(row.masses), len(row.ends)
+    S, K = np.zeros((bodies, _BODY)), np.full((bodies, _WHOLE), 0, np.int64)
+    S[:, XS], S[:, VS], S[:, MASS], S[:, BASE], S[:, LOW], S[:, HIGH] = x, v, row.masses, row.base, *row.limits.T
+    K[:, [AHEAD, AT_AHEAD, BACK, AT_BACK]], K[:, [APPLIED, AT_APPLIED]] = row.laws, row.applied
+    adjacent, K[:, FIRST], K[:, COUNT] = row.adjacency
+    link = np.zeros((max(links, 1), _LINK), np.int64)
+    link[:links, :2], link[:links, 2:4] = row.ends, row.links
+    width = ORDER + 1
+    work = [np.zeros((max(count, 1), table.rows * width)) for count, table in zip((links, bodies, bodies), row.tables, strict=True)]
+    half = 1 << max(bodies - 1, 1).bit_length()
+    tree, job = np.full(2 * half, np.inf), np.array([0.0, end, speed, float(row.is_curved)])
+    numbers = np.zeros(_COUNTS, np.int64)
+    shared = (
+        S, K, np.zeros((bodies, width + 1)), link, np.append(adjacent, 0), row.numbers.copy(), *work,
+        np.zeros((3, width + 1)), np.zeros(width + 4), tree, job, np.zeros(3 * bodies + 3, np.int64), np.zeros(links + 1, np.int64),
+    )  # fmt: skip
+    room, noted = np.empty((_ROOM + 4 * bodies, width + 3)), np.empty((_EVENTS + 2 * bodies, 3))
+    kernel.begin(*shared, noted, numbers)
+    first, pieces, events, kept = K[:, MODE].astype(np.int8), [], [], 0
+    while numbers[0] == 0 and go_on(float(job[0])):
+        numbers[[1, 2]], numbers[6] = 0, _STEPS
+        kernel.advance(*shared, room, noted, numbers)
+        pieces.append(room[: numbers[1]].copy())
+        events.append(noted[: numbers[2]].copy())
+        kept += len(pieces[-1])
+        if kept > most and numbers[0] == 0:
+            numbers[0] = 2
+    return Outcome(
+        int(numbers[0]),
+        float(job[0]),
+        first,
+        pieces,
+        np.concatenate(events) if events else np.empty((0, 3)),
+        int(numbers[3]),
+        int(numbers[7]),
+    )

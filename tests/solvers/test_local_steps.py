@@ -1,0 +1,170 @@
+"""Rows of many bodies: clusters that step by themselves, events that cost their neighbours, and texts that do not grow."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import stickslip as ss
+from pairs import each_once
+from plain_rows import PlainRow
+from stickslip.engine import local_events
+from stickslip.engine.force_tables import traced
+from stickslip.maths import exp, sin
+from stickslip.models.machine_adapter import machine_of
+from stickslip.results.dense_output import pieces_from_arrays
+from stickslip.solvers.local_steps import WRITTEN_OUT
+from stickslip.solvers.methods import method_for
+
+STRIBECK = ss.Stribeck(0.5, 0.5, f_plus=1.0, f_minus=1.0, v_s=0.25)
+
+
+@dataclass(frozen=True, eq=False)
+class Row(ss.Machine):
+    """Blocks on springs, which are pulled over a plane (Burridge and Knopoff 1967)."""
+
+    offsets: tuple[float, ...]
+    friction: Any = STRIBECK
+    stiffness: float = 16.0
+    spring: Any = ss.Spring
+    puller: float = 1.0
+    speed: float = 0.01
+    push: Any = 0.0
+
+    velocity_scale = 1.0
+
+    def bodies(self):
+        return {f"b{i}": ss.Body(1.0 + 0.1 * (i % 3), position=x, force=self.push) for i, x in enumerate(self.offsets)}
+
+    def contacts(self):
+        return {f"b{i}": ss.Contact(f"b{i}", self.friction, on=-self.speed, load=1.0) for i in range(len(self.offsets))}
+
+    def links(self):
+        n = len(self.offsets)
+        pulled = {(f"b{i}", None): ss.Spring(self.puller) for i in range(n)}
+        return pulled | {(f"b{i}", f"b{i + 1}"): self.spring(self.stiffness) for i in range(n - 1)}
+
+
+def row(count, seed=1, **numbers):
+    return Row(tuple(np.random.default_rng(seed).uniform(-0.1, 0.1, count).tolist()), **numbers)
+
+
+def by_tables(machine, end):
+    """A run whose contacts are rows of a table, however few there are."""
+    mechanics = machine_of(machine).mechanics
+    start = np.array(mechanics.start, float)
+    of = local_events.row_of(mechanics)
+    return local_events.run(of, start, 0.0 * start, end, float(mechanics.velocity_scale), 10**6, lambda t: True)
+
+
+def assert_same_events(run, events, within):
+    """The events of a run are those of a table: time, body, new mode."""
+    names = list(run.bodies)
+    assert [(names.index(e.part), e.after) for e in run.events] == [(int(body), int(mode)) for _, body, mode in events]
+    assert_allclose([e.t for e in run.events], events[:, 0], rtol=0, atol=within)
+
+
+LAWS = [
+    ss.Coulomb(0.5, 0.4),
+    STRIBECK,
+    ss.CoulombViscous(0.4, 0.5, viscous=0.1),
+    ss.Stribeck(0.3, 0.3, f_plus=0.5, f_minus=0.4, v_s=0.1, exponent=1.0),
+]
+SPRINGS = [ss.Spring, lambda k: ss.Spring(k, damping=0.2, length=0.05), lambda k: ss.Spring(k, cubic=50.0)]
+PUSHES = [0.0, lambda t, x, v: 0.4 * sin(1.3 * t) - 0.2 * x, lambda t, x, v: 0.3 * exp(-x * x) - 0.05 * v]
+
+
+@pytest.mark.parametrize("law, spring, push", each_once(LAWS, SPRINGS, PUSHES))
+def test_few_blocks_have_the_events_of_equations_that_are_written_out(law, spring, push):
+    machine = row(5, friction=law, spring=spring, push=push)
+    run, tables = ss.solve(machine, duration=15.0), by_tables(machine, 15.0)
+    assert len(run.events) > 10
+    assert_same_events(run, tables.events, 1e-10)
+
+
+def test_a_hundred_blocks_have_the_events_of_a_plain_integrator():
+    machine, end = row(100), 0.6
+    plain = PlainRow([1.0 + 0.1 * (i % 3) for i in range(100)], 16.0, 1.0, 0.01, kinetic=0.5, static=1.0, v_s=0.25)
+    events, y = plain.events(np.array(machine.offsets), np.zeros(100), end)
+    run = ss.solve(machine, duration=end)
+    assert run.method == "exact" and len(events) >= 50
+    assert_same_events(run, events, 1e-8)
+    assert_allclose(run.at(end)["x"], y[:100], rtol=0, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_a_hundred_blocks_agree_with_the_judge_over_fifty_events():
+    machine = row(100)
+    run, judge = ss.solve(machine, duration=0.35), ss.solve(machine, duration=0.35, method="dop853", rtol=1e-10)
+    assert len(run.events) >= 50
+    assert [(e.part, e.before, e.after) for e in run.events] == [(e.part, e.before, e.after) for e in judge.events]
+    assert_allclose([e.t for e in run.events], [e.t for e in judge.events], rtol=0, atol=1e-8)
+    assert_allclose(run.at(0.35)["x"], judge.at(0.35)["x"], rtol=0, atol=1e-9)
+
+
+def test_a_thousand_blocks_keep_their_energy():
+    run = ss.solve(row(1000), duration=0.1)
+    assert len(run.events) > 100
+    assert ss.energy(run).worst < 1e-10
+
+
+def test_the_text_does_not_grow_with_the_number_of_blocks():
+    few, many = (local_events.row_of(machine_of(row(count)).mechanics) for count in (20, 200))
+    assert few.source == many.source
+
+
+def test_the_number_of_contacts_says_whether_equations_are_written_out():
+    titles = [method_for("auto", row(count)).title for count in (WRITTEN_OUT, WRITTEN_OUT + 1)]
+    assert titles == ["Taylor steps", "local Taylor steps"]
+
+
+def test_the_mirror_image_of_a_row_moves_as_its_mirror_image():
+    machine = row(40, seed=3)
+    mirrored = Row(tuple(-x for x in machine.offsets), speed=-machine.speed)
+    run, other = (ss.solve(each, duration=3.0) for each in (machine, mirrored))
+    assert [(e.t, e.part, e.after) for e in run.events] == [(e.t, e.part, -e.after) for e in other.events]
+    assert np.array_equal(run.x, -other.x)
+
+
+def test_what_is_far_from_an_event_is_not_computed_anew():
+    """Two rows without a link between them take the steps of each alone."""
+    steps = [by_tables(row(30, seed=seed), 5.0).steps for seed in (1, 2)]
+
+    class Both(Row):
+        def links(self):
+            return {ends: link for ends, link in super().links().items() if ends != ("b29", "b30")}
+
+    both = Both(row(30, seed=1).offsets + row(30, seed=2).offsets)
+    assert by_tables(both, 5.0).steps == sum(steps)
+
+
+def test_pieces_of_a_row_are_stored_and_cut():
+    run = ss.solve(row(20), duration=2.0)
+    again, cut = pieces_from_arrays("local", run.pieces.arrays()), run.pieces.until(0.7)
+    t = np.linspace(0.0, 0.7, 50)
+    for pieces in (again, cut):
+        assert all(
+            np.array_equal(a, b) for a, b in zip(pieces.evaluate(t, run._index(t)), run.pieces.evaluate(t, run._index(t)), strict=True)
+        )
+    assert np.array_equal(again.mode, run.pieces.mode) and cut.t[-1] == 0.7 and len(cut.mode) < len(again.mode)
+
+
+def test_a_batch_of_rows_has_the_numbers_of_single_runs():
+    speeds = np.array([0.01, 0.02])
+    batch = ss.solve(row(20, speed=speeds), duration=2.0)
+    for k, speed in enumerate(speeds):
+        assert batch.mean_velocity[k] == ss.mean_velocity(ss.solve(row(20, speed=float(speed)), duration=2.0))
+
+
+def test_conditions_on_the_state_are_no_tables():
+    from stickslip.maths import where
+
+    machine = row(20, push=lambda t, x, v: where(x > 0.05, -x, 0.0))
+    assert method_for("auto", machine).title != "local Taylor steps"
+
+
+def test_forces_that_differ_in_numbers_alone_have_one_text():
+    forces = [traced(("d", "r"), link.force) for link in (ss.Spring(3.0, length=0.1, cubic=4.0), ss.Spring(5.0, length=-2.0, cubic=0.5))]
+    assert forces[0].key == forces[1].key and forces[0].numbers != forces[1].numbers
