@@ -15,6 +15,7 @@ from stickslip.engine.force_tables import traced
 from stickslip.maths import exp, sin
 from stickslip.models.machine_adapter import machine_of
 from stickslip.results.dense_output import pieces_from_arrays
+from stickslip.solvers import local_steps
 from stickslip.solvers.local_steps import WRITTEN_OUT
 from stickslip.solvers.methods import method_for
 
@@ -168,3 +169,14 @@ def test_conditions_on_the_state_are_no_tables():
 def test_forces_that_differ_in_numbers_alone_have_one_text():
     forces = [traced(("d", "r"), link.force) for link in (ss.Spring(3.0, length=0.1, cubic=4.0), ss.Spring(5.0, length=-2.0, cubic=0.5))]
     assert forces[0].key == forces[1].key and forces[0].numbers != forces[1].numbers
+
+
+def test_a_run_that_would_fill_the_memory_says_where_it_stopped(monkeypatch):
+    monkeypatch.setattr(local_steps, "KEPT", 1000)
+    with pytest.raises(ss.SolveError, match=r"stopped at t = .* most often of late: step budget used up"):
+        ss.solve(row(20), duration=200.0)
+
+
+def test_a_run_that_is_interrupted_keeps_what_is_done():
+    run = ss.solve(row(20, speed=0.5), duration=2000.0, progress=lambda done, of: False)
+    assert run.interrupted and 0.0 < run.pieces.t[-1] < 2000.0

@@ -26,6 +26,7 @@ _STEPS = 2_000  # steps of a call: so often is the keyboard looked at
 _BODY, _WHOLE, _LINK, _COUNTS = 10, 15, 5, 8
 _KINDS = {
     "begin": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, i1)",
+    "finish": "void(f2, i2, f2, f1, f2, i1)",
     "advance": "void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1)",
 }
 
@@ -162,23 +163,27 @@ def run(row: Row, x: Array, v: Array, end: float, speed: float, most: int, go_on
         S, K, np.zeros((bodies, width + 1)), link, np.append(adjacent, 0), row.numbers.copy(), *work,
         np.zeros((3, width + 1)), np.zeros(width + 4), tree, job, np.zeros(3 * bodies + 3, np.int64), np.zeros(links + 1, np.int64),
     )  # fmt: skip
-    room, noted = np.empty((_ROOM + 4 * bodies, width + 3)), np.empty((_EVENTS + 2 * bodies, 3))
+    room, noted = np.empty((_ROOM + 5 * bodies, width + 3)), np.empty((_EVENTS + 2 * bodies, 3))
     kernel.begin(*shared, noted, numbers)
     first, pieces, events, kept = K[:, MODE].astype(np.int8), [], [], 0
-    while numbers[0] == 0 and go_on(float(job[0])):
+    running = True
+    while running:
         numbers[[1, 2]], numbers[6] = 0, _STEPS
         kernel.advance(*shared, room, noted, numbers)
+        running = numbers[0] == 0 and go_on(float(job[0]))
+        if not running and numbers[0] == 0:
+            kernel.finish(S, K, shared[2], job, room, numbers)
         pieces.append(room[: numbers[1]].copy())
         events.append(noted[: numbers[2]].copy())
         kept += len(pieces[-1])
-        if kept > most and numbers[0] == 0:
-            numbers[0] = 2
+        if kept > most and running:
+            numbers[0], running = 2, False
     return Outcome(
         int(numbers[0]),
         float(job[0]),
         first,
         pieces,
-        np.concatenate(events) if events else np.empty((0, 3)),
+        np.concatenate(events),
         int(numbers[3]),
         int(numbers[7]),
     )

@@ -266,5 +266,5 @@ def kind_of_pieces(pieces: DensePieces) -> str:
 
 
 def pieces_from_arrays(kind: str, arrays: dict[str, Array]) -> Any:
-    """DensePieces of a kind from their arrays."""
+    """Pieces of a kind from their arrays."""
     return KINDS[kind].from_arrays(arrays)

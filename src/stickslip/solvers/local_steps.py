@@ -102,7 +102,7 @@ def _message(todo: Request, outcome: local_events.Outcome, mechanics: Any, piece
     body = int(np.bincount(recent).argmax()) if len(recent) else 0
     where = f"at t = {outcome.t:.9g} s, where {mechanics.bodies[body]!r} has changed its mode most often of late"
     state = f"that of {len(mechanics.bodies)} bodies"
-    return stopped.sentence(outcome.status, where, state, stopped.remedy(outcome.status, todo.rtol, False))
+    return stopped.stopping_message(outcome.status, where, state, stopped.remedy(outcome.status, todo.rtol, False))
 
 
 def _pieces(outcome: local_events.Outcome, mechanics: Any, end: float) -> LocalPieces:

@@ -14,7 +14,7 @@ T0, XS, VS, MASS, BASE, LOW, HIGH, END, SUM, SIZE = range(10)
 # columns of K (body): mode (2: it has no contact); kinds of its friction forwards and backwards (-1: none), each with its row of numbers;
 # kind of its applied force and its row; its first entry in ADJ, and how many there are; first body of its cluster; a mark; its next event
 # (of a cluster the body that comes to rest, or -1; of a body at rest 1 or -1 where it breaks away, else 0); whether its slip begins at
-# zero; how often its slip was zero at once; a mark of its group
+# zero, 2 where it breaks away; how often its slip was zero at once; a mark of its group
 MODE, AHEAD, AT_AHEAD, BACK, AT_BACK, APPLIED, AT_APPLIED, FIRST, COUNT, LEADER, MARK, WHAT, BORN, AT_ONCE, AT_GROUP = range(15)
 # columns of LINK: its ends (-1: the ground), kind, row of numbers, mark
 A, B, KIND, AT, SEEN = range(5)
@@ -370,8 +370,10 @@ def expand(first, end, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Q, L, N):
                 total -= W[ORDERS + m]
                 if m == 0:
                     S[i, SIZE] += abs(W[ORDERS])
+                    if K[i, BORN] == 2:  # what holds it is as large as its limit: the instant is rounded
+                        total = (S[i, HIGH] if K[i, MODE] > 0 else S[i, LOW]) - W[ORDERS]
                     if K[i, BORN] != 0 and abs(total) <= ROUGH * S[i, SIZE]:
-                        total = 0.0  # it breaks away where the forces balance
+                        total = 0.0
             X[i, m + 2] = total / (S[i, MASS] * ((m + 1) * (m + 2)))
 
 
@@ -523,6 +525,8 @@ def watch(i, now, S, K, X, LINK, ADJ, NUM, WL, WA, Z, G, TREE, JOB):
             G[m] = -side * Z[0, m] * power
             power *= h
         G[0] += S[i, HIGH] if way == 0 else -S[i, LOW]
+        if abs(G[0]) <= ROUGH * size:
+            G[0] = 0.0
         zero = first_zero(G, 0, ORDER)
         if zero <= part:
             part = zero
@@ -554,7 +558,8 @@ def settle(i, now, S, K, X, LINK, ADJ, NUM, EVENTS, N):
     """Decide how a contact goes on whose slip is zero."""
     before = K[i, MODE]
     needed = push_on(i, now, S[i, XS], S[i, BASE], S, K, X, LINK, ADJ, NUM, N)
-    mode = 1 if needed > S[i, HIGH] else -1 if needed < S[i, LOW] else 0
+    rough = ROUGH * (S[i, SIZE] + S[i, HIGH] - S[i, LOW])
+    mode = 1 if needed > S[i, HIGH] + rough else -1 if needed < S[i, LOW] - rough else 0
     switch(i, now, mode, S, K, EVENTS, N)
     if mode == before:  # its slip touches zero and goes on
         N[EVENTS_WRITTEN] -= 1
@@ -607,20 +612,26 @@ def begin(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, EVENTS, N)
     regroup(0, bodies, now, S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, N)
 
 
+@njit(void(f2, i2, f2, f1, f2, i1))
+def finish(S, K, X, JOB, PIECES, N):
+    """Write down the pieces of all bodies up to now."""
+    for i in range(len(S)):
+        close(i, JOB[NOW], S, K, X, PIECES, N)
+
+
 @njit(void(f2, i2, f2, i2, i1, f1, f2, f2, f2, f2, f1, f1, f1, i1, i1, f2, f2, i1))
 def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, EVENTS, N):
     """Go on until the end, until the arrays for pieces or events are full, or until the steps of this call are used up."""
     bodies = len(S)
     while N[STATUS] == 0 and N[LEFT] > 0:
-        if N[PIECES_WRITTEN] + 2 * bodies > len(PIECES) or N[EVENTS_WRITTEN] + bodies > len(EVENTS):
+        if N[PIECES_WRITTEN] + 3 * bodies > len(PIECES) or N[EVENTS_WRITTEN] + bodies > len(EVENTS):
             return
         N[LEFT] -= 1
         i = next_due(TREE)
         now = S[i, T0] if TREE[len(TREE) // 2 + i] < S[i, T0] else TREE[len(TREE) // 2 + i]
         if now >= JOB[STOP]:
-            for j in range(bodies):
-                close(j, JOB[STOP], S, K, X, PIECES, N)
             JOB[NOW] = JOB[STOP]
+            finish(S, K, X, JOB, PIECES, N)
             N[STATUS] = 1
             return
         JOB[NOW] = now
@@ -630,6 +641,7 @@ def advance(S, K, X, LINK, ADJ, NUM, WL, WC, WA, Z, G, TREE, JOB, Q, L, PIECES, 
                 continue
             close(i, now, S, K, X, PIECES, N)
             switch(i, now, K[i, WHAT], S, K, EVENTS, N)
+            K[i, BORN] = 2
             X[i, 0], X[i, 1] = S[i, XS], S[i, VS]
             N[MARKS] += 1
             count = gather(i, 0, K, LINK, ADJ, Q, N)
