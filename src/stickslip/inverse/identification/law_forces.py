@@ -114,7 +114,9 @@ def _followed(
     return compiled(known, steps, motion.v, motion.at, load, measured, end, begun), end
 
 
-def _step_by_step(known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any, begun: Array) -> tuple[Any, Any]:
+def _step_by_step(
+    known: LawAdapter, motion: Stepped, load: Array, measured: Any, z: Array, steps: Any, begun: Any = None
+) -> tuple[Any, Any]:
     cases = z.shape[1]
     out = np.empty((len(motion.t), cases))
     mode = tuple(np.zeros(cases) for _ in range(known.modes)) if begun is None else tuple(np.array(each) for each in begun)
